@@ -50,7 +50,7 @@ tl::unexpected<Error> refuse(const std::string& what) {
   return make_error(ErrorKind::kUsage, what);
 }
 
-// "rx.0" is axis 0 of "rx"; without such an ending all axes are meant.
+// "rx.0" is axis 0 of "rx"; without such a suffix all axes are selected.
 std::pair<std::string, int> split_axis(const std::string& word) {
   const std::size_t size = word.size();
   const bool has_axis =

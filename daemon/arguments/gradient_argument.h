@@ -1,4 +1,4 @@
-// `--gradient power:WHAT`: which derivatives of the received power are wanted.
+// `--gradient power:WHAT`: selects derivatives of the received power.
 //
 // WHAT is one or more of, separated by commas:
 //   rx, tx                              position, x y z [1/m]
@@ -26,10 +26,10 @@ struct NamedParameter {
   Parameter parameter;
 };
 
-// Errors (kUsage) name what is unknown and the closest known name.
+// Errors (kUsage) name the unknown name and the closest valid one.
 Expected<std::vector<NamedParameter>> parse_gradient(const std::string& text, const Scene& scene);
 
-// The same of WHAT alone; errors do not speak of the option.
+// The same for WHAT alone; errors do not mention the option.
 Expected<std::vector<NamedParameter>> parse_parameters(const std::string& what, const Scene& scene);
 
 }  // namespace rayloc::cli

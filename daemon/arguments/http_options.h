@@ -1,4 +1,4 @@
-// The options of the verbs that ask a running raylocd over HTTP.
+// Options of the verbs that query a running raylocd over HTTP.
 #pragma once
 
 #include <memory>
@@ -16,18 +16,18 @@ struct HttpOptions {
   std::string token_file;
 };
 
-// Adds --http and --token-file. `address` holds where nobody says another.
+// Adds --http and --token-file. `address` is the default address.
 std::shared_ptr<HttpOptions> add_http_options(OptionParser& app,
                                               const std::string& address = "127.0.0.1:8480");
 
-// kUsage when the token file cannot be read.
+// kUsage if the token file cannot be read.
 Expected<HttpQuery> query_of(const HttpOptions& options);
 
 struct JsonResult {
   int status = 0;
   nlohmann::json json;
 };
-// kUnavailable when nobody answers, or somebody else than raylocd.
+// kUnavailable if no server answers, or a server other than raylocd.
 Expected<JsonResult> get_json(const HttpQuery& query, const std::string& path);
 
 }  // namespace rayloc::cli

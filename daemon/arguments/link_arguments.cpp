@@ -12,7 +12,7 @@
 namespace rayloc::cli {
 namespace {
 
-// More reflections than anybody sees, and less than what fills the memory of a small scene.
+// More reflections than are observable, and few enough for the memory with a small scene.
 constexpr int kMostDepth = 16;
 
 // "A" or "A,B": for both ends, or for the transmitter and the receiver.

@@ -1,5 +1,5 @@
-// The link that `rayloc trace` and `rayloc scene show` look at: a scene, two antennas, and which
-// paths between them are wanted.
+// The link that `rayloc trace` and `rayloc scene show` evaluate: a scene, two antennas, and the
+// selection of paths between them.
 #pragma once
 
 #include <memory>
@@ -14,7 +14,7 @@
 
 namespace rayloc::cli {
 
-// As written on the command line.
+// Values as written on the command line.
 struct LinkArguments {
   std::string scene;
   std::optional<double> frequency;
@@ -42,11 +42,11 @@ struct Link {
   Receiver receiver;
 };
 
-// The antennas at two different places. Errors are of kUsage.
+// The antennas at two distinct positions. Errors are of kind kUsage.
 Expected<Link> parse_link(const LinkArguments& arguments);
 
-// Says why a link has no path, or is not what was meant: "the transmitter is inside of object 'x',
-// where it hears nothing"; empty when all is well.
+// Explains why a link has no path or is probably not the intended one: "the transmitter is inside
+// of object 'x', where it hears nothing"; empty if there is no problem.
 std::string note_on_ends(const Scene& scene, const Link& link);
 
 }  // namespace rayloc::cli

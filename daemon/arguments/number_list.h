@@ -11,8 +11,8 @@
 
 namespace rayloc::cli {
 
-// Fills `values` from numbers between commas. An Error (kUsage) that names `option` and what to
-// write (`example`) when there are more or fewer, or when one is no finite number.
+// Fills `values` from comma-separated numbers. Returns an Error (kUsage) that names `option` and
+// the expected form (`example`) if the count differs or a value is not a finite number.
 Expected<void> parse_number_list(const std::string& option,
                                  const std::string& text,
                                  const std::string& example,

@@ -11,7 +11,7 @@ struct Quantity {
   std::string unit;
 };
 
-// Nothing when `text` does not begin with a number.
+// Returns empty if `text` does not begin with a number.
 std::optional<Quantity> parse_quantity(const std::string& text) {
   Quantity quantity;
   const auto [end, status] =

@@ -1,4 +1,4 @@
-// Arguments that are a time or a pace: --burst 0.2s, --speed max.
+// Arguments for a time or a pace: --burst 0.2s, --speed max.
 #pragma once
 
 #include <optional>
@@ -12,7 +12,7 @@ namespace rayloc::cli {
 // "0.2s", "200ms" or plain seconds, from 1ms to 60s.
 Expected<Duration> parse_burst_argument(const std::string& text);
 
-// How many times faster than recorded; nothing for "max".
+// The speed relative to the recording; empty for "max".
 Expected<std::optional<double>> parse_speed_argument(const std::string& text);
 
 }  // namespace rayloc::cli

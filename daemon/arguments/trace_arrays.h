@@ -10,10 +10,10 @@
 
 namespace rayloc::cli {
 
-// a, tau [s], angles [rad] (theta_t, phi_t, theta_r, phi_r), interactions, objects and vertices
-// [m], which have an axis for the interaction before that of the path: letters of `kinds`, 0 behind
-// the last. With a channel: frequencies [Hz] and cfr; with derivatives: gradient and
-// gradient_names.
+// a, tau [s], angles [rad] (theta_t, phi_t, theta_r, phi_r), interactions,
+// objects and vertices [m], whose interaction axis precedes the path axis:
+// letters of `kinds`, 0 behind the last. With a channel: frequencies [Hz]
+// and cfr; with derivatives: gradient and gradient_names.
 Expected<void> write_npz(const TraceReport& report,
                          const OfdmGrid& grid,
                          const Scene& scene,

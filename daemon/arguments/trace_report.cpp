@@ -28,12 +28,12 @@ double power_db(const Path& path) { return 10.0 * std::log10(abs2(path.a)); }
 
 std::string number(double value) { return fmt::format("{:.17g}", value); }
 
-// A name comes from the scene file: what is not UTF-8 is replaced.
+// The name comes from the scene file: invalid UTF-8 is replaced.
 std::string quoted(const std::string& text) {
   return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
-// "[a,b]", each element as `text` makes it.
+// "[a,b]", with each element converted by `text`.
 template <typename Range, typename ToText>
 std::string array(const Range& range, ToText to_text) {
   std::string text = "[";
@@ -82,7 +82,7 @@ std::string path_line(const Path& path, const Scene& scene) {
       objects);
 }
 
-// By delay, in bins of a nanosecond from the first echo on.
+// Power by delay, in bins of a nanosecond from the first echo on.
 std::string diffuse_json(const DiffuseDensity& density) {
   constexpr double kBin = 1e-9;           // [s]
   constexpr double kMostBins = 10'000.0;  // a count, chosen: 3 km

@@ -1,4 +1,4 @@
-// The two forms in which `rayloc trace` prints what it found.
+// The two output forms of `rayloc trace`.
 #pragma once
 
 #include <complex>
@@ -16,18 +16,18 @@ namespace rayloc::cli {
 struct TraceReport {
   Paths paths;
   std::optional<std::vector<std::complex<double>>> cfr;
-  // Of the sum of |h|^2 over the grid, by parameter.
+  // Derivatives of the sum of |h|^2 over the grid, by parameter.
   std::optional<double> power;
   std::vector<std::pair<std::string, double>> gradient;
   std::optional<DiffuseDensity> diffuse;
-  std::string note;  // what is remarkable about the link, may be empty
+  std::string note;  // notable property of the link, may be empty
 };
 
 // One line with the keys of INTERFACE 3.4; numbers with 17 significant digits, paths in canonical
 // order.
 std::string trace_json(const TraceReport& report, const Scene& scene);
 
-// For people: a line a path, the strongest first.
+// Table for people: one line per path, the strongest first.
 std::string trace_table(const TraceReport& report, const Scene& scene);
 
 }  // namespace rayloc::cli

@@ -9,9 +9,9 @@
 namespace rayloc {
 namespace {
 
-// Bytes of a call of minizip, whose counts have 32 bits.
+// Bytes per call of minizip, whose counts have 32 bits.
 constexpr std::size_t kMostAtOnce = std::size_t{1} << 30U;
-// From where on a member needs the fields of zip64 [bytes]; below the limit of 2^32.
+// Size from which a member needs the fields of zip64 [bytes]; below the limit of 2^32.
 constexpr std::size_t kBigMember = std::size_t{3} << 30U;
 
 // Magic, version 1.0, length, and a dictionary that ends with a new line at a multiple of 64 bytes.
@@ -58,7 +58,7 @@ class NpzFile::Impl {
     }
   }
 
-  // What was not written to its end is removed by the destructor.
+  // The destructor removes an incomplete file.
   Expected<void> close() {
     if (!written_) {
       return written_;
@@ -76,7 +76,7 @@ class NpzFile::Impl {
                             const std::string& header,
                             std::span<const std::byte> bytes) {
     const zip_fileinfo info{};
-    constexpr int kLevel = 1;  // of zlib, 1 to 9: numbers with noise hardly get smaller with more
+    constexpr int kLevel = 1;  // of zlib, 1 to 9: higher levels gain little with noisy numbers
     if (zipOpenNewFileInZip64(file_,
                               (name + ".npy").c_str(),
                               &info,
@@ -117,7 +117,7 @@ class NpzFile::Impl {
 
   std::string path_;
   zipFile file_;
-  Expected<void> written_;  // of what was added; an Error stays
+  Expected<void> written_;  // result of the writes; an Error stays
 };
 
 Expected<NpzFile> NpzFile::create(const std::string& path) {
@@ -141,7 +141,7 @@ void NpzFile::add(const std::string& name,
 }
 
 void NpzFile::add_texts(const std::string& name, const std::vector<std::string>& texts) {
-  std::size_t longest = 1;  // numpy has no text of no characters
+  std::size_t longest = 1;  // numpy has no zero-length text type
   for (const std::string& text : texts) {
     longest = std::max(longest, text.size());
   }

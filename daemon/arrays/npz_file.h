@@ -1,4 +1,4 @@
-// NpzFile: arrays in one file, as numpy.load() reads them.
+// NpzFile: arrays in one file, readable by numpy.load().
 //
 //   auto file = NpzFile::create("x.npz");
 //   file->add("tau", tau, {tau.size()});
@@ -23,15 +23,15 @@ namespace rayloc {
 
 class NpzFile {
  public:
-  // kUnavailable when the file cannot be written. A file that is not closed is removed.
+  // kUnavailable if the file cannot be written. A file that is not closed is removed.
   static Expected<NpzFile> create(const std::string& path);
   ~NpzFile();
   NpzFile(NpzFile&&) noexcept;
   NpzFile& operator=(NpzFile&&) noexcept;
 
-  // `descr`: numpy's description of an element, "'<f8'" or a list of fields; the last axis runs
-  // fastest. What cannot be written is told by close(); nothing is added after it. REQUIRES: as
-  // many bytes as the shape needs.
+  // `descr`: numpy's description of an element, "'<f8'" or a list of fields;
+  // the last axis varies fastest. Write errors are reported by close();
+  // nothing is added after one. REQUIRES: as many bytes as the shape needs.
   void add(const std::string& name,
            std::string_view descr,
            std::span<const std::byte> bytes,
@@ -45,7 +45,7 @@ class NpzFile {
   // Texts, as an array of one axis.
   void add_texts(const std::string& name, const std::vector<std::string>& texts);
 
-  // Finishes the file. An Error: the first thing that could not be written.
+  // Finishes the file. Returns an Error for the first failed write.
   Expected<void> close();
 
  private:
@@ -77,7 +77,7 @@ class NpzFile {
   std::unique_ptr<Impl> impl_;
 };
 
-// Of --out: whether the arrays are wanted.
+// True if the value of --out requests arrays.
 inline bool is_npz(std::string_view path) { return path.ends_with(".npz"); }
 
 }  // namespace rayloc

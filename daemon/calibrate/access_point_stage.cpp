@@ -7,7 +7,7 @@ namespace {
 
 struct Samples {
   std::vector<CalibrationSample> samples;
-  std::vector<std::size_t> point;  // of each
+  std::vector<std::size_t> point;  // point index of each burst
 };
 
 Samples point_samples(std::span<const CalibrationPoint> points,

@@ -1,5 +1,5 @@
-// The first and the last step of every calibration: the chain gains of each access point, its yaw
-// and how far the model of the room may be off, from the points of a survey.
+// First and last step of every calibration: fits each access point's chain gains, yaw and room
+// model errors to the points of a survey.
 #pragma once
 
 #include <span>
@@ -15,24 +15,24 @@ namespace rayloc {
 
 struct AccessPointResult {
   std::size_t index = 0;
-  AccessPointFit fit;          // on all points
-  AccessPointFit train;        // without those held out
-  std::vector<PointFit> fits;  // of all points, with `train`; before: equal gains, surveyed yaw
+  AccessPointFit fit;          // fit to all points
+  AccessPointFit train;        // fit without the held-out points
+  std::vector<PointFit> fits;  // all points, by `train`; before: equal gains, surveyed yaw
   std::vector<TransmitterLevel> levels = {};
 };
 
-// A floor plan is centimetres off: beside that no error of a survey shows.
+// A floor plan is centimetres off; survey errors are negligible beside that.
 inline constexpr double kExactSurvey = 0.0;
 
-// Of the access point with that index. survey_error: of the points, standard deviation on each axis
-// [m]. An Error names it where too few points heard it.
+// Fits the access point with that index. survey_error: standard deviation of the points on each
+// axis [m]. Returns an Error that names the access point if too few points were observed.
 Expected<AccessPointResult> fit_access_point(const RoomModel& room,
                                              std::size_t access_point,
                                              std::span<const CalibrationPoint> points,
                                              double survey_error,
                                              ArrayFit array);
 
-// The access point as a fit has it.
+// Writes the fitted values into the access point.
 void apply(const AccessPointFit& fit, RoomAccessPoint& access_point);
 
 }  // namespace rayloc

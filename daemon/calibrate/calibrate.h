@@ -1,4 +1,4 @@
-// `rayloc calibrate`: from a site and a survey to a calibrated site.
+// `rayloc calibrate`: produces a calibrated site from a site and a survey.
 #pragma once
 
 #include <cstdint>
@@ -13,31 +13,31 @@
 namespace rayloc::cli {
 
 struct CalibrateArguments {
-  std::string site;                     // as surveyed
+  std::string site;                     // site as surveyed
   std::vector<std::string> captures;    // [AP=]FILE
   std::string points;                   // csv
-  std::optional<Duration> time_offset;  // added to the times of the points
-  std::string out;                      // folder to create
+  std::optional<Duration> time_offset;  // offset added to the times of the points
+  std::string out;                      // output folder, created
   std::string method = "joint";         // or "paper", "gains-only"
   double holdout = 0.2;
-  std::optional<double> survey_error;  // [m]; nothing: the joint method finds it
+  std::optional<double> survey_error;  // [m]; empty: estimated by the joint method
   std::uint64_t seed = 1;
   bool compare = false;
   bool resume = false;
-  bool force = false;  // into a folder that is not empty, and what is no success
+  bool force = false;  // write to a non-empty folder, and write a failed calibration
   bool quiet = false;
-  bool progress = false;  // lines of it on stderr, for programs
+  bool progress = false;  // progress lines on stderr, for programs
 };
 
 enum class CalibrationOutcome : std::uint8_t {
-  kExplains,  // a success, as far as the points held out tell
-  kFails,     // CalibrationVerdict says why; the site was written with `force` only
+  kExplains,  // a success, according to the held-out points
+  kFails,     // reasons are in CalibrationVerdict; site written only if `force`
 };
 
-// Writes `out` as a complete site with report.json and report.html, or, where the calibration is no
-// success, the reports alone. An Error when the inputs do not fit together, naming the row or the
-// access point. SIGINT and SIGTERM end the fit: `out` then holds the last good state, and the
-// process ends by the signal.
+// Writes `out` as a complete site with report.json and report.html, or only the reports if the
+// calibration is no success. Returns an Error that names the row or the access point if the inputs
+// do not fit together. SIGINT and SIGTERM end the fit: `out` then holds the last good state, and
+// the process ends by the signal.
 Expected<CalibrationOutcome> run_calibration(const CalibrateArguments& arguments);
 
 }  // namespace rayloc::cli

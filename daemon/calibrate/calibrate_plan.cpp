@@ -24,11 +24,11 @@
 namespace rayloc::cli {
 namespace {
 
-// Points at one height hardly tell how high the access points hang: every third one is above or
-// below, in turn. The others are where fixes will be, which say how sure these may be.
+// Points at one height hardly constrain the height of the access points: every third point is above
+// or below, alternately. The others are at fix height and determine how certain fixes may be.
 constexpr std::size_t kOtherHeight = 3;
 constexpr double kOffHeight = 0.6;  // [m]
-constexpr double kClearance = 0.3;  // [m], of floor and ceiling
+constexpr double kClearance = 0.3;  // [m], from floor and ceiling
 
 bool is_possible(const RoomModel& room, const Vec3d& p) {
   return p.z > room.bounds_min.z + kClearance && p.z < room.bounds_max.z - kClearance &&
@@ -90,10 +90,10 @@ std::string picture_file(const PlanArguments& arguments) {
   return std::filesystem::path(arguments.out).replace_extension(".svg").string();
 }
 
-// Objects with a surface that some access point hears reflections from at fewer points than wanted.
+// Objects with a surface whose reflections some access point receives at too few points.
 void print_coverage(const SurveyPlan& plan, const RoomModel& room, std::size_t wanted) {
   std::size_t enough = 0;
-  std::map<std::string, const SurfaceSightings*> weak;  // the worst surface of an object
+  std::map<std::string, const SurfaceSightings*> weak;  // worst surface of an object
   for (const SurfaceSightings& seen : plan.sightings) {
     if (seen.points >= wanted) {
       ++enough;
@@ -124,7 +124,7 @@ void print_coverage(const SurveyPlan& plan, const RoomModel& room, std::size_t w
   }
 }
 
-// What surveys of so many points to 3 cm were worth, as median errors of 50 spots
+// Measured median errors at 50 points, by the number of survey points to 3 cm
 // (engine/studies/2026-11-accuracy.md): a meeting room of 3.5 x 2.9 m and a corridor of 31 x 2.7 m.
 struct MeasuredSurvey {
   std::size_t points;
@@ -135,7 +135,7 @@ constexpr std::array<MeasuredSurvey, 3> kMeasured = {
      {36, "2 cm and 4 cm with three access points, 0.4 m and 0.4 m with one"},
      {143, "18 cm with one access point in the meeting room"}}};
 
-// The largest of them that is not larger than the plan, and what more would bring.
+// Prints the largest measured survey not larger than the plan, and the gain of more points.
 void print_worth(std::size_t points) {
   const MeasuredSurvey* found = nullptr;
   for (const MeasuredSurvey& one : kMeasured) {

@@ -35,43 +35,43 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-// What the phases of the chains are uncertain by is power that the room does not explain: beside
-// the rest of the model where it is larger. That of the calibration stays as `prior`, for the next
-// time; what was not fitted has no sigma.
+// Counts the uncertainty of the chain phases as power that the room does not explain, if it exceeds
+// the rest of the model error. The value of the calibration stays as `prior` for the next run; a
+// value that was not fitted has no sigma.
 void count_phases(const std::vector<double>& sigma, CalibratedAccessPoint& access_point) {
   double variance = 0.0;
   for (const double one : sigma) {
     variance += one * one / static_cast<double>(sigma.size());
   }
-  // A phase that all have in common says nothing.
+  // A phase that all chains have in common carries no information.
   variance *= 1.0 - 1.0 / static_cast<double>(sigma.size());
   Fitted<double>& noise = access_point.noise;
   const double calibrated = noise.sigma > 0.0 ? noise.value : noise.prior;
   noise = {std::max(calibrated, std::min(variance, 1.0)), calibrated, 0.0};
 }
 
-// Frames of one transmitter at a known place, of all access points.
+// Frames of one transmitter at a known position, from all access points.
 struct SpotFrames {
   Vec3d position;
   DeviceModel device;
   std::vector<CsiFrame> frames;
-  std::optional<MacAddress> fixed;  // of a fixed transmitter
+  std::optional<MacAddress> fixed;  // address of a fixed transmitter
 };
 
-// What was known and what was heard.
+// Known positions and the frames received from them.
 struct Heard {
   std::vector<SpotFrames> spots;
-  std::vector<bool> recorded;  // of each access point
+  std::vector<bool> recorded;  // by access point
   std::vector<RefusedInput> refused;
-  std::string content;             // hash of it
-  std::vector<std::string> notes;  // of the recordings
+  std::string content;             // hash of the content
+  std::vector<std::string> notes;  // from the recordings
 };
 
 struct RefitAccessPoint {
   std::size_t index = 0;
-  ChainRefit refit;  // of learned chains gains and sigma
+  ChainRefit refit;  // gains and sigma of the learned chains
   std::optional<UsualFit> usual;
-  std::size_t learned_from = 0;  // bursts of devices; 0: refitted from known places
+  std::size_t learned_from = 0;  // bursts of devices; 0: refitted from known positions
 };
 
 Expected<Heard> hear_points(const Site& site,
@@ -94,7 +94,7 @@ Expected<Heard> hear_points(const Site& site,
   return heard;
 }
 
-// Of the fixed transmitters whose places are stated.
+// Frames of the fixed transmitters whose positions are stated.
 Expected<Heard> hear_fixed(const Site& site, const std::vector<CaptureArgument>& captures) {
   const auto has_place = [](const SiteTransmitter& transmitter) {
     return transmitter.role == TransmitterRole::kFixed && transmitter.position;
@@ -119,7 +119,7 @@ Expected<Heard> hear_fixed(const Site& site, const std::vector<CaptureArgument>&
   return heard;
 }
 
-// `heldout` of the report beside the calibration; null where there is none.
+// `heldout` of the report beside the calibration; null if there is none.
 Json usual_fits(const Site& site) {
   const auto text = read_file(site.calibration_file->parent_path() / "report.json");
   const Json report = text ? Json::parse(*text, nullptr, false) : Json();
@@ -130,7 +130,7 @@ std::optional<UsualFit> usual_fit(const Json& heldout, const std::string& access
   if (!heldout.is_object() || !heldout.contains(access_point)) {
     return std::nullopt;
   }
-  // With the rays that chains are refitted with; a report of before has only those of its method.
+  // Fit with the rays of a chain refit; an older report has only those of its method.
   const Json& one = heldout[access_point];
   const std::string after =
       one.contains("quartiles_after_as_located") ? "after_as_located" : "after";
@@ -143,7 +143,7 @@ std::optional<UsualFit> usual_fit(const Json& heldout, const std::string& access
   return UsualFit{median, quartiles[0], quartiles[1]};
 }
 
-// What the access point heard of the transmitter in the empty room; nothing without a reference.
+// Channel of the transmitter at the access point in the empty room; empty without a reference.
 std::vector<std::complex<double>> empty_room(const std::vector<PersonReference>& references,
                                              const std::optional<MacAddress>& transmitter,
                                              std::size_t access_point) {
@@ -157,7 +157,7 @@ std::vector<std::complex<double>> empty_room(const std::vector<PersonReference>&
   return {};
 }
 
-// A run of the verb.
+// One run of the verb.
 class Rechain {
  public:
   explicit Rechain(const RechainArguments& arguments) : arguments_(arguments) {}
@@ -189,7 +189,7 @@ class Rechain {
   std::vector<RefitAccessPoint> results_;
 };
 
-// What was known of the chains and the model; of a plan, what plans are like.
+// Reads the known chains and model; for a plan, the usual errors of plans.
 Expected<void> Rechain::read_calibration() {
   if (arguments_.unsurveyed) {
     before_ = plan_calibration(room_);
@@ -379,7 +379,7 @@ Json Rechain::chains_json(const RefitAccessPoint& result) const {
   const auto parameters_of = [&](const CalibrationFile& file) {
     for (const CalibratedAccessPoint& ap : file.access_points) {
       if (ap.id == id) {
-        return chain_parameters(ap);  // gain and phase of each core but the first
+        return chain_parameters(ap);  // gain and phase of each rx chain but the first
       }
     }
     return std::vector<RoomParameter>();

@@ -15,7 +15,7 @@
 namespace rayloc {
 namespace {
 
-// A change of the pose; as sure as that parameter, where there is one.
+// A change of the pose, with the sigma of that parameter if there is one.
 Fitted<double> stated(double change,
                       const ParameterId& id,
                       std::span<const RoomParameter> parameters) {
@@ -29,14 +29,14 @@ std::string chain_name(const CalibratedAccessPoint& ap, std::size_t core) {
          std::to_string(ap.gains.cores[0]);
 }
 
-// Where the method fitted the chains with the room, they are as sure as it says.
+// Chains that the method fitted together with the room get the sigma that it states.
 void state_chains(std::span<const RoomParameter> parameters, CalibratedAccessPoint& ap) {
   for (std::size_t core = 1; core < ap.gains.cores.size(); ++core) {
     const ParameterId phase{chain_name(ap, core), Quantity::kPhase};
     for (const RoomParameter& parameter : parameters) {
       if (parameter.id == phase && parameter.sigma > 0.0) {
         ap.gain_sigma[core] = kDegree * parameter.sigma;
-        ap.gain_sigma[0] = 0.0;  // the others are against it
+        ap.gain_sigma[0] = 0.0;  // reference chain of the others
       }
     }
   }
@@ -65,7 +65,7 @@ std::vector<CalibratedAccessPoint> calibrated_access_points(
     ap.position_z = changed(stands.position.z - stood.position.z, Quantity::kPositionZ);
     ap.yaw_offset = changed(stands.orientation.yaw - stood.orientation.yaw, Quantity::kYaw);
     ap.yaw_offset.value += result.fit.yaw_offset.value;
-    // Where the yaw was held here, the calibration before has found it.
+    // If the yaw was held in this stage, the preceding room fit has estimated it.
     ap.yaw_offset.sigma = std::max(ap.yaw_offset.sigma, result.fit.yaw_offset.sigma);
     ap.pitch_offset = changed(stands.orientation.pitch - stood.orientation.pitch, Quantity::kPitch);
     ap.roll_offset = changed(stands.orientation.roll - stood.orientation.roll, Quantity::kRoll);
@@ -121,7 +121,7 @@ std::vector<RoomParameter> model_parameters(const CalibratedAccessPoint& access_
   for (const NamedValue& named : calibrated_values()) {
     const std::string name = named.name;
     if (name.rfind("position", 0) == 0 || name == "pitch_offset" || name == "roll_offset") {
-      continue;  // a method that moves the access point states them itself
+      continue;  // a method that moves the access point states these itself
     }
     parameters.push_back(
         {access_point.*named.value, parse_parameter_id(access_point.id + "." + name), named.unit});

@@ -1,4 +1,4 @@
-// From what a calibration found to the files of a calibrated site.
+// Converts the result of a calibration to the files of a calibrated site.
 #pragma once
 
 #include <map>
@@ -13,27 +13,27 @@
 
 namespace rayloc {
 
-// Of each access point in `results`: where it stands and turns against `surveyed`, its chains and
-// the errors of the model. `calibrated`: the room, but for what `results` say, and how sure its
-// parameters are.
+// For each access point in `results`: its pose change from `surveyed`,
+// its chains and the errors of the model. `calibrated`: the room
+// without the changes in `results`, and the sigma of its parameters.
 std::vector<CalibratedAccessPoint> calibrated_access_points(
     const RoomModel& surveyed,
     const RoomCalibration& calibrated,
     std::span<const AccessPointResult> results);
 
-// A method starts from the yaw that the gains were fitted with, in `start`; people count from the
-// survey.
+// Refers yaw changes to the surveyed yaw. A method starts from the yaw in `start`, with which the
+// gains were fitted; reports count from the survey.
 void count_yaw_from_survey(const RoomModel& surveyed,
                            const RoomModel& start,
                            std::vector<RoomParameter>& parameters);
 
-// Mean gains and phases of the chains of an access point against its first.
+// Mean gains and phases of the chains of an access point relative to its first chain.
 std::vector<RoomParameter> chain_parameters(const CalibratedAccessPoint& access_point);
 
 // The yaw and the errors of the model, which every method fits.
 std::vector<RoomParameter> model_parameters(const CalibratedAccessPoint& access_point);
 
-// Adds both of the above, but for what a method that fits arrays and chains has stated already.
+// Adds both of the above, without those that a method for arrays and chains has already stated.
 void add_common_parameters(const CalibratedAccessPoint& access_point,
                            std::vector<RoomParameter>& parameters);
 

@@ -19,17 +19,17 @@
 namespace rayloc::cli {
 namespace {
 
-// By how much the clocks of access points and of the survey may differ.
+// Largest difference between the clocks of access points and survey.
 constexpr Duration kClockSlack = std::chrono::milliseconds(20);
 
-// What the recordings of an access point hold.
+// Frames and files recorded for one access point.
 struct Recorded {
-  std::string files;  // their names
+  std::string files;  // file names
   std::size_t fixed_frames = 0;
   std::map<MacAddress, DeviceTrace> devices;
 };
 
-// The point at whose spot the frame was sent; its window is the survey's, slack included.
+// The point at which the frame was sent; the window is the survey's plus the slack.
 SurveyedFrames* point_at(CalibrationInputs& inputs, Timestamp time) {
   for (SurveyedFrames& spot : inputs.points) {
     if (time >= spot.point.t_start - kClockSlack && time <= spot.point.t_end + kClockSlack) {
@@ -71,7 +71,7 @@ Expected<void> read_recording(const Site& site,
 }
 
 bool is_listed(const Site& site, const MacAddress& mac) {
-  return find_transmitter(site, mac) != nullptr;  // fixed ones are left out before
+  return find_transmitter(site, mac) != nullptr;  // fixed transmitters were removed before
 }
 
 bool lists_devices(const Site& site) {
@@ -81,9 +81,9 @@ bool lists_devices(const Site& site) {
       });
 }
 
-// The device of the survey: of those that the site lists, or of all where it lists none, the one
-// that is heard at most points, and of equals with most frames. A phone of the neighbours may well
-// be the louder one at a point. Nothing where there is none.
+// The device of the survey: among the listed devices (among all if the site lists none) the one
+// received at most points, and among equals the one with most frames. At a single point a
+// neighbour's phone may have more frames. Empty if there is none.
 std::optional<MacAddress> device_of(const Site& site, const CalibrationInputs& inputs) {
   std::map<MacAddress, std::pair<std::size_t, std::size_t>> heard;  // points, frames
   for (const SurveyedFrames& spot : inputs.points) {
@@ -104,7 +104,7 @@ std::optional<MacAddress> device_of(const Site& site, const CalibrationInputs& i
   return most == heard.end() ? std::nullopt : std::optional(most->first);
 }
 
-// Frames of others say nothing about where the device stood.
+// Frames of other devices carry no information on the position of the survey device.
 void keep_device(const std::optional<MacAddress>& device, CalibrationInputs& inputs) {
   std::set<MacAddress> others;
   for (SurveyedFrames& spot : inputs.points) {
@@ -114,7 +114,7 @@ void keep_device(const std::optional<MacAddress>& device, CalibrationInputs& inp
       }
       return frame.transmitter != device;
     });
-    // The clock may have been set within a spot.
+    // The clock may have been set while the device was at a point.
     std::stable_sort(
         spot.frames.begin(), spot.frames.end(), [](const CsiFrame& a, const CsiFrame& b) {
           return std::pair(a.access_point, a.time) < std::pair(b.access_point, b.time);
@@ -133,11 +133,11 @@ bool is_inside(const Site& site, const Vec3d& p) {
          p.y <= site.bounds_max.y && p.z >= site.bounds_min.z && p.z <= site.bounds_max.z;
 }
 
-// What a point outside of the room most likely is.
+// Most likely cause of a point outside the room.
 std::string explain_outside(const Site& site,
                             const CalibrationInputs& inputs,
                             const SurveyPoint& point) {
-  constexpr double kLargestRoom = 1e6;  // [m]; seconds since 1970 have been more for a long time
+  constexpr double kLargestRoom = 1e6;  // [m]; seconds since 1970 have exceeded it for decades
   for (const double coordinate : {point.position.x, point.position.y, point.position.z}) {
     if (std::abs(coordinate) > kLargestRoom) {
       return "one of them looks like a time: the columns are t_start,t_end,x,y,z";
@@ -155,7 +155,7 @@ std::string explain_outside(const Site& site,
       std::count_if(inputs.points.begin(), inputs.points.end(), [&](const SurveyedFrames& spot) {
         return is_inside(site, spot.point.position);
       });
-  // One slip of the pen does not make a unit.
+  // A single typing error does not imply another unit.
   const bool most_outside = 2 * inside < static_cast<std::ptrdiff_t>(inputs.points.size());
   for (const LengthUnit& unit : kMistakenUnits) {
     if (most_outside && all_inside([&](const Vec3d& p) { return unit.metres * p; })) {
@@ -165,7 +165,7 @@ std::string explain_outside(const Site& site,
   return "points are in metres in the frame of the site (its [bounds], or what its scene fills)";
 }
 
-// A device stands at one place at a time: of two rows that share theirs one is wrong.
+// A device is at one position at a time: if two rows overlap in time, one is wrong.
 Expected<void> check_times(const std::string& file, const CalibrationInputs& inputs) {
   for (std::size_t later = 1; later < inputs.points.size(); ++later) {
     const SurveyPoint& point = inputs.points[later].point;
@@ -210,7 +210,7 @@ std::vector<SurveyPoint> survey_points(const CalibrationInputs& inputs) {
   return points;
 }
 
-// Whether the recordings of other access points have frames at most points.
+// Checks that the recordings of other access points have frames at most points.
 OtherRecordings other_recordings(int access_point, const CalibrationInputs& inputs) {
   const auto with_others =
       std::count_if(inputs.points.begin(), inputs.points.end(), [&](const SurveyedFrames& spot) {
@@ -223,7 +223,7 @@ OtherRecordings other_recordings(int access_point, const CalibrationInputs& inpu
              : OtherRecordings::kUnknown;
 }
 
-// Why a recording has no frame of the device at any of the points.
+// Explains why a recording has no frame of the device at any of the points.
 std::string explain_silence(const Site& site,
                             int access_point,
                             const std::optional<MacAddress>& device,
@@ -261,7 +261,7 @@ std::string explain_silence(const Site& site,
                              other_recordings(access_point, inputs));
 }
 
-// Points that have frames only because a clock that was off brings them to other stands.
+// Points whose frames belong to other points because a clock was off.
 Expected<void> check_clock(const MacAddress& device,
                            const std::pair<const int, Recorded>& recorded,
                            const std::string& access_point,
@@ -287,7 +287,7 @@ Expected<void> check_clock(const MacAddress& device,
       describe(*found, other_recordings(recorded.first, inputs))));
 }
 
-// A recording of another time is a mistake; single points without frames are only left out.
+// A recording of another time is an error; single points without frames are only left out.
 Expected<void> check_overlap(const Site& site,
                              const std::optional<MacAddress>& device,
                              const std::pair<const int, Recorded>& recorded,

@@ -1,4 +1,4 @@
-// The measurements of a calibration: recordings cut into the spots of a survey.
+// Measurements of a calibration: recordings split by the points of a survey.
 #pragma once
 
 #include <cstddef>
@@ -17,32 +17,32 @@
 
 namespace rayloc::cli {
 
-// What was heard while the device stood on one surveyed point: frames of all access points.
+// Frames of all access points received while the device was at one surveyed point.
 struct SurveyedFrames {
   SurveyPoint point;
   std::vector<CsiFrame> frames;  // by access point, then by time
 };
 
 struct CalibrationInputs {
-  std::vector<SurveyedFrames> points;  // one a row of the csv
-  std::vector<bool> recorded;          // of each access point of the site
+  std::vector<SurveyedFrames> points;  // one per row of the csv
+  std::vector<bool> recorded;          // by access point of the site
   std::vector<RefusedInput> refused;
-  std::vector<std::string> notes;  // of the recordings: for_each_frame()
-  std::string content;             // hash of the recordings' and the points' content
+  std::vector<std::string> notes;  // notes of the recordings: for_each_frame()
+  std::string content;             // hash of the content of recordings and points
   std::string points_hash;
 };
 
-// The site with the bounds of its room, where it states none those of the scene.
+// Returns the site with the bounds of its room; if it states none, with those of the scene.
 Site with_bounds(Site site, const RoomModel& room);
 
 // Reads the points and the recordings, of which an access point may have several. Only frames of
-// one device count, the same for the whole survey: one that the site lists, where it lists any. The
-// clocks of the access points may differ by `kClockSlack`. Errors name the row or the access point:
-// a point outside of the room (`site.bounds_min`, `bounds_max`, if it has them) or at the time of
+// one device count, the same for the whole survey: a device that the site lists, if it lists any.
+// The clocks of the access points may differ by `kClockSlack`. Errors name the row or the access
+// point: a point outside the room (`site.bounds_min`, `bounds_max`, if present) or at the time of
 // another, a recording without the device, one that shares no time with the points, or points that
 // clearly fit it at another time (survey_clock.h). `time_offset` is added to the times of the
-// points; where it is stated, no other one is looked for unless no point has frames. Whether
-// recordings and places fit together is checked by check_calibration_inputs().
+// points; if it is stated, no other offset is searched unless no point has frames.
+// check_calibration_inputs() checks that recordings and positions fit together.
 Expected<CalibrationInputs> read_calibration_inputs(const Site& site,
                                                     const std::vector<CaptureArgument>& captures,
                                                     const std::string& points_file,

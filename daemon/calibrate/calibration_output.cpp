@@ -28,7 +28,7 @@ std::uint64_t peak_memory() {
   return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024U;  // [KiB] on Linux
 }
 
-// What write_refusal() leaves: nothing that a next try could overwrite to anybody's loss.
+// True if the folder holds only files of write_refusal(): a next run may overwrite these.
 bool holds_reports_alone(const fs::path& folder) {
   std::error_code failed;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, failed)) {
@@ -40,14 +40,14 @@ bool holds_reports_alone(const fs::path& folder) {
   return !failed;
 }
 
-// What a method found, and what all of them fit.
+// The parameters of the method and those that all methods fit.
 std::vector<RoomParameter> all_parameters(const std::vector<CalibrationMethodResult>& methods,
                                           const CalibrationFile& file) {
   std::vector<RoomParameter> parameters = methods.front().calibration.parameters;
   for (const CalibratedAccessPoint& ap : file.access_points) {
     add_common_parameters(ap, parameters);
   }
-  const auto assumed = [](Fitted<double> number) {  // no width is stated of these
+  const auto assumed = [](Fitted<double> number) {  // these have no sigma
     number.sigma = 0.0;
     return number;
   };
@@ -121,7 +121,7 @@ void Calibration::say_verdict() const {
   std::fprintf(stderr, "rayloc: %s: %s", options_.site.c_str(), to_text(verdict_).c_str());
 }
 
-// The reports alone. What an interrupted run had written goes: it is of the same inputs.
+// Writes only the reports. Removes the files of an interrupted run: it had the same inputs.
 Expected<CalibrationOutcome> Calibration::write_refusal(const CalibrationReport& report) const {
   std::error_code none;
   for (const char* file : {"site.toml", "calibration.toml"}) {
@@ -170,7 +170,7 @@ Expected<void> Calibration::write_site_and_reports(
   return write_reports(report);
 }
 
-// Where it was interrupted, says what there is and ends by the signal, as a script must know.
+// After an interruption, reports the written files and ends by the signal, for scripts.
 void Calibration::end(const std::vector<CalibrationMethodResult>& methods) const {
   const CalibrationMethodResult& written = methods.front();
   const bool resumes = written.calibration.interrupted && can_resume() && !unkept_;

@@ -1,4 +1,4 @@
-// The bursts of a survey: what each access point heard at each point, its frames combined.
+// Bursts of a survey: the frames of each access point at each point, combined.
 #pragma once
 
 #include <string>
@@ -11,13 +11,13 @@
 namespace rayloc::cli {
 
 struct CombinedSurvey {
-  std::vector<CalibrationPoint> points;  // one a row of the csv
-  // Of each access point: why the first of its bursts could not be used; empty: all could.
+  std::vector<CalibrationPoint> points;  // one per row of the csv
+  // By access point: why its first unusable burst was refused; empty: all bursts were usable.
   std::vector<std::string> first_refusal;
 };
 
-// `held`: whether each point is held out. Bursts that cannot be used stand in `inputs.refused`
-// then, by row of `points_file` and access point.
+// `held`: true for held-out points. Unusable bursts are added to `inputs.refused`, by row of
+// `points_file` and access point.
 CombinedSurvey combine_survey(const RoomModel& room,
                               const std::vector<bool>& held,
                               const std::string& points_file,

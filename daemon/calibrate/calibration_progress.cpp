@@ -13,7 +13,7 @@
 namespace rayloc::cli {
 namespace {
 
-// A text that is longer would leave a trail: only the last line of it is taken away.
+// A longer text would leave a trail: only its last line can be cleared.
 std::size_t columns_of_terminal() {
   constexpr std::size_t kUsual = 80;
   winsize size{};
@@ -31,7 +31,7 @@ std::string shortened(std::string text, std::size_t columns) {
 }  // namespace
 
 std::optional<double> seconds_left(double elapsed, double first, double share) {
-  constexpr double kTellable = 0.03;  // share of the work from which the rest can be guessed
+  constexpr double kTellable = 0.03;  // share of the work that suffices for an estimate
   const double done = share - first;
   if (!(done > kTellable)) {
     return std::nullopt;

@@ -1,4 +1,4 @@
-// One line on a terminal that says how far a calibration is.
+// One terminal line with the progress of a calibration.
 #pragma once
 
 #include <chrono>
@@ -10,12 +10,12 @@
 
 namespace rayloc::cli {
 
-// What is left of work of which a run did the shares from `first` to `progress.share` in `elapsed`
-// seconds; nothing while that is too little to tell. What an earlier run did is no measure.
+// Estimates the seconds left from a run that did the shares from `first` to `progress.share` in
+// `elapsed` seconds; empty while that is too little. Work of an earlier run does not count.
 std::optional<double> seconds_left(double elapsed, double first, double share);
 
-// "joint: about 20 s left, 57 points, fit, step 12, loss 0.3121, held-out 0.871", as far as it fits
-// into a line of `columns`.
+// "joint: about 20 s left, 57 points, fit, step 12, loss
+// 0.3121, held-out 0.871", cut to a line of `columns`.
 std::string progress_text(const std::string& method,
                           const CalibrationProgress& progress,
                           std::optional<double> left,
@@ -23,20 +23,20 @@ std::string progress_text(const std::string& method,
 
 class CalibrationProgressLine {
  public:
-  // Silent where `quiet` or where stderr is no terminal. `for_programs`: "progress SHARE TEXT", a
-  // line each, wherever stderr leads.
+  // Silent if `quiet` or if stderr is no terminal. `for_programs`: writes "progress SHARE TEXT",
+  // one per line, to any kind of stderr.
   explicit CalibrationProgressLine(bool quiet, bool for_programs = false);
   ~CalibrationProgressLine() { clear(); }
   CalibrationProgressLine(const CalibrationProgressLine&) = delete;
   CalibrationProgressLine& operator=(const CalibrationProgressLine&) = delete;
 
-  // A part of the work begins: "joint", or what is done when there is no more to tell.
+  // Begins a part of the work: "joint", or a description of work that has no details.
   void begin(std::string part);
-  // How far it is.
+  // Shows its progress.
   void show(const CalibrationProgress& progress);
-  // The same of work that is told in words: `share` of it, 0 to 1.
+  // The same for work described by a text: `share` of it, 0 to 1.
   void show(double share, const std::string& what);
-  // Takes the line away, before other words or none.
+  // Removes the line, before other output or at the end.
   void clear();
 
  private:
@@ -48,7 +48,7 @@ class CalibrationProgressLine {
   double share_ = 0.0;
   bool shown_ = false;
   std::chrono::steady_clock::time_point begin_;
-  std::optional<double> first_;  // share where show() began
+  std::optional<double> first_;  // share at the first call of show()
 };
 
 }  // namespace rayloc::cli

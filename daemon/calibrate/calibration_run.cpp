@@ -31,7 +31,7 @@ constexpr const char* kOldReference =
 
 }  // namespace
 
-// What would be found out after minutes else.
+// Checks what would otherwise fail after minutes.
 Expected<void> Calibration::check_site() {
   if (site_.calibration_file) {
     return make_error(ErrorKind::kConfiguration,
@@ -93,9 +93,9 @@ Expected<void> Calibration::measure() {
   return {};
 }
 
-// Mistakes of the survey and of the site, and points that fit nowhere. A survey that was made
-// otherwise than stated is bad data. Of a site that states otherwise than it stands there is a
-// report, and with --force all goes on.
+// Checks for errors of survey and site, and for points that fit no position. A survey made
+// otherwise than stated is bad data. A site that differs from the real installation leads to a
+// report, and with --force the run continues.
 Expected<void> Calibration::check_inputs() {
   const InputCheck check = check_calibration_inputs(plan_, points_);
   verdict_ = verdict_of_inputs(check);
@@ -130,7 +130,7 @@ Expected<void> Calibration::fit_gains(const std::vector<std::string>& first_refu
     }
     auto result = fit_access_point(plan_, a, points_, kExactSurvey, ArrayFit::kFitted);
     if (!result) {
-      if (!first_refusal[a].empty()) {  // another bandwidth or other chains than the site states
+      if (!first_refusal[a].empty()) {  // bandwidth or chains differ from the site
         result.error().message += "; the first that cannot: " + first_refusal[a];
       }
       return tl::make_unexpected(std::move(result.error()));
@@ -141,7 +141,7 @@ Expected<void> Calibration::fit_gains(const std::vector<std::string>& first_refu
   return {};
 }
 
-// Keeps the way from which --resume goes on; that it cannot is said once and ends nothing.
+// Saves the state from which --resume continues; a failure is reported once and ends nothing.
 void Calibration::keep(const StoredCheckpoint& state) {
   const auto written = write_file(checkpoint(), to_json_text(state, id_));
   if (!written && !unkept_) {
@@ -234,8 +234,8 @@ Expected<CalibrationMethodResult> Calibration::calibrate(const std::string& meth
   return result;
 }
 
-// What the likelihood needs to know of the calibrated room. The joint calibration knows the arrays
-// better than the likelihood does, which asks for less than all that was measured.
+// Fits the room model errors that the likelihood needs. The joint calibration estimates the arrays
+// better than this stage, which uses fewer measurements.
 Expected<void> Calibration::fit_errors(const CalibrationMethodResult& method) {
   const RoomModel& room = method.calibration.room;
   const ArrayFit array = method.method == "joint" ? ArrayFit::kHeld : ArrayFit::kFitted;
@@ -250,7 +250,7 @@ Expected<void> Calibration::fit_errors(const CalibrationMethodResult& method) {
   return {};
 }
 
-// Points that were heard and have no fit.
+// Refuses points that were observed and have no fit.
 void Calibration::refuse_unreached(const AccessPointResult& result) {
   for (std::size_t p = 0; p < points_.size(); ++p) {
     const bool fits = std::any_of(
@@ -262,7 +262,7 @@ void Calibration::refuse_unreached(const AccessPointResult& result) {
   }
 }
 
-// What was heard at the points held out, or at all that were not refused.
+// Observations at the held-out points, or at all points that were not refused.
 std::vector<HeldOutSpot> Calibration::spots(bool all) const {
   std::vector<HeldOutSpot> spots;
   for (std::size_t p = 0; p < points_.size(); ++p) {
@@ -290,7 +290,7 @@ Expected<void> Calibration::fit_certainty(const RoomModel& room) {
   return {};
 }
 
-// The first is the one that is written.
+// The first result is the one that is written.
 Expected<std::vector<CalibrationMethodResult>> Calibration::calibrate_all() {
   std::vector<CalibrationMethodResult> methods;
   std::vector<std::string> names{options_.method};
@@ -310,15 +310,15 @@ Expected<std::vector<CalibrationMethodResult>> Calibration::calibrate_all() {
   return methods;
 }
 
-// What the likelihood needs beside the room.
+// Fits what the likelihood needs beside the room.
 Expected<void> Calibration::fit_what_is_left(const std::vector<CalibrationMethodResult>& methods) {
-  // In the calibrated room a point that was surveyed wrongly stands out; under the plan few do.
+  // In the calibrated room a wrongly surveyed point is an outlier; under the plan few are.
   for (const PointRefusal& odd :
        misfitting_points(plan_, methods.front().calibration.points, &PointFit::after)) {
     inputs_.refused.push_back(
         {place_of(odd.point), odd.reason + " (after the calibration; used all the same)"});
   }
-  if (methods.front().calibration.survey_sigma > 0.0) {  // as stated, or found
+  if (methods.front().calibration.survey_sigma > 0.0) {  // stated or estimated
     survey_error_ = methods.front().calibration.survey_sigma;
   }
   line_.begin("fitting the errors of the model");
@@ -329,8 +329,8 @@ Expected<void> Calibration::fit_what_is_left(const std::vector<CalibrationMethod
   return fit_certainty(methods.front().calibration.room);
 }
 
-// Where the fit has failed and no mistake is found, the carriers beside that of the site are tried
-// as well: under the plan alone they say too little to be asked before.
+// If the fit has failed and no error was found, other carriers than the site's are tried as well:
+// under the plan alone they are too inconclusive to be tried earlier.
 void Calibration::judge(CalibrationReport& report) {
   judge_held_out(report, verdict_);
   if (!verdict_.is_success() && verdict_.found.empty()) {

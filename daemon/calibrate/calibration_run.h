@@ -1,5 +1,5 @@
-// Calibration: a run of `rayloc calibrate` on a survey. calibration_run.cpp takes the steps,
-// calibration_output.cpp writes what they led to.
+// Calibration: a run of `rayloc calibrate` on a survey. calibration_run.cpp has the steps,
+// calibration_output.cpp writes their results.
 #pragma once
 
 #include <cstddef>
@@ -71,20 +71,20 @@ class Calibration {
   }
 
   const CalibrateArguments& options_;
-  double survey_error_;  // [m], as stated, or assumed and then found
+  double survey_error_;  // [m], as stated, or assumed and then estimated
   Site site_;
   CalibrationInputs inputs_;
-  RoomModel plan_;   // as surveyed
-  RoomModel start_;  // with the gains and the yaw of the points that are not held out
+  RoomModel plan_;   // room as surveyed
+  RoomModel start_;  // with the gains and the yaw fitted to the points not held out
   std::vector<CalibrationPoint> points_;
   CalibrationVerdict verdict_;
   std::vector<AccessPointResult> gains_;    // in the room of the plan
   std::vector<AccessPointResult> results_;  // in the calibrated room
   std::vector<HeldOutFixes> fixes_;
-  std::string id_;  // of all inputs
+  std::string id_;  // hash of all inputs
   CalibrationProgressLine line_{options_.quiet, options_.progress};
-  bool unkept_ = false;        // the last state could not be written
-  bool told_to_stop_ = false;  // and said so
+  bool unkept_ = false;        // last state could not be written
+  bool told_to_stop_ = false;  // and that was reported
 };
 
 }  // namespace rayloc::cli

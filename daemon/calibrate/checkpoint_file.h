@@ -1,4 +1,4 @@
-// Where a joint calibration stood when it was interrupted, as a file, for --resume.
+// State of an interrupted joint calibration as a file, for --resume.
 #pragma once
 
 #include <filesystem>
@@ -13,14 +13,14 @@ inline constexpr const char* kCheckpointFile = "calibration.checkpoint.json";
 
 struct StoredCheckpoint {
   JointCheckpoint reached;
-  double seconds = 0.0;  // [s], wall clock that the method took so far
+  double seconds = 0.0;  // [s], wall-clock time of the method so far
 };
 
-// `inputs`: hash of everything that the calibration starts from.
+// `inputs`: hash of all inputs of the calibration.
 std::string to_json_text(const StoredCheckpoint& checkpoint, const std::string& inputs);
 
-// An Error when the file is not there, is broken, or is of other inputs. `room`: what the
-// calibration starts from; the numbers must be as many as it needs.
+// Returns an Error if the file is missing, broken, or made from other inputs. `room`: start of the
+// calibration; the number of values must match it.
 Expected<StoredCheckpoint> load_checkpoint(const std::filesystem::path& file,
                                            const std::string& inputs,
                                            const RoomModel& room,

@@ -14,11 +14,11 @@ namespace {
 
 constexpr std::size_t kFewestSurveyFrames = 20;
 constexpr std::size_t kFewestWeakPoints = 4;
-// Of the mean power of the others: what noise and coupling leave of a chain without its antenna
-// (engine/room/hear_burst.cpp). The gains of chains that work differ by less.
+// Share of the others' mean power that noise and coupling leave on a chain without an antenna
+// (engine/room/hear_burst.cpp). The gains of working chains differ by less.
 constexpr double kDeadShare = 0.01;
 
-// Of the access point's frames, and of those with the core.
+// Frames of the access point, and frames that contain the rx chain.
 struct Presence {
   std::size_t frames = 0;
   std::size_t with_core = 0;
@@ -37,7 +37,7 @@ Presence presence_of(std::size_t access_point, std::uint8_t core, const Calibrat
   return presence;
 }
 
-// Whether the row is the weak one of that burst.
+// True if the row is the weak one of that burst.
 bool is_weak(const std::vector<std::complex<double>>& h, std::size_t rows, std::size_t row) {
   const std::size_t tones = h.size() / rows;
   double own = 0.0;
@@ -48,7 +48,7 @@ bool is_weak(const std::vector<std::complex<double>>& h, std::size_t rows, std::
   return own * static_cast<double>(rows - 1) < kDeadShare * others;
 }
 
-// Of the points with a burst of the access point, those where the row is the weak one.
+// Points with a burst of the access point, and points at which the row is weak.
 struct WeakPoints {
   std::size_t heard = 0;
   std::size_t weak = 0;

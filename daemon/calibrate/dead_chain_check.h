@@ -1,5 +1,5 @@
-// dead_chains_of: the receive chains of a survey that brought nothing, or noise: a calibration
-// would fit gains to it.
+// dead_chains_of: finds the receive chains of a survey that delivered
+// nothing or noise, to which a calibration would fit gains.
 #pragma once
 
 #include <string>
@@ -11,8 +11,8 @@
 
 namespace rayloc::cli {
 
-// A line for each: the access point, the core, and what to do; empty: none. `points`: of
-// combine_survey().
+// One line per chain: the access point, the rx chain, and what
+// to do; empty: none found. `points`: from combine_survey().
 std::string dead_chains_of(const RoomModel& room,
                            const std::vector<CalibrationPoint>& points,
                            const CalibrationInputs& inputs);

@@ -11,9 +11,9 @@
 namespace rayloc::cli {
 namespace {
 
-constexpr auto kBurst = std::chrono::milliseconds(200);  // as of a device that raylocd tracks
+constexpr auto kBurst = std::chrono::milliseconds(200);  // as for a device tracked by raylocd
 
-// Frames of one transmitter that belong together.
+// Frames of one transmitter that form a burst.
 using Frames = std::vector<CsiFrame>;
 
 bool is_device(const Site& site, const MacAddress& transmitter) {
@@ -21,7 +21,7 @@ bool is_device(const Site& site, const MacAddress& transmitter) {
   return stated == nullptr ? site.targets.track_unlisted : stated->role == TransmitterRole::kDevice;
 }
 
-// In the order in which they end.
+// Ordered by end time.
 std::vector<Frames> bursts_of(Frames frames) {
   std::stable_sort(frames.begin(), frames.end(), [](const CsiFrame& a, const CsiFrame& b) {
     return a.time < b.time;

@@ -1,4 +1,4 @@
-// What devices sent in recordings, in bursts, for calibrations without a survey.
+// Bursts of devices from recordings, for calibrations without a survey.
 #pragma once
 
 #include <cstddef>
@@ -17,19 +17,19 @@
 namespace rayloc::cli {
 
 struct DeviceBursts {
-  // Of one transmitter each, 200 ms, in the order in which they end; also of the fixed transmitters
-  // whose place the site states.
+  // Each from one transmitter, 200 ms, ordered by end time; fixed
+  // transmitters included if the site states their positions.
   std::vector<std::vector<CsiFrame>> bursts;
-  std::set<std::size_t> heard;  // access points
-  bool is_any_device = false;   // or fixed transmitters alone
+  std::set<std::size_t> heard;  // access points that received bursts
+  bool is_any_device = false;   // false: only fixed transmitters
 };
 
-// `notes` as of for_each_frame().
+// `notes` as in for_each_frame().
 Expected<DeviceBursts> read_device_bursts(const Site& site,
                                           const std::vector<CaptureArgument>& captures,
                                           std::vector<std::string>& notes);
 
-// Of devices that the site does not list, in its room.
+// A localizer for devices that the site does not list, in its room.
 Expected<std::shared_ptr<const Localizer>> device_localizer(const Site& site, RoomModel room);
 
 }  // namespace rayloc::cli

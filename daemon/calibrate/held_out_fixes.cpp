@@ -15,13 +15,13 @@ namespace {
 
 constexpr std::size_t kLeastFixes = 10;
 constexpr double kSameHeight = 0.05;  // [m]
-// Exponents are tried from the first on, until the score has fallen so often.
+// Exponents are tried in order until the score has fallen this many times.
 constexpr std::size_t kFalls = 2;
-// What is wrong with the map is wrong for all access points at once, so that the likelihoods of
-// several say less than their product.
+// Map errors are common to all access points, so the likelihoods
+// of several carry less information than their product.
 constexpr double kMostOfSeveral = 0.8;
 
-// A fix assumes the height: elsewhere its error is no sign of how sure it may be.
+// A fix assumes the height: at other heights its error does not measure its certainty.
 std::vector<HeldOutSpot> at_height(std::span<const HeldOutSpot> spots, double height) {
   std::vector<HeldOutSpot> there;
   std::copy_if(spots.begin(), spots.end(), std::back_inserter(there), [&](const auto& spot) {

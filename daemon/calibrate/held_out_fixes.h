@@ -1,4 +1,4 @@
-// How sure a localizer may be: fixes of the points that were held out, against where they are.
+// Calibrates the stated certainty of fixes with fixes of the held-out points.
 #pragma once
 
 #include <memory>
@@ -18,14 +18,14 @@ struct HeldOutSpot {
   std::span<const CsiFrame> frames;  // not empty
 };
 
-// The exponent of the likelihood (RoomModel::likelihood_exponent), and RoomModel::least_sigma with
-// it, that have the best log score (to within what the spots can tell) are the last of what is
-// returned: that of the probabilities stated for the spots. It punishes regions that are too narrow
-// and regions that are too wide alike, so that those of 50 % come out right as well as those of 95
-// %. Spots are compared by where they were surveyed, with `survey_sigma` [m] on each axis, which is
-// no error of the fix. Those at other heights than the one that is assumed of devices do not count,
-// although they tell a calibration about the room. With few spots nothing can be said, and only the
-// room's are tried.
+// Selects the exponent of the likelihood (RoomModel::likelihood_exponent), with
+// RoomModel::least_sigma, of the best log score to within the resolution of the points; the
+// selected one is the last of the returned fixes. The log score is that of the probabilities stated
+// for the points. It penalizes regions that are too narrow and too wide alike, so that regions of
+// 50 % are right as well as those of 95 %. Points are compared by their surveyed positions, with
+// `survey_sigma` [m] on each axis, which is no error of the fix. Points at heights other than the
+// assumed device height do not count, although they inform a calibration of the room. With few
+// points no selection is possible, and only the room's values are tried.
 Expected<std::vector<HeldOutFixes>> fit_certainty_of(std::shared_ptr<const RoomModel> room,
                                                      std::span<const HeldOutSpot> all,
                                                      double survey_sigma);

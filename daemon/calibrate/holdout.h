@@ -1,4 +1,4 @@
-// draw_holdout: which points of a survey are kept from the fit.
+// draw_holdout: selects the points of a survey that are held out from the fit.
 #pragma once
 
 #include <cstddef>
@@ -7,7 +7,7 @@
 
 namespace rayloc {
 
-// A share of them, drawn without replacement; the same for each access point and for the same seed.
+// Draws a share without replacement; the same points for each access point and for the same seed.
 std::vector<bool> draw_holdout(std::size_t count, double share, std::uint64_t seed);
 
 }  // namespace rayloc

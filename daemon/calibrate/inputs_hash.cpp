@@ -48,7 +48,7 @@ std::string inputs_hash(const Site& site,
     add_access_point(hash, ap);
   }
   for (const SiteTransmitter& transmitter : site.transmitters) {
-    if (transmitter.constant_power) {  // its level is learned
+    if (transmitter.constant_power) {  // its received power offset is learned
       hash.add(to_string(transmitter.mac));
     }
   }

@@ -1,7 +1,7 @@
-// inputs_hash: tells apart calibrations by everything that they start from.
+// inputs_hash: identifies a calibration by all of its inputs.
 //
-// It is the calibration's id, and what a checkpoint must agree with to be gone on from: with
-// another pose of an access point the same numbers would be of another room.
+// The hash is the calibration's id. A checkpoint resumes only with the same hash: with another pose
+// of an access point the same numbers would describe another room.
 #pragma once
 
 #include <cstdint>

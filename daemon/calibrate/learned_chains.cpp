@@ -21,8 +21,8 @@ std::size_t learned_of(const std::vector<ChainState>& states) {
       }));
 }
 
-// All bursts, from what was learned of them before: access points that are known say where devices
-// are, which early bursts did not know when they were heard first.
+// Processes all bursts again from the learned chains: calibrated access points then locate the
+// devices, which was not possible for early bursts in the first pass.
 std::vector<ChainState> heard_once_more(const Site& site,
                                         const std::shared_ptr<const Localizer>& localizer,
                                         const DeviceBursts& heard,

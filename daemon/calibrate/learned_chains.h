@@ -1,5 +1,5 @@
-// The receive chains of a calibrated site, learned from whoever transmits in recordings: what
-// raylocd does live (ChainLearner), by hand.
+// Learns the receive chains of a calibrated site from the
+// transmitters in recordings, as raylocd does live (ChainLearner).
 #pragma once
 
 #include <string>
@@ -13,15 +13,15 @@
 
 namespace rayloc::cli {
 
-// Devices are at places that nobody knows, fixed transmitters where the site says. All access
-// points with a recording are taken to have been off before it. Empty where no device was heard.
-// `notes` as of for_each_frame().
+// Devices are at unknown positions, fixed transmitters where the site states. All access points
+// with a recording are assumed to have been powered off before it. Empty if no device was received.
+// `notes` as in for_each_frame().
 Expected<std::vector<ChainState>> learn_chains(const Site& site,
                                                const RoomModel& room,
                                                const std::vector<CaptureArgument>& captures,
                                                std::vector<std::string>& notes);
 
-// Gains of chains that multiply by these factors beside them.
+// Returns the gains of chains that these factors multiply.
 ChainGains multiplied(const ChainGains& gains, const ChainFactors& factors);
 
 }  // namespace rayloc::cli

@@ -8,7 +8,7 @@
 namespace rayloc {
 namespace {
 
-// Levels of the bursts of a transmitter, with the places where it stood.
+// Received powers of a transmitter's bursts, with the positions of the transmitter.
 std::vector<LevelSample> level_samples(const MacAddress& transmitter,
                                        const BurstRequest& request,
                                        std::span<const HeldOutSpot> spots) {
@@ -32,7 +32,7 @@ std::vector<TransmitterLevel> fit_levels(const Site& site,
                                          const AccessPointResult& result,
                                          std::span<const HeldOutSpot> spots,
                                          std::vector<RefusedInput>& refused) {
-  RoomModel fitted = room;  // with the diffuse power that the localizer will believe in
+  RoomModel fitted = room;  // with the diffuse power that the localizer will use
   RoomAccessPoint& ap = fitted.access_points[result.index];
   apply(result.fit, ap);
   const BurstRequest request{static_cast<int>(result.index), fitted.grid, ap.cores, {}};

@@ -1,5 +1,5 @@
-// The step of a calibration after the room is known: the levels of the transmitters of which the
-// site says that their power is constant (constant_power of site.toml).
+// Calibration step after the room fit: received power offsets of the transmitters that the site
+// declares as constant in power (constant_power of site.toml).
 #pragma once
 
 #include <span>
@@ -13,9 +13,9 @@
 
 namespace rayloc {
 
-// Of one access point of the calibrated room, with what `result` says of it. `spots`: each of one
-// transmitter; those that were held out too, for a level is two numbers. A device whose level too
-// few of them state gets none and stands in `refused`.
+// Fits one access point of the calibrated room with its values in `result`. `spots`: one
+// transmitter each, held-out points included, since only two numbers are fitted. A device with the
+// power of too few points gets no offset and is added to `refused`.
 std::vector<TransmitterLevel> fit_levels(const Site& site,
                                          const RoomModel& room,
                                          const AccessPointResult& result,

@@ -15,16 +15,16 @@
 namespace rayloc::cli {
 namespace {
 
-constexpr Duration kPairSpacing = std::chrono::milliseconds(150);  // someone walks 0.2 m meanwhile
+constexpr Duration kPairSpacing = std::chrono::milliseconds(150);  // a walking person covers 0.2 m
 constexpr Duration kLongestPair = std::chrono::seconds(2);
 constexpr Duration kFinestStep = std::chrono::milliseconds(50);
 constexpr Duration kCoarsestStep = std::chrono::seconds(1);
-constexpr double kMostComparisons = 2e8;              // of a point and an offset
+constexpr double kMostComparisons = 2e8;              // pairs of a point and an offset
 constexpr std::size_t kFewestMatches = 3;             // two points fit nearly every recording
 constexpr double kMostOfPoints = 0.6;                 // a share
-constexpr double kRivalShare = 0.75;                  // of the best offset's points
-constexpr double kMoves = 0.15;                       // by which correlations of a walk spread
-constexpr Duration kZone = std::chrono::minutes(15);  // time zones are multiples of it
+constexpr double kRivalShare = 0.75;                  // share of the best offset's points
+constexpr double kMoves = 0.15;                       // spread of the correlations of a walk
+constexpr Duration kZone = std::chrono::minutes(15);  // time zones are multiples of this
 constexpr Duration kFarthestZone = std::chrono::hours(14);
 
 bool same_shape(const CsiFrame& a, const CsiFrame& b) {
@@ -32,7 +32,7 @@ bool same_shape(const CsiFrame& a, const CsiFrame& b) {
          a.csi.values().size() == b.csi.values().size();
 }
 
-// The normalised correlation of two frames, whatever their common phase and their timing are.
+// Normalised correlation of two frames, invariant to common phase and timing.
 double correlation_of(const CsiFrame& a, const CsiFrame& b) {
   const std::size_t tones = a.tone_index.size();
   const auto& va = a.csi.values();
@@ -63,8 +63,8 @@ double correlation_of(const CsiFrame& a, const CsiFrame& b) {
   return power > 0.0 ? std::abs(sum) / power : 0.0;
 }
 
-// What a window of the survey finds at an offset: sums over cells of time, so that every window is
-// two differences.
+// Sums over cells of time for one offset, so that every
+// window of the survey is computed from two differences.
 class Cells {
  public:
   Cells(const DeviceTrace& trace, Timestamp begin, Duration step, std::size_t count)
@@ -91,7 +91,7 @@ class Cells {
     find_usual_gap(trace);
   }
 
-  // Frames from `from` to `to`, of a device that stands there all the time; 0 where it does not.
+  // Frames from `from` to `to` of a device that is stationary throughout; 0 if it is not.
   std::size_t frames(Duration from, Duration to) const {
     const std::size_t i = edge(floor_of(from));
     const std::size_t j = edge(floor_of(to) + 1);
@@ -133,7 +133,7 @@ class Cells {
     std::nth_element(gaps.begin(), middle, gaps.end());
     usual_gap_ = *middle;
   }
-  // Only a device that transmits on its walks as well can be told to stand.
+  // Only a device that also transmits while it is carried can be classified as stationary.
   void find_threshold(const DeviceTrace& trace) {
     if (!is_continuous_ || trace.pairs().size() < 20) {
       return;
@@ -167,7 +167,7 @@ bool operator<(const Score& a, const Score& b) {
   return a.points != b.points ? a.points < b.points : a.frames < b.frames;
 }
 
-// The points and the frames of one device on one axis of time.
+// The points and the frames of one device on a common time axis.
 class OffsetSearch {
  public:
   OffsetSearch(std::span<const SurveyPoint> points, const DeviceTrace& trace)
@@ -215,7 +215,7 @@ class OffsetSearch {
     const double step = std::max(to_seconds(kFinestStep),
                                  span * static_cast<double>(points_.size()) / kMostComparisons);
     if (step > to_seconds(kCoarsestStep)) {
-      return false;  // a time far from all others
+      return false;  // far from all other times
     }
     step_ = from_seconds(step);
     lowest_ = begin_ - survey_end_;
@@ -236,7 +236,7 @@ class OffsetSearch {
     return all;
   }
 
-  // Neighbouring offsets that fit as well.
+  // Neighbouring offsets that fit equally well.
   Plateau plateau_of(std::size_t best) const {
     const auto as_good = [&](std::size_t i) {
       return scores_[i].points == scores_[best].points &&
@@ -281,7 +281,7 @@ class OffsetSearch {
            static_cast<double>(found.points) >= least;
   }
 
-  // Points at regular times fit nearly as well some rows off; there all points decide.
+  // Regularly timed points fit nearly as well some rows off; then all points must match.
   bool is_clear(const TimeOffset& found, const Plateau& plateau, bool is_continuous) const {
     const auto away = static_cast<std::size_t>((longest_ + std::chrono::seconds(1)) / step_) + 1;
     std::size_t rival = 0;
@@ -295,8 +295,8 @@ class OffsetSearch {
             (!is_continuous || 2 * found.as_stated <= points_.size()));
   }
 
-  // A recording that is shorter than a quarter of an hour holds all points at one time zone at
-  // most.
+  // A recording of less than a quarter of an hour
+  // contains all points for one time zone at most.
   std::optional<TimeOffset> the_zone(const Cells& cells) const {
     std::optional<TimeOffset> only;
     const Duration first = begin_ - survey_begin_ - kZone;

@@ -1,4 +1,4 @@
-// The verb `rayloc calibrate`: its arguments, and what it is asked for.
+// The verb `rayloc calibrate`: its arguments and their checks.
 #include <memory>
 #include <string>
 
@@ -74,7 +74,7 @@ Expected<int> run_calibrate(const CalibrateOptions& options) {
   if (!(calibrate.holdout >= 0.0 && calibrate.holdout <= 0.8)) {
     return make_error(ErrorKind::kUsage, "--holdout is a share of the points from 0 to 0.8");
   }
-  // Below, the survey would be told to be better than a wave can tell.
+  // Smaller errors would claim a survey more accurate than the carrier's wavelength can resolve.
   if (const auto& error = calibrate.survey_error; error && !(*error >= 0.0005 && *error <= 0.1)) {
     return make_error(ErrorKind::kUsage, "--survey-error is from 0.0005 to 0.1 m");
   }

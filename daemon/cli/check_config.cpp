@@ -1,5 +1,5 @@
-// `rayloc check-config FILE`: whether raylocd would start with it. Errors go to stderr, one a line,
-// as FILE:LINE:COLUMN: message; the exit status is 78 when there are any.
+// `rayloc check-config FILE`: checks that raylocd would start with the file. Errors go to stderr,
+// one per line, as FILE:LINE:COLUMN: message; the exit status is 78 if there are any.
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -42,7 +42,7 @@ std::string describe(const Site& site) {
 
 using LacksOf = std::function<SiteLacks(const RoomModel& room)>;
 
-// The scene and the calibration as raylocd will read them.
+// Reads the scene and the calibration as raylocd will read them.
 Expected<std::string> check_room(const Site& site, const LacksOf& lacks_of) {
   const Expected<RoomModel> room = load_room_model(site);
   if (!room) {
@@ -58,8 +58,8 @@ Expected<std::string> check_room(const Site& site, const LacksOf& lacks_of) {
   return describe(site) + (room->calibration_id.empty() ? ", not calibrated" : ", calibrated");
 }
 
-// Root reads everything; the user that systemd makes up for raylocd.service reads nothing of
-// root's.
+// Root can read every file; the user that systemd
+// creates for raylocd.service cannot read root's files.
 void warn_of_files_of_root(const DaemonConfig& config) {
   const auto warn = [](const std::filesystem::path& file, const char* key, const char* credential) {
     struct stat status {};
@@ -79,7 +79,7 @@ void warn_of_files_of_root(const DaemonConfig& config) {
 }
 
 Expected<void> check_secrets_of(const DaemonConfig& config) {
-  // Who has the credentials is who the service runs as.
+  // The process with the credentials runs as the service's user.
   if (std::getenv("CREDENTIALS_DIRECTORY") == nullptr) {
     warn_of_files_of_root(config);
   }

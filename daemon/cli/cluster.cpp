@@ -1,4 +1,4 @@
-// `rayloc cluster`: what a cluster looks like from its broker, and what is asked of it.
+// `rayloc cluster`: state of a cluster from its broker, and requests to its workers.
 #include <atomic>
 #include <chrono>
 #include <memory>
@@ -22,9 +22,9 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr milliseconds kBrokerTimeout{3000};  // until the broker answers
+constexpr milliseconds kBrokerTimeout{3000};  // for an answer of the broker
 constexpr milliseconds kDrainStep{100};
-constexpr milliseconds kDrainPatience{60000};  // a lease may last so long
+constexpr milliseconds kDrainPatience{60000};  // longest lease
 
 Expected<ClusterView> read_cluster(const BrokerOptions& server) {
   const auto broker = connect(server);
@@ -94,7 +94,7 @@ Expected<int> run_sites(const BrokerOptions& server) {
   return 0;
 }
 
-// Asks until the worker says that it has no sites.
+// Repeats the request until the worker reports that it has no sites.
 Expected<void> ask_to_leave(Broker& broker, const std::string& worker) {
   std::atomic<bool> has_left{false};
   const auto states = broker.subscribe(worker_subject(worker), [&](const BrokerMessage& message) {

@@ -1,8 +1,8 @@
-// `rayloc cluster apply`: a site for all workers. `rayloc cluster fetch`: what was applied, as
-// folders that raylocd's configuration includes.
+// `rayloc cluster apply`: publishes a site for all workers. `rayloc cluster fetch`: writes the
+// applied sites as folders that raylocd's configuration includes.
 //
-// What does not check is refused in words, here and there, and what was there before goes on. A
-// folder is exchanged as a whole; raylocd is asked to reload once all are there.
+// Both verbs refuse a site that fails its checks with a message, and the previous site stays in
+// use. A folder is replaced as a whole; raylocd is asked to reload once all are written.
 #include <chrono>
 #include <condition_variable>
 #include <cstdio>
@@ -30,10 +30,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::chrono::seconds kLookAgain{10};  // news may be lost
+constexpr std::chrono::seconds kLookAgain{10};  // notices may be lost
 constexpr std::chrono::milliseconds kApplyStep{200};
 
-// A folder that goes when nobody needs it.
+// A folder that is removed at the end of its scope.
 class Temporary {
  public:
   explicit Temporary(fs::path path) : path_(std::move(path)) { remove(); }
@@ -50,7 +50,7 @@ class Temporary {
   fs::path path_;
 };
 
-// A new one among the temporary ones, which nobody else can have made.
+// Creates a temporary folder with a name that no other process can have.
 Expected<fs::path> fresh_folder() {
   std::string name = (fs::temp_directory_path() / "rayloc-apply-XXXXXX").string();
   if (::mkdtemp(name.data()) == nullptr) {
@@ -59,12 +59,12 @@ Expected<fs::path> fresh_folder() {
   return fs::path(name);
 }
 
-// What stands in a configuration as it is.
+// True if the name can be written into a configuration without escapes.
 bool is_plain(const std::string& name) {
   return name == printable(name) && name.find_first_of("\"\\") == std::string::npos;
 }
 
-// Written out where nothing else is, as a worker will find it.
+// Writes the bundle to an empty folder and checks it as a worker would.
 Expected<std::string> check_bundle(const SiteBundle& bundle, const fs::path& folder) {
   if (const Expected<void> written = write_bundle(bundle, folder); !written) {
     return tl::make_unexpected(written.error());
@@ -72,7 +72,7 @@ Expected<std::string> check_bundle(const SiteBundle& bundle, const fs::path& fol
   return check_site(folder);
 }
 
-// What stands in a file, without the end of its line; empty where there is none.
+// The line in a file, without its line end; empty if there is no file.
 std::string line_of(const fs::path& file) {
   std::ifstream in(file);
   std::string line;
@@ -80,12 +80,12 @@ std::string line_of(const fs::path& file) {
   return line;
 }
 
-// The applied sites as they lie in a folder.
+// The applied sites as subfolders of a folder.
 class SiteFolder {
  public:
   explicit SiteFolder(fs::path folder) : folder_(std::move(folder)) {}
 
-  // Whether something has changed. What is refused is said once.
+  // Returns true if a site has changed. A refused site is reported once.
   Expected<bool> follow(Broker& broker) {
     const auto stored = stored_bundles(broker);
     if (!stored) {
@@ -120,14 +120,14 @@ class SiteFolder {
   }
   fs::path hash_file(const std::string& site) const { return path(site, ".hash"); }
 
-  // Its configuration goes first: nobody reads of a folder that is not there.
+  // Removes its configuration first: no configuration may refer to a missing folder.
   bool take_out(const std::string& site) const {
     std::error_code failed;
     fs::remove(path(site, ".toml"), failed);
     if (!failed) {
       fs::remove_all(path(site, ""), failed);
     }
-    // By what is there it is known the next time that something is left.
+    // The hash file goes last: while it exists, the next run detects an incomplete removal.
     const bool was_there = !failed && fs::remove(hash_file(site), failed);
     if (failed) {
       std::fprintf(stderr,
@@ -154,7 +154,7 @@ class SiteFolder {
     }
     const Temporary old(path(site, ".old"));
     std::error_code failed;
-    fs::rename(path(site, ""), old.path(), failed);  // fails where there was none
+    fs::rename(path(site, ""), old.path(), failed);  // fails if there was none
     fs::rename(fresh.path(), path(site, ""), failed);
     if (failed) {
       std::error_code ignored;

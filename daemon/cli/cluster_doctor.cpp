@@ -1,5 +1,5 @@
-// `rayloc cluster doctor`: what of a cluster stands in its way, and what to do. Looks, never
-// changes anything.
+// `rayloc cluster doctor`: reports the problems of a cluster
+// with a remedy for each. It only reads and changes nothing.
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -27,14 +27,14 @@ using Kind = Finding::Kind;
 using std::chrono::milliseconds;
 using Findings = std::vector<Finding>;
 
-constexpr milliseconds kGreetingTimeout{2000};  // of a server's greeting
-// Servers of a cluster below it have lost messages of replicated streams where a node was cut off
-// for 6 s (2.9.10), or forgotten streams (until 2.10.22).
+constexpr milliseconds kGreetingTimeout{2000};  // for a server's greeting
+// Clusters of older servers have lost messages of replicated streams after a node was cut off for 6
+// s (2.9.10), or lost streams (until 2.10.22).
 constexpr int kGoodMajor = 2;
 constexpr int kGoodMinor = 11;
-constexpr double kClocksApart = 0.1;  // s: more than a message takes on its way
-constexpr double kSilent = 5.0;       // s; a capture node says that it lives ten times a second
-constexpr double kNearlyFull = 0.8;   // of what the account may store
+constexpr double kClocksApart = 0.1;  // s: above the transit time of a message
+constexpr double kSilent = 5.0;       // s; a capture node sends ten signs of life a second
+constexpr double kNearlyFull = 0.8;   // share of the account's storage limit
 
 bool is_old(const std::string& version) {
   int major = 0;
@@ -43,7 +43,7 @@ bool is_old(const std::string& version) {
          std::pair(major, minor) < std::pair(kGoodMajor, kGoodMinor);
 }
 
-// Whether it is one of several.
+// True if the server is one of several.
 bool check_server(const std::string& server, Findings& findings) {
   const auto greeting = greeting_of(server, kGreetingTimeout);
   if (!greeting) {
@@ -74,7 +74,7 @@ bool check_server(const std::string& server, Findings& findings) {
   return !greeting->cluster.empty();
 }
 
-// A stream that every cluster has, or that of a site.
+// A stream that every cluster has, or a stream of a site.
 struct Wanted {
   std::string name;
   std::string republish_to;
@@ -138,7 +138,7 @@ void check_store(Broker& broker, Findings& findings) {
   check("files", store->files, store->most_files);
 }
 
-// What a capture node said last.
+// Checks the last batch of a capture node.
 void check_node(Broker& broker,
                 const std::string& stream,
                 const std::string& subject,
@@ -147,7 +147,7 @@ void check_node(Broker& broker,
   const auto last = broker.last_of(stream, subject);
   v1::CsiBatch batch;
   if (!stored || !*stored || !last || !*last || !unseal((*last)->data, batch)) {
-    return;  // its last batch has become too old meanwhile
+    return;  // its last batch has expired meanwhile
   }
   const std::string what =
       "capture node " + printable(token_name(last_token(subject))) + " of " + stream;

@@ -1,8 +1,8 @@
-// `rayloc cluster remove`: a site that is no more, out of the cluster.
+// `rayloc cluster remove`: removes a decommissioned site from the cluster.
 //
-// Who fetches what was applied is told first. Once no worker has the site, its stream goes. What
-// was said of it stays for as long as results are kept, and so does the generation of its last
-// claim, for a site of that name that comes back.
+// The verb first notifies the processes that fetch applied sites. Once no worker has the site, its
+// stream is deleted. Its published messages stay for as long as results are kept, and so does the
+// generation of its last claim, for a later site of that name.
 #include <chrono>
 #include <string>
 #include <thread>
@@ -22,9 +22,9 @@ namespace rayloc::cli {
 namespace {
 
 constexpr std::chrono::milliseconds kRemovalStep{200};
-constexpr std::chrono::seconds kRemovalTimeout{30};  // who fetches looks every ten seconds
+constexpr std::chrono::seconds kRemovalTimeout{30};  // fetching processes poll every 10 seconds
 
-// Whether there was one.
+// Returns true if the site had been applied.
 Expected<bool> retract(Broker& broker, const std::string& site) {
   const auto bundles = stored_bundles(broker);
   if (!bundles) {
@@ -38,7 +38,7 @@ Expected<bool> retract(Broker& broker, const std::string& site) {
   return retracted ? Expected<bool>(true) : tl::make_unexpected(retracted.error());
 }
 
-// Nothing where it has no claim. An Error where a worker goes on with it.
+// Returns empty if the site has no claim, and an Error if a worker keeps it.
 Expected<std::optional<v1::SiteClaim>> last_claim(Broker& broker, const std::string& site) {
   const auto deadline = std::chrono::steady_clock::now() + kRemovalTimeout;
   for (;;) {
@@ -62,7 +62,7 @@ Expected<std::optional<v1::SiteClaim>> last_claim(Broker& broker, const std::str
   }
 }
 
-// False: somebody has claimed it meanwhile.
+// Returns false if a worker has claimed the site meanwhile.
 Expected<bool> close_claim(Broker& broker, const std::string& site, std::uint64_t generation) {
   const auto last = broker.last_of(std::string(kClaimStream), claim_subject(site));
   if (!last) {
@@ -81,10 +81,10 @@ Expected<bool> close_claim(Broker& broker, const std::string& site, std::uint64_
 
 }  // namespace
 
-// Workers claim no site that was removed a moment ago.
+// Allows a new claim: workers claim no site that was recently removed.
 Expected<void> reopen_claim(Broker& broker, const std::string& site) {
   if (!broker.stream_state(std::string(kClaimStream))) {
-    return {};  // nobody has claimed anything yet
+    return {};  // no worker has ever claimed a site
   }
   const auto last = broker.last_of(std::string(kClaimStream), claim_subject(site));
   v1::SiteClaim claim;
@@ -110,7 +110,7 @@ Expected<void> run_cluster_remove(const BrokerOptions& options, const std::strin
   if (!claim) {
     return tl::make_unexpected(claim.error());
   }
-  // A stream without a claim is what an attempt before this one could not take away.
+  // A stream without a claim is left over from an earlier attempt that failed to delete it.
   if (!*claim && !*retracted && !(*broker)->stream_state(csi_stream(site))) {
     return make_error(ErrorKind::kUnavailable,
                       "no site '" + site +

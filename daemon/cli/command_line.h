@@ -6,13 +6,13 @@
 
 namespace rayloc::cli {
 
-// Declares every verb to `parser`; when one has been parsed `chosen` runs it.
+// Declares every verb to `parser`; after parsing, `chosen` runs the selected verb.
 void declare_command_line(OptionParser& parser, RunVerb& chosen);
 
 // `rayloc`, without its verbs.
 std::unique_ptr<OptionParser> make_parser();
 
-// `rayloc` with all that it takes.
+// `rayloc` with all its options.
 Command describe_command_line();
 
 }  // namespace rayloc::cli

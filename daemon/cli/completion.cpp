@@ -1,4 +1,4 @@
-// `rayloc completion bash|zsh`: what shells need to complete a command line of rayloc.
+// `rayloc completion bash|zsh`: completion scripts of these shells for rayloc's command line.
 #include <cstdio>
 #include <memory>
 #include <string>

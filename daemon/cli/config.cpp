@@ -1,5 +1,5 @@
-// `rayloc config default|schema|man|show FILE`: raylocd's configuration in words, and what a site
-// may state.
+// `rayloc config default|schema|man|show FILE`: documents
+// raylocd's configuration and the keys of a site.
 #include <cstdio>
 #include <memory>
 #include <string>

@@ -1,8 +1,8 @@
-// `rayloc doctor FILE`: what of this machine stands in the way of the daemon that the file
-// describes.
+// `rayloc doctor FILE`: reports the problems of this
+// machine for the daemon that the file describes.
 //
-// Looks, never changes anything. A line per finding: ok, warning or problem, with what to do. The
-// exit status is 69 when there is a problem.
+// It only reads and changes nothing. One line per finding: ok, warning or problem, with a remedy.
+// The exit status is 69 if there is a problem.
 #include <unistd.h>
 
 #include <algorithm>
@@ -28,7 +28,7 @@
 namespace rayloc::cli {
 namespace {
 
-// What a running daemon says of its sources. False when it does not say (a token is asked for).
+// Gets the sources from a running daemon. Returns false without them (a token is required).
 bool ask_for_sources(const HttpQuery& query, const Site& site, std::vector<Finding>& findings) {
   const Expected<JsonResult> sources = get_json(query, "/api/v1/sources");
   if (!sources) {
@@ -48,7 +48,7 @@ bool ask_for_sources(const HttpQuery& query, const Site& site, std::vector<Findi
   return true;
 }
 
-// What the site lacks to locate.
+// Adds a finding for each thing that the site lacks for localization.
 void check_site_setup(const SiteSetup& setup, std::vector<Finding>& findings) {
   const Expected<RoomModel> room = load_room_model(setup.site);
   if (!room) {
@@ -64,7 +64,7 @@ void check_site_setup(const SiteSetup& setup, std::vector<Finding>& findings) {
   }
 }
 
-// Adds what it says in such a list of /readyz, but for what has been found here as well.
+// Adds the entries of a /readyz list, except those that have been found here as well.
 void add_said(const nlohmann::json& list,
               Finding::Kind kind,
               const std::function<bool(const std::string&)>& is_known,
@@ -79,9 +79,9 @@ void add_said(const nlohmann::json& list,
   }
 }
 
-// What a running daemon says of itself; that none answers is no finding, ports are.
-// Of several sites /readyz tells each trouble with its site, and no single list of sources is
-// asked.
+// Adds the state of a running daemon; no finding if none answers
+// (its ports are checked separately). With several sites, /readyz
+// prefixes each problem with its site, and sources are not queried.
 void ask_daemon(const HttpQuery& query,
                 const Site& site,
                 bool has_site_list,
@@ -102,7 +102,7 @@ void ask_daemon(const HttpQuery& query,
   add_said(ready->json.value("warnings", none), Finding::Kind::kWarning, is_of_clock, findings);
 }
 
-// One that runs and does not answer.
+// Finding for a daemon that runs and does not answer.
 Finding silent_daemon(pid_t process, bool has_http) {
   const std::string what = "raylocd runs with this file as process " + std::to_string(process);
   return has_http ? Finding{Finding::Kind::kWarning,
@@ -113,8 +113,8 @@ Finding silent_daemon(pid_t process, bool has_http) {
                             ""};
 }
 
-// Asks where the file says that the daemon answers, with the token that it asks for, unless the
-// options say otherwise. An unreadable token is a finding of check_machine(), no reason to end.
+// Uses the address and token of the configuration file unless the options override them. An
+// unreadable token is a finding of check_machine() and does not end the verb.
 Expected<HttpQuery> query_of(HttpOptions options, const HttpConfig& config) {
   if (options.address.empty()) {
     const bool everywhere = config.host == "0.0.0.0";

@@ -1,4 +1,4 @@
-// `rayloc evaluate`: how far estimates are from surveyed truth.
+// `rayloc evaluate`: errors of estimates against surveyed truth.
 #include <chrono>
 #include <cstdio>
 #include <memory>
@@ -34,8 +34,8 @@ struct EvaluateArguments {
   bool force = false;
 };
 
-// Several devices answer for one truth: somebody should know. One person is as many targets as
-// tracks.
+// Warns that several devices are compared with one
+// truth. One person is as many targets as tracks.
 void warn_of_several_targets(const std::vector<PublishedEstimate>& estimates) {
   std::set<std::string> targets;
   for (const PublishedEstimate& estimate : estimates) {

@@ -22,7 +22,7 @@ namespace {
 struct ExperimentArguments {
   std::string file;
   std::string out;
-  std::vector<std::string> studies;  // names; none: all
+  std::vector<std::string> studies;  // names; empty: all
   bool resume = false;
   bool force = false;
   bool quiet = false;

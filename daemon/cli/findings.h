@@ -1,4 +1,4 @@
-// What a doctor has found, for people.
+// Prints the findings of a doctor verb for people.
 #pragma once
 
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace rayloc::cli {
 
-// A line for each; an Error that says no more (status 69) where one is a problem.
+// Prints a line for each; returns an Error without a message (status 69) if one is a problem.
 Expected<void> print_findings(const std::vector<Finding>& findings);
 
 }  // namespace rayloc::cli

@@ -1,4 +1,4 @@
-// `rayloc frames`: the CSI frames of recordings, a line each.
+// `rayloc frames`: prints the CSI frames of recordings, one per line.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -36,7 +36,7 @@ struct FramesOptions {
   bool quiet = false;
 };
 
-// What became of all datagrams: datagrams = decoded + sum(rejected).
+// Outcome of all datagrams: datagrams = decoded + sum(rejected).
 struct Summary {
   std::uint64_t datagrams = 0;
   std::uint64_t decoded = 0;
@@ -44,7 +44,7 @@ struct Summary {
   std::uint64_t late = 0;
   std::uint64_t frames = 0;
   std::uint64_t partial = 0;
-  std::uint64_t unrecorded = 0;  // as marks of gaps in the recordings say; no part of datagrams
+  std::uint64_t unrecorded = 0;  // from gap marks in the recordings; not part of datagrams
   std::map<std::string, std::uint64_t> rejected;
 
   void add(const SourceCounters& source, const CsiReceiverCounters& receiver) {
@@ -190,13 +190,13 @@ Expected<void> print_frames(const std::vector<CsiFrame>& frames,
       return printed;
     }
   }
-  if (std::fflush(out) != 0) {  // for whoever reads along
+  if (std::fflush(out) != 0) {  // for a concurrent reader of the output
     return make_error(ErrorKind::kUnavailable, "the output cannot be written");
   }
   return {};
 }
 
-// What an .npz is made of, once all is read.
+// Content of an .npz, complete once all frames are read.
 struct Collected {
   std::vector<CsiFrame> frames;
   std::vector<std::string> access_points;

@@ -1,5 +1,5 @@
-// `rayloc keygen FILE`: makes a pair of keys, of CURVE or for NATS: the secret one into FILE, which
-// only its owner may read, the public one on standard output.
+// `rayloc keygen FILE`: makes a key pair for CURVE or NATS: the secret key goes to FILE, readable
+// by its owner only, the public key to standard output.
 #include <cstdio>
 #include <memory>
 #include <string>

@@ -1,4 +1,4 @@
-// `rayloc`: the command line. Data goes to stdout, words for people to stderr.
+// `rayloc`: the command line. Data goes to stdout, messages for people to stderr.
 #include <cstdio>
 #include <exception>
 #include <memory>

@@ -17,7 +17,7 @@ std::string help_of_baselines() {
     if (!method->baseline_settings.empty()) {
       help += "\n" + std::string(method->name) + ":\n" +
               baseline_settings_help(method->baseline_settings);
-      help.pop_back();  // the end of its last line
+      help.pop_back();  // line break at the end
     }
   }
   return help;

@@ -1,4 +1,4 @@
-// What the command line says to a method of localization: which one, and its settings.
+// Command-line options that select a localization method and its settings.
 #pragma once
 
 #include <cstddef>
@@ -21,15 +21,15 @@ struct MethodArguments {
   std::size_t starts = 1;
   std::vector<std::string> paper;     // KEY=VALUE
   std::vector<std::string> baseline;  // KEY=VALUE
-  std::string start;                  // "X,Y"; empty: none is told
+  std::string start;                  // "X,Y"; empty: no start
   bool exhaustive = false;            // MethodOptions::is_exhaustive
 };
 
-// The options --method, --likelihood, --seed, --multi-start, --paper, --baseline, --start and
-// --exhaustive. `options` outlives the parser.
+// Adds the options --method, --likelihood, --seed, --multi-start, --paper, --baseline, --start and
+// --exhaustive. `options` must outlive the parser.
 void add_method_options(OptionParser& app, MethodArguments& options);
 
-// Those of another method than the one that is named are refused (kUsage).
+// Options that belong to another than the selected method are refused (kUsage).
 Expected<MethodOptions> method_options(const MethodArguments& options);
 
 }  // namespace rayloc::cli

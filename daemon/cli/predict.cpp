@@ -1,4 +1,4 @@
-// `rayloc predict`: how well devices would be found in a room, before access points hang in it.
+// `rayloc predict`: expected localization accuracy in a room before access points are mounted.
 #include <unistd.h>
 
 #include <algorithm>
@@ -23,9 +23,9 @@
 namespace rayloc::cli {
 namespace {
 
-constexpr std::size_t kMostLookAlikes = 5;  // a count, chosen: what somebody reads
-constexpr double kMinSpotStep = 0.4;        // [m], chosen: places nearer tell no more
-constexpr double kUsualPlaces = 60.0;       // a count, chosen: 180 bursts, so shares to 4 %
+constexpr std::size_t kMostLookAlikes = 5;  // count, chosen: as many as a person reads
+constexpr double kMinSpotStep = 0.4;        // [m], chosen: a finer grid adds no information
+constexpr double kUsualPlaces = 60.0;       // count, chosen: 180 bursts, so shares to 4 %
 constexpr double kCentimetre = 0.01;        // [m]
 
 struct PredictArguments {
@@ -33,7 +33,7 @@ struct PredictArguments {
   PlannedRoomOptions plan;
   double spacing_cm = 0.0;
   PredictionOptions options;
-  double step = 0.0;  // [m]; 0: about kUsualPlaces places
+  double step = 0.0;  // [m]; 0: for about kUsualPlaces places
   std::size_t devices = 1;
   double rate = 50.0;
   double burst = 0.2;
@@ -43,7 +43,7 @@ struct PredictArguments {
   bool quiet = false;
 };
 
-// A line on a terminal that says how far it is.
+// A terminal line with the progress.
 class Progress {
  public:
   explicit Progress(bool quiet) : silent_(quiet || isatty(STDERR_FILENO) == 0) {}
@@ -125,7 +125,7 @@ void print_proposals(const std::vector<Proposal>& found) {
   }
 }
 
-// Frames that are left of an access point's for one device in a burst.
+// Frames per burst that one access point receives from one device.
 std::size_t frames_of(const PredictArguments& arguments) {
   const double share = arguments.rate * arguments.burst / static_cast<double>(arguments.devices);
   return static_cast<std::size_t>(std::max(1.0, std::floor(share)));

@@ -1,5 +1,5 @@
-// rayloc record: what arrives at a UDP port, passes an interface or comes another way, into a pcap
-// file.
+// `rayloc record`: writes the datagrams of a UDP port,
+// an interface or another source to a pcap file.
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
@@ -62,7 +62,7 @@ Expected<std::unique_ptr<DatagramSource>> open_source(const RecordArguments& arg
   return source;
 }
 
-// Says that datagrams could not be written: at once, then every ten seconds while it lasts.
+// Reports that datagrams could not be written: at once, then every ten seconds meanwhile.
 class WriteErrors {
  public:
   void report(const Error& error) {
@@ -77,7 +77,7 @@ class WriteErrors {
   std::optional<RecordingClock::time_point> reported_;
 };
 
-// An Error of the source ends the recording; one of the file does not: there may be room again.
+// An Error of the source ends the recording; one of the file does not: space may become free.
 Expected<void> record(DatagramSource& source,
                       DatagramSink& recorder,
                       const RecordArguments& arguments) {
@@ -118,7 +118,7 @@ void report_recorded(const DatagramSource& source, const DatagramSink& recorder)
   summary["kernel_drops"] = from.kernel_drops;
   summary["recorded"] = to.delivered;
   summary["lost"] = to.lost();
-  // Came in one batch with the last one that --count asked for.
+  // Datagrams of the last batch beyond --count.
   summary["surplus"] = from.delivered - to.given;
   summary["file_bytes"] = to.bytes;
   nlohmann::ordered_json line;

@@ -1,5 +1,5 @@
-// `rayloc reference`: the empty room as the links of the fixed transmitters hear it, and what a
-// person does to them.
+// `rayloc reference`: records the empty room on the links of the
+// fixed transmitters, and the effect of a person on these links.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -34,11 +34,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// By how much the clocks of access points and of the survey may differ.
+// Largest difference between the clocks of access points and survey.
 constexpr Duration kReferenceClockSlack = std::chrono::milliseconds(20);
-// Frames of the empty room that are averaged for each access point.
+// Number of frames of the empty room averaged for each access point.
 constexpr std::size_t kMostEmptyFrames = 1024;
-// Of its power, that the channel of an empty room may change by within its recording.
+// Largest change of the channel of an empty room within its recording, as a share of its power.
 constexpr double kMostChange = 0.02;
 
 struct ReferenceOptions {
@@ -54,7 +54,7 @@ struct ReferenceOptions {
   bool quiet = false;
 };
 
-// A run of the verb.
+// One run of the verb.
 class Reference {
  public:
   explicit Reference(const ReferenceOptions& options) : options_(options) {}
@@ -80,19 +80,19 @@ class Reference {
 
   const ReferenceOptions& options_;
   Site site_;
-  RoomModel room_;         // of today
-  RoomModel people_room_;  // of the day of the people: other chain gains
+  RoomModel room_;         // today's room
+  RoomModel people_room_;  // room when people were recorded, with other chain gains
   Frames empty_;
   Frames people_empty_;
   Frames people_;
-  std::vector<HeardDays> heard_;  // of each reference, of people of another day
+  std::vector<HeardDays> heard_;  // by reference, if people were recorded on another day
   std::vector<DayChange> changes_;
   std::vector<SurveyPoint> points_;
   std::vector<PersonReference> references_;
   std::size_t spots_ = 0;
   ContentHash content_;
   std::vector<RefusedInput> refused_;
-  std::vector<std::string> notes_;  // of the recordings
+  std::vector<std::string> notes_;  // from the recordings
 };
 
 Expected<Reference::Frames> Reference::read_captures(const std::vector<std::string>& arguments) {
@@ -254,7 +254,7 @@ Expected<void> Reference::learn_empty_room() {
   return {};
 }
 
-// The references are those of the day of the people until all is learned.
+// The references are those of the day of the people until all values are learned.
 Expected<void> Reference::learn_two_days() {
   std::vector<MacAddress> macs;
   for (const auto& [mac, frames] : empty_) {
@@ -333,7 +333,7 @@ std::vector<PersonSpot> Reference::spots_of(const PersonReference& reference,
   return spots;
 }
 
-// The person is one, whatever the transmitter: fitted with the first that hears people.
+// One person model serves all transmitters: fitted with the first that has data of people.
 Expected<void> Reference::learn_person() {
   for (PersonReference& reference : references_) {
     const auto frames = people_.find(reference.mac);
@@ -363,7 +363,7 @@ Expected<void> Reference::learn_person() {
   return {};
 }
 
-// As it is, or with the gains of chains that have turned since.
+// The calibration unchanged, or with the new gains of chains whose phases have changed since.
 Expected<std::string> Reference::calibration_text() {
   const bool is_turned = std::any_of(changes_.begin(), changes_.end(), [](const DayChange& one) {
     return one.is_turned && one.is_today_turned;
@@ -412,7 +412,7 @@ Expected<void> Reference::write() {
   if (auto written = write_site(site, *calibration, out); !written) {
     return written;
   }
-  for (const char* name : {"report.json", "report.html"}) {  // of the calibration
+  for (const char* name : {"report.json", "report.html"}) {  // reports of the calibration
     if (const auto report = read_file(site_.calibration_file->parent_path() / name)) {
       if (auto written = write_file(out / name, *report); !written) {
         return written;

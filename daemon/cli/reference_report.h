@@ -1,4 +1,4 @@
-// What `rayloc reference` says on standard error of what it learned.
+// Summary of `rayloc reference` on standard error.
 #pragma once
 
 #include <cstddef>
@@ -16,10 +16,10 @@ namespace rayloc::cli {
 struct ReferenceReport {
   const Site& site;
   const RoomModel& room;
-  const std::vector<DayChange>& changes;  // since people were recorded on another day
+  const std::vector<DayChange>& changes;  // since the other day on which people were recorded
   const std::vector<PersonReference>& references;
-  std::size_t spots = 0;                  // that the person was fitted to
-  const std::vector<std::string>& notes;  // of the recordings
+  std::size_t spots = 0;                  // points of the person fit
+  const std::vector<std::string>& notes;  // from the recordings
   const std::vector<RefusedInput>& refused;
 };
 

@@ -1,4 +1,4 @@
-// `rayloc replay`: a recording through exactly the pipeline that raylocd runs.
+// `rayloc replay`: runs a recording through the same pipeline as raylocd.
 #include <cstdint>
 #include <cstdio>
 #include <initializer_list>
@@ -41,18 +41,18 @@
 namespace rayloc::cli {
 namespace {
 
-// Frames of a burst at an access point, a count: more than any access point sends in it.
+// Frame limit of a burst at an access point: above the number that any access point sends in it.
 constexpr std::size_t kEveryFrame = 4096;
 
 struct Options : EstimatorArguments {
   std::string site;
   std::vector<std::string> captures;
   MethodArguments method;
-  std::string stream;    // address of a broker; empty: of captures
-  BrokerOptions broker;  // how it lets us in
+  std::string stream;    // address of a broker; empty: use the captures
+  BrokerOptions broker;  // credentials for the broker
   bool uninterrupted = false;
   bool fill = false;
-  std::string stream_site;  // what it is called there; empty: as in site.toml
+  std::string stream_site;  // its name there; empty: as in site.toml
   std::string burst = "0.2s";
   std::string speed = "max";
   double max_gap = to_seconds(kMaxGap);
@@ -60,15 +60,15 @@ struct Options : EstimatorArguments {
   std::string out = "-";
   std::string zone_events;  // file; empty: not written
   int threads = 0;
-  std::optional<double> height_sigma;  // [m]; nothing: those of the site
+  std::optional<double> height_sigma;  // [m]; empty: the site's values
   WarmReplayArguments warm;
 };
 
-// What the pipeline reads, and who can tell of it at the end: the pipeline owns them.
+// The recordings of a replay, with pointers for the final report: the pipeline owns the sources.
 struct ReplayRecordings {
   std::vector<SourceWorker::Input> inputs;
-  std::vector<const RecordedSource*> sources;  // of the inputs, in their order
-  std::vector<int> access_points;              // of the inputs, indices in the site
+  std::vector<const RecordedSource*> sources;  // in the order of the inputs
+  std::vector<int> access_points;              // by input, index in the site
 };
 
 Expected<ReplayRecordings> open_captures(const Options& options,
@@ -112,7 +112,7 @@ Expected<ReplayRecordings> open_captures(const Options& options,
   return all;
 }
 
-// Messages of our own always have a JSON form.
+// Our own messages always have a JSON form.
 void write(const google::protobuf::Message& message, const std::string& format, OutputFile& out) {
   if (format == "pb") {
     std::string bytes;
@@ -136,7 +136,7 @@ Expected<void> check_targets(const Method& method, const std::string& kind) {
   return {};
 }
 
-// Writes what is carried beside what is said.
+// Writes carried records beside published messages.
 class ReplaySink : public OrderedSink {
  public:
   using OrderedSink::OrderedSink;
@@ -151,7 +151,7 @@ class ReplaySink : public OrderedSink {
   OutputFile* carried_ = nullptr;
 };
 
-// Nothing where there is no name.
+// Returns empty if the file has no name.
 Expected<std::optional<OutputFile>> open_optional(const std::string& file) {
   if (file.empty()) {
     return std::optional<OutputFile>();
@@ -218,12 +218,12 @@ Expected<void> write_estimates(const Options& options,
   return reported;
 }
 
-// What the site lacks to locate what is asked for, by the access points that were recorded.
+// Reports missing parts of the site for the requested kind, by recorded access points.
 void report_lacks(const Options& options,
                   const Site& site,
                   const Estimators& estimators,
                   const std::vector<int>& heard) {
-  if (options.quiet || !estimators.devices) {  // of people alone each estimate says so
+  if (options.quiet || !estimators.devices) {  // with people only, each estimate reports it
     return;
   }
   const SiteLacks lacks = site_lacks(site, estimators.devices->room(), heard);
@@ -232,7 +232,7 @@ void report_lacks(const Options& options,
   }
 }
 
-// Of all devices, also of those that state their own.
+// Sets it for all devices, including those that state their own.
 void assume_height_sigma(double sigma, Site& site) {
   site.targets.height_sigma = sigma;
   for (SiteTransmitter& transmitter : site.transmitters) {
@@ -250,7 +250,7 @@ PipelineOptions pipeline_options(const Method& method, Duration burst) {
   return options;
 }
 
-// One owner of the site after the other, each with estimators of its own.
+// Replays the owners of a site one after the other, each with estimators of its own.
 Expected<void> run_stream(const Options& options,
                           const Site& site,
                           const MethodOptions& told,
@@ -308,7 +308,7 @@ Expected<void> run_stream(const Options& options,
   return replayed;
 }
 
-// As it is called in the cluster, and with the heights that were told.
+// The site under its name in the cluster, with the heights of the command line.
 Expected<Site> site_of(const Options& options) {
   Expected<Site> site = load_site(options.site);
   if (site && !options.stream_site.empty()) {
@@ -355,7 +355,7 @@ Expected<void> run_replay(const Options& options) {
   if (!site) {
     return tl::make_unexpected(site.error());
   }
-  // Of the engine's parallel loops; the results are the same for any number.
+  // Applies to the engine's parallel loops; the results are the same for any number.
   const oneapi::tbb::global_control threads(
       oneapi::tbb::global_control::max_allowed_parallelism,
       static_cast<std::size_t>(options.threads > 0 ? options.threads

@@ -12,7 +12,7 @@
 namespace rayloc::cli {
 namespace {
 
-constexpr std::chrono::seconds kReplayBrokerTimeout{3};  // until the broker answers
+constexpr std::chrono::seconds kReplayBrokerTimeout{3};  // for an answer of the broker
 
 Expected<void> replay_history(Broker& broker, const StreamReplay& replay, bool quiet) {
   const auto report = replay_fill(broker, replay);

@@ -1,4 +1,4 @@
-// `rayloc replay --stream`: connects, and says what came of it.
+// `rayloc replay --stream`: connects and reports the comparison.
 #pragma once
 
 #include "daemon/cluster/broker.h"
@@ -7,8 +7,8 @@
 
 namespace rayloc::cli {
 
-// An Error where something differs from what was published.
-// `fill`: instead, what an outage kept from the stream.
+// Returns an Error if a result differs from the published one.
+// `fill`: instead publishes what an outage kept from the stream.
 Expected<void> replay_cluster(const BrokerOptions& server,
                               const StreamReplay& replay,
                               bool fill,

@@ -10,7 +10,7 @@
 namespace rayloc::cli {
 namespace {
 
-// Nothing where they are not to be kept, or nobody knows where.
+// Returns nullptr if grids are not to be kept, or if there is no folder for them.
 std::shared_ptr<PathGridStore> path_grids(const EstimatorArguments& options) {
   const auto directory = options.no_cache ? std::nullopt : cache_directory();
   if (!directory) {
@@ -69,7 +69,7 @@ Expected<Estimators> make_estimators(const EstimatorArguments& options,
     estimators.devices = *std::move(devices);
     estimators.all.add(*estimators.devices);
   }
-  // Without a reference nobody can be seen; who asks for people alone is told so.
+  // Without a reference no person can be located; a request for people alone gets that error.
   if (options.kind == "person" || estimators.devices == nullptr ||
       (options.kind == "all" && method.create_person != nullptr && site.reference_file)) {
     PersonEstimator::Options estimation;

@@ -1,4 +1,4 @@
-// The estimators of `rayloc replay`, and what a person may say of them.
+// The estimators of `rayloc replay` and their command-line options.
 #pragma once
 
 #include <memory>
@@ -15,7 +15,7 @@ namespace rayloc::cli {
 
 struct EstimatorArguments {
   std::string kind = "all";
-  std::string target_key;  // file; empty: devices are called by their addresses
+  std::string target_key;  // file; empty: devices are named by their addresses
   double target_rotate_h = 24.0;
   ChainKeeper::Options chains;
   std::string snapshots = "always";
@@ -23,7 +23,7 @@ struct EstimatorArguments {
   bool quiet = false;
 };
 
-// Of the kinds of targets that are asked for.
+// Estimators of the requested kinds of targets.
 struct Estimators {
   std::unique_ptr<DeviceEstimator> devices;
   std::unique_ptr<PersonEstimator> people;

@@ -1,4 +1,4 @@
-// `rayloc scene check|import|map|room|show`: scenes inspected, made and drawn.
+// `rayloc scene check|import|map|room|show`: inspects, makes and draws scenes.
 #include <array>
 #include <utility>
 #include <vector>

@@ -1,4 +1,4 @@
-// `rayloc scene check`: what a scene consists of, and what about it is probably a mistake.
+// `rayloc scene check`: prints the contents of a scene and its probable errors.
 #include <array>
 #include <cstdio>
 #include <memory>
@@ -68,7 +68,7 @@ std::string report_json(const SceneSource& source, const SceneReport& report) {
   for (const SceneWarning& error : report.errors) {
     json["errors"].push_back({{"kind", error.kind}, {"message", error.message}});
   }
-  // Names come from the scene file: what is not UTF-8 is replaced.
+  // Names come from the scene file: invalid UTF-8 is replaced.
   return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

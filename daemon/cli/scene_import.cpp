@@ -1,5 +1,5 @@
-// `rayloc scene import`: a scene, and the site around it, from a drawing or scan of another
-// program.
+// `rayloc scene import`: makes a scene, and the site
+// around it, from a drawing or scan of another program.
 #include <algorithm>
 #include <array>
 #include <cstdio>
@@ -69,14 +69,14 @@ Expected<ImportOptions> import_options(const SceneImportArguments& arguments) {
                         "--scale says how large a drawing on paper is, --unit what a unit of the "
                         "file is; write one of them");
     }
-    constexpr double kMost = 1000.0;  // of plans of a site
+    constexpr double kMost = 1000.0;  // scale of site plans
     if (!(*arguments.scale >= 1.0 && *arguments.scale <= kMost)) {
       return make_error(ErrorKind::kUsage, "--scale: write 50 for 1:50, from 1 to 1000");
     }
     options.units.scale = *arguments.scale;
   }
   if (arguments.height) {
-    constexpr double kMost = 20.0;  // [m], of a hall
+    constexpr double kMost = 20.0;  // [m], height of a hall
     if (!(*arguments.height > kHead && *arguments.height <= kMost)) {
       return make_error(ErrorKind::kUsage,
                         "--height: write metres, above 2.1 (the top of windows) and up to 20");

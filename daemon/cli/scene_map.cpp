@@ -1,4 +1,4 @@
-// `rayloc scene map`: how access points are heard over a room, before anything is measured.
+// `rayloc scene map`: maps received power and coverage over a room before any measurement.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -27,10 +27,10 @@
 namespace rayloc::cli {
 namespace {
 
-constexpr double kUsualCells = 10'000.0;       // a count, chosen: what a picture shows
-constexpr std::size_t kMostCells = 4'000'000;  // a count, chosen: a gibibyte of memory at most
-constexpr double kMinCellStep = 0.05;          // [m], chosen: without phases nothing is finer
-constexpr double kUsualMapHeight = 1.2;        // [m], of a device where no site states one
+constexpr double kUsualCells = 10'000.0;       // count, chosen: resolution of a picture
+constexpr std::size_t kMostCells = 4'000'000;  // count, chosen: at most a gibibyte of memory
+constexpr double kMinCellStep = 0.05;          // [m], chosen: finer cells add nothing (no phases)
+constexpr double kUsualMapHeight = 1.2;        // [m], device height if no site states one
 
 struct SceneMapArguments {
   std::string scene;
@@ -38,7 +38,7 @@ struct SceneMapArguments {
   std::vector<std::string> access_points;
   std::vector<std::string> antennas;  // X,Y,Z
   std::optional<double> height;
-  double step = 0.0;  // [m]; 0: about kUsualCells
+  double step = 0.0;  // [m]; 0: for about kUsualCells
   TraceOptions options;
   std::string out;
   bool force = false;
@@ -67,7 +67,7 @@ Expected<NamedArray> antenna_at(const std::string& text, std::size_t number) {
   return one;
 }
 
-// The access points of the site that are asked for, and antennas that hang nowhere yet.
+// The selected access points of the site, and antennas that are not mounted yet.
 Expected<std::vector<NamedArray>> arrays_of(const SceneMapArguments& arguments,
                                             const SceneSource& source) {
   std::vector<NamedArray> arrays;

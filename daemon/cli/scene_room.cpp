@@ -1,4 +1,4 @@
-// `rayloc scene room`: a scene, and the site around it, from a plan of a few lines.
+// `rayloc scene room`: makes a scene, and the site around it, from a plan of a few lines.
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -16,7 +16,7 @@
 namespace rayloc::cli {
 namespace {
 
-// What the smallest plan looks like; the whole of it is in daemon/scene/room_plan.h.
+// The smallest plan; the complete format is in daemon/scene/room_plan.h.
 constexpr const char* kExample = R"(Example:
   rayloc scene room office.toml --out office
   rayloc scene check office/scene.xml

@@ -1,4 +1,4 @@
-// `rayloc scene show`: a picture of a scene, its antennas, and the paths of a link.
+// `rayloc scene show`: draws a scene, its antennas, and the paths of a link.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -31,7 +31,7 @@ struct SceneShowArguments {
   std::string view = "plan";
 };
 
-// Before anything is traced.
+// Checked before anything is traced.
 Expected<void> check_ending(const std::string& file) {
   if (!file.ends_with(".svg") && !file.ends_with(".png")) {
     return make_error(ErrorKind::kUsage,
@@ -58,7 +58,7 @@ std::vector<draw::Mark> marks_of(const SceneSource& source) {
   return marks;
 }
 
-// Where the other end of a link is when only one is given: the middle antenna of an access point.
+// The other end of a link if only one is given: the middle antenna of an access point.
 Expected<Vec3d> access_point_of(const SceneSource& source, const std::string& id) {
   if (!source.site) {
     return make_error(ErrorKind::kUsage,
@@ -79,7 +79,7 @@ Expected<Vec3d> access_point_of(const SceneSource& source, const std::string& id
 
 std::string text_of(const Vec3d& v) { return fmt::format("{},{},{}", v.x, v.y, v.z); }
 
-// The link that is asked for; nothing when only the scene is.
+// The requested link; empty if only the scene is requested.
 Expected<std::optional<Link>> link_of(const SceneShowArguments& arguments,
                                       const SceneSource& source) {
   LinkArguments wanted = arguments.link;
@@ -118,7 +118,7 @@ std::vector<draw::DrawnPath> drawn_paths(const Paths& paths, const Link& link) {
   return drawn;
 }
 
-// Keeps what lies within `range` of the strongest path and says so.
+// Keeps the paths within `range` of the strongest one and reports their number.
 void add_paths(const SceneShowArguments& arguments,
                const Link& link,
                const SceneSource& source,

@@ -1,5 +1,5 @@
-// rayloc send: a recording's datagrams, to a UDP port or another sink, as the access point would
-// send them.
+// `rayloc send`: sends a recording's datagrams to a
+// UDP port or another sink, as the access point would.
 #include <sys/prctl.h>
 
 #include <algorithm>
@@ -32,7 +32,7 @@ struct SendArguments {
   std::vector<std::string> files;
   std::vector<std::string> destinations;
   std::string speed = "1";
-  std::optional<double> rate;      // datagrams per second, whatever the recording says
+  std::optional<double> rate;      // datagrams per second, instead of the recorded times
   std::optional<double> duration;  // seconds
   double max_gap = to_seconds(kMaxGap);
 };
@@ -53,7 +53,7 @@ void sleep_until(Duration monotonic) {
   }
 }
 
-// A sequence of files is one recording; so is what else a transport keeps.
+// A sequence of files is one recording; so is the content of other transports.
 Expected<std::unique_ptr<DatagramSource>> open_recording(const std::vector<std::string>& texts,
                                                          const SourceOptions& options) {
   std::vector<std::string> files;
@@ -81,12 +81,12 @@ Expected<std::unique_ptr<DatagramSource>> open_recording(const std::vector<std::
   return as_transport<DatagramSource>(RecordedSource::open(files, pcap));
 }
 
-// As the access point would send it: now.
+// The datagram as the access point would send it now.
 Datagram sent_now(const DatagramAddress& address, std::span<const std::byte> payload) {
   return {std::chrono::system_clock::now(), address, payload};
 }
 
-// Several recordings as one, in order of time.
+// Merges several recordings in order of time.
 class SentRecordings {
  public:
   static Expected<SentRecordings> open(const std::vector<RecordingArgument>& recordings,
@@ -129,7 +129,7 @@ class SentRecordings {
     return earliest;
   }
 
-  // What was rejected while reading, by reason.
+  // Datagrams rejected while reading, by reason.
   std::map<std::string, std::uint64_t> rejected() const {
     std::map<std::string, std::uint64_t> all;
     for (const File& file : files_) {
@@ -157,7 +157,7 @@ class SentRecordings {
     const Datagram* front() const {
       return next < batch.datagrams.size() ? &batch.datagrams[next] : nullptr;
     }
-    // Waits where a pipe has nothing yet.
+    // Waits while a pipe has no data.
     Expected<void> fill() {
       while (front() == nullptr && !batch.ended && !StopSignal::requested()) {
         if (auto read = source->read(batch, std::chrono::milliseconds(200)); !read) {
@@ -172,13 +172,13 @@ class SentRecordings {
   File* last_ = nullptr;
 };
 
-// The pace, and how well it was kept.
+// Result of the paced sending and its delays.
 struct Outcome {
   Duration elapsed{};
-  Duration latest{};  // by how much the latest datagram was late
+  Duration latest{};  // largest delay of a datagram
 };
 
-// What scripts read: one JSON object when sending begins, one at the end.
+// Prints data for scripts: one JSON object when sending begins, one at the end.
 void print_json_line(const nlohmann::ordered_json& line) {
   std::printf("%s\n", line.dump().c_str());
   std::fflush(stdout);
@@ -198,7 +198,7 @@ void announce(std::optional<Duration> time_offset, const SendArguments& argument
   print_json_line(line);
 }
 
-// A gap that is not waited for: what comes behind it arrives that much sooner.
+// Announces a skipped gap: the datagrams behind it are sent earlier by that much.
 void announce_skipped(Duration gap, Duration skipped, std::optional<Duration> time_offset) {
   nlohmann::ordered_json line;
   line["event"] = "gap";
@@ -216,13 +216,13 @@ void announce_skipped(Duration gap, Duration skipped, std::optional<Duration> ti
                to_seconds(gap - skipped));
 }
 
-// Each datagram at the recording's time, divided by the speed (infinite: at once), without what is
-// skipped of gaps.
+// Sends each datagram at the recording's time divided by the
+// speed (infinite: at once), without the skipped parts of gaps.
 Expected<Outcome> send_paced(SentRecordings& recordings,
                              SinkQueue& sender,
                              const SendArguments& arguments,
                              double speed) {
-  // Time to get going, so that the first datagram is not late.
+  // Lead time, so that the first datagram is not late.
   constexpr Duration kLead = std::chrono::milliseconds(20);
   const Duration max_gap = from_seconds(arguments.max_gap);
   auto next = recordings.next();
@@ -230,7 +230,7 @@ Expected<Outcome> send_paced(SentRecordings& recordings,
   Timestamp first = next && next->datagram != nullptr ? next->datagram->time : Timestamp{};
   Timestamp latest = first;
   const Timestamp wall = std::chrono::system_clock::now() + kLead;
-  // At another speed no single offset tells where a datagram of the recording arrived.
+  // At another speed no single offset converts recorded times to arrival times.
   announce(speed == 1.0 ? std::optional<Duration>(wall - first) : std::nullopt, arguments);
   Outcome outcome;
   const Duration end =
@@ -295,14 +295,14 @@ Expected<std::vector<KeptDatagram>> keep_all(SentRecordings& recordings) {
   return all;
 }
 
-// So many datagrams a second, the recording over and over until the duration is over (once when
-// there is none). Counts what is due since the beginning: no error adds up.
+// Sends that many datagrams a second and repeats the recording until the duration ends (once
+// without a duration). It counts datagrams due since the beginning: errors do not add up.
 Expected<Outcome> send_at_rate(SentRecordings& recordings,
                                SinkQueue& sender,
                                const SendArguments& arguments) {
-  // How long datagrams may wait to leave together.
+  // Longest time that datagrams may wait to leave together.
   constexpr Duration kTick = std::chrono::milliseconds(1);
-  // A machine that cannot keep the rate does not go on sending much longer than it was told.
+  // A machine that cannot keep the rate does not send much longer than the requested duration.
   constexpr Duration kGrace = std::chrono::milliseconds(100);
   auto kept = keep_all(recordings);
   if (!kept) {
@@ -329,7 +329,7 @@ Expected<Outcome> send_at_rate(SentRecordings& recordings,
     if (due > sent) {
       outcome.latest = std::max(outcome.latest, elapsed - time_of(sent));
     }
-    // In batches, so that a signal or the end of the time is seen when far behind.
+    // Sends in batches, so that a signal or the end of the time is noticed when far behind.
     for (std::size_t i = 0; i < SinkQueue::kBatch && sent < due; ++i, ++sent) {
       const KeptDatagram& one = (*kept)[sent % kept->size()];
       if (auto queued = sender.queue(one.file, sent_now(one.address, one.payload)); !queued) {
@@ -419,7 +419,7 @@ Expected<void> run_send(const SendArguments& arguments) {
   }
   SinkQueue sender(std::move(sinks));
   StopSignal::install();
-  prctl(PR_SET_TIMERSLACK, 1);  // wake up when asked, not 50 us later
+  prctl(PR_SET_TIMERSLACK, 1);  // wake up on time, not 50 us later
   auto outcome = arguments.rate ? send_at_rate(*recordings, sender, arguments)
                                 : send_paced(*recordings, sender, arguments, *speed);
   if (!outcome) {

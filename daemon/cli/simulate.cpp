@@ -1,4 +1,4 @@
-// rayloc simulate: what the access points of a site would record of a device on given points.
+// `rayloc simulate`: simulates recordings of a site's access points for a device at given points.
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
@@ -57,8 +57,8 @@ Expected<SecondDay> read_second_day(const std::string& argument) {
   return argument == "default" ? default_second_day() : load_second_day(argument);
 }
 
-// One of the site's by its address or name, or another address with the antenna of a device; the
-// site's first device unless told.
+// Finds a transmitter of the site by address or name, or makes one of another address with a
+// device's antenna; default: the site's first device.
 Expected<SiteTransmitter> find_sender(const Site& site, const std::string& wanted) {
   SiteTransmitter sender;
   sender.mac = {{0x02, 0x52, 0x4c, 0x00, 0x00, 0x01}};
@@ -81,16 +81,16 @@ Expected<SiteTransmitter> find_sender(const Site& site, const std::string& wante
   return sender;
 }
 
-// What is simulated, all of it read and checked.
+// All inputs of the simulation, read and checked.
 struct Simulation {
-  std::vector<RadioChannel> channels;  // that the device hops over; empty: the site's
-  std::vector<RoomModel> rooms;        // of each, of the site's channel without
+  std::vector<RadioChannel> channels;  // hop channels of the device; empty: the site's
+  std::vector<RoomModel> rooms;        // by channel; of the site's channel if empty
   bool is_walk = false;
   std::vector<SimulatedSpot> spots;
   std::vector<CaptureArgument> outputs;
   CaptureOptions options;
   std::optional<SecondDay> day;
-  LivedInRoom lived;  // on that day
+  LivedInRoom lived;  // on the simulated day
 };
 
 Expected<void> read_spots(const SimulateArguments& arguments,
@@ -146,14 +146,14 @@ Expected<void> read_spots(const SimulateArguments& arguments,
   return {};
 }
 
-// What the hands of people and a night did to the room that is simulated.
+// Applies displaced objects and a night's changes to the simulated room.
 Expected<void> live(const SimulateArguments& arguments, Simulation& simulation) {
   if (!arguments.second_day.empty()) {
     const auto day = read_second_day(arguments.second_day);
     if (!day) {
       return tl::make_unexpected(day.error());
     }
-    for (RoomModel& room : simulation.rooms) {  // by one seed: the same things are moved
+    for (RoomModel& room : simulation.rooms) {  // the same seed moves the same objects
       auto lived = live_in(room, *day, simulation.options.seed);
       if (!lived) {
         return tl::make_unexpected(std::move(lived.error()));
@@ -171,7 +171,7 @@ Expected<void> live(const SimulateArguments& arguments, Simulation& simulation) 
                         arguments.points);
 }
 
-// Nothing where the site's channel is the only one.
+// Returns empty if the site's channel is the only one.
 Expected<std::vector<RadioChannel>> read_channels(const std::string& argument, const Site& site) {
   if (argument.empty()) {
     return std::vector<RadioChannel>();
@@ -185,7 +185,7 @@ Expected<std::vector<RadioChannel>> read_channels(const std::string& argument, c
   return channels;
 }
 
-// The room on each channel.
+// Builds the room on each channel.
 Expected<void> read_rooms(const SimulateArguments& arguments,
                           const Site& site,
                           Simulation& simulation) {
@@ -256,7 +256,7 @@ Expected<Simulation> prepare(const SimulateArguments& arguments) {
 
 Expected<PcapRecorder> create(const std::string& file, bool force) {
   if (force) {
-    std::error_code ignored;  // what is in the way is told by create()
+    std::error_code ignored;  // create() reports an existing file
     std::filesystem::remove(file, ignored);
   }
   return PcapRecorder::create(file);
@@ -366,7 +366,7 @@ Expected<void> run_simulate(const SimulateArguments& arguments) {
   return {};
 }
 
-// A room that people live in.
+// Declares the options of a lived-in room.
 void declare_life(OptionParser& app, SimulateArguments& arguments, ParserOption* person) {
   app.add_option("--height-sigma",
                  arguments.handling.height_sigma,

@@ -1,4 +1,4 @@
-// Whether raylocd would locate with a site: what `rayloc check-config` says of its folder.
+// Checks that raylocd would locate with a site: the site part of `rayloc check-config`.
 #pragma once
 
 #include <filesystem>
@@ -8,7 +8,7 @@
 
 namespace rayloc::cli {
 
-// In words what is good; what it lacks is printed. An Error names each thing that is wrong.
+// Returns the good findings as text and prints what is missing. An Error names each problem.
 Expected<std::string> check_site(const std::filesystem::path& folder);
 
 }  // namespace rayloc::cli

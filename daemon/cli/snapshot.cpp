@@ -1,4 +1,4 @@
-// `rayloc snapshot`: has a running raylocd write what it received in the last half a minute.
+// `rayloc snapshot`: makes a running raylocd write the data received in the last half a minute.
 #include <memory>
 
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-// `rayloc status`: how a running raylocd is: readiness, sources, estimates, losses.
+// `rayloc status`: state of a running raylocd: readiness, sources, estimates, losses.
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
@@ -34,10 +34,10 @@ std::string lower_tail(const std::string& name, std::size_t prefix) {
   return text;
 }
 
-// Of JSON's "0.023330128s".
+// Parses JSON's "0.023330128s".
 double seconds_of(const std::string& duration) { return std::strtod(duration.c_str(), nullptr); }
 
-// When the last datagram came; a recording's came long ago, whenever that was.
+// Time of the last datagram; a recording's datagrams came long ago, at any time.
 std::string last_of(const StatusJson& source) {
   if (source.contains("age")) {
     return age_text(seconds_of(source.at("age").get<std::string>())) + " ago";
@@ -70,7 +70,7 @@ void print_source(const StatusJson& source) {
       last_of(source));
 }
 
-// How many are followed now: people where they are looked for, with a measured empty room.
+// Number of tracks; people are included if the site locates them with a measured empty room.
 std::string tracks_of(const StatusJson& status) {
   std::string text = fmt::format("{} tracks of devices",
                                  count_of(status.value("tracker", StatusJson::object()), "tracks"));
@@ -86,7 +86,7 @@ std::string to_the_second(const std::string& time) {
   return point == std::string::npos ? time : time.substr(0, point) + "Z";
 }
 
-// What all sites share.
+// Publisher state, shared by all sites.
 std::string publisher_of(const StatusJson& status) {
   const StatusJson& publisher = status.at("publisher");
   return fmt::format("{} messages to {} subscriptions, {} times one was slow",
@@ -95,7 +95,7 @@ std::string publisher_of(const StatusJson& status) {
                      count_of(publisher, "slow_episodes"));
 }
 
-// `end`: of the last line.
+// `end`: end of the last line.
 void print_state(const StatusJson& ready, const StatusJson& status, const std::string& end) {
   fmt::print("raylocd {} since {}: {}\n",
              status.at("software_version").get<std::string>(),
@@ -139,13 +139,13 @@ void print_state(const StatusJson& ready, const StatusJson& status, const std::s
 }
 
 struct State {
-  std::string site;  // empty: the only one
+  std::string site;  // empty: the only site
   StatusJson readiness;
-  StatusJson status;  // an error where the site has never begun
+  StatusJson status;  // an error if the site never started
   bool has_begun() const { return status.contains("sources"); }
 };
 
-// `path`: "" or that of a site, "/site/office".
+// `path`: "" or the path of a site, "/site/office".
 Expected<State> ask(const HttpQuery& query, const std::string& site, const std::string& path) {
   const Expected<JsonResult> ready = get_json(query, path + "/readyz");
   if (!ready) {
@@ -158,7 +158,7 @@ Expected<State> ask(const HttpQuery& query, const std::string& site, const std::
   return State{site, ready->json, status->json};
 }
 
-// Of the sites of [[site]], or of the one of [site].
+// States of the sites of [[site]], or of the one of [site].
 Expected<std::vector<State>> ask_all(const HttpQuery& query, const std::string& only) {
   const Expected<JsonResult> sites = get_json(query, "/api/v1/sites");
   if (!sites) {

@@ -1,4 +1,4 @@
-// `rayloc studio SITE`: the editor of the map for the folder of a site, without a raylocd.
+// `rayloc studio SITE`: the map's editor for the folder of a site, without a raylocd.
 #include <chrono>
 #include <cstdio>
 #include <filesystem>

@@ -53,7 +53,7 @@ void report_losses(GapDetector& gaps, const std::string& topic, const v1::Envelo
   }
 }
 
-// The verb while it runs.
+// The running verb.
 class Subscription {
  public:
   Subscription(const SubArguments& arguments, FeedFormat format)

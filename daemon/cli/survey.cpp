@@ -1,4 +1,4 @@
-// rayloc survey: makes the points file of a calibration while the access points are heard live.
+// `rayloc survey`: makes the points file of a calibration while the access points receive live.
 #include <unistd.h>
 
 #include <algorithm>
@@ -38,14 +38,14 @@ namespace rayloc::cli {
 namespace {
 
 constexpr Duration kListenTick = std::chrono::milliseconds(20);
-constexpr double kSamePlace = 0.01;  // [m]: a planned point that has a row is done
+constexpr double kSamePlace = 0.01;  // [m]: a planned point this close to a row is done
 
 struct SurveyVerbArguments {
   std::string site;
   std::string out;
   std::string plan;
   std::string config;
-  std::string name;  // of several sites in `config`
+  std::string name;  // one of several sites in `config`
   std::vector<std::string> listen;
   std::vector<std::string> record;
   std::size_t frames = 20;
@@ -54,8 +54,8 @@ struct SurveyVerbArguments {
 
 Timestamp now() { return std::chrono::system_clock::now(); }
 
-// Which of a raylocd's sites is surveyed: the only one, the one that is named, or else the one of
-// that directory or, where the survey is of another copy of it, of that name.
+// Selects the surveyed site of a raylocd: the only site, the named one, or else the one of that
+// directory or, if the survey uses another copy of it, of that name.
 Expected<SiteSetup> configured_site(const SurveyVerbArguments& arguments, const Site& site) {
   auto setup = load_daemon_setup(arguments.config);
   if (!setup) {
@@ -90,7 +90,7 @@ Expected<SiteSetup> configured_site(const SurveyVerbArguments& arguments, const 
           ": which of its sites is surveyed? Write --site with one of: " + list_of(names));
 }
 
-// The live sources of a site of raylocd's configuration as they would be written after --listen.
+// Live sources of a site in raylocd's configuration, in the syntax of --listen.
 Expected<std::vector<std::string>> configured_ports(const SurveyVerbArguments& arguments,
                                                     const Site& site) {
   const auto setup = configured_site(arguments, site);
@@ -154,7 +154,7 @@ class Survey {
 
   void plan(std::vector<PlannedPoint> points) { plan_ = std::move(points); }
 
-  // Points until the person ends it, the input ends, or a signal comes.
+  // Surveys points until the person ends it, the input ends, or a signal arrives.
   Expected<void> run() {
     while (true) {
       const auto point = ask();
@@ -194,7 +194,7 @@ class Survey {
                        point.position.z);
   }
 
-  // Empty where the point can be surveyed.
+  // Returns the objection to a point; empty if the point can be surveyed.
   std::string objection(const Vec3d& p) const {
     const Vec3d& lower = room_.bounds_min;
     const Vec3d& upper = room_.bounds_max;
@@ -213,7 +213,7 @@ class Survey {
     return solid ? "inside of object '" + printable(room_.scene->objects()[*solid].name) + "'" : "";
   }
 
-  // Nothing when the survey is over.
+  // Returns empty when the survey is over.
   Expected<std::optional<PlannedPoint>> ask() {
     const PlannedPoint* next = next_planned();
     std::fprintf(stderr,
@@ -243,7 +243,7 @@ class Survey {
     }
   }
 
-  // An empty line ends a point early; others are answers to the next prompt.
+  // An empty line ends a point early; other lines are answers to the next prompt.
   bool told_to_go_on() {
     input_.poll();
     const bool empty = input_.front() != nullptr && input_.front()->empty();

@@ -1,4 +1,4 @@
-// `rayloc top`: what a running raylocd does, live on the terminal or once as a table.
+// `rayloc top`: activity of a running raylocd, live on the terminal or once as a table.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -24,18 +24,18 @@ namespace rayloc::cli {
 namespace {
 
 using TopClock = TopModel::Clock;
-// By the site of the topics; several where a raylocd has several.
+// By the site in the topics; a raylocd may have several.
 using Models = std::map<std::string, TopModel>;
 
 struct TopArguments {
   MessageSource from;
-  std::string site;  // of several; empty: all
+  std::string site;  // one of several; empty: all
   bool once = false;
-  double interval = 1.0;  // [s] between two pictures
+  double interval = 1.0;  // [s] between two screens
   double timeout = 10.0;  // [s] to wait for heartbeats, with `once`
 };
 
-// Takes what comes until `until`; returns early when `stop` holds.
+// Receives messages until `until`; returns early when `stop` holds.
 template <typename Stop>
 void collect(const Receive& receive, TopClock::time_point until, Models& models, Stop stop) {
   constexpr auto kPoll = std::chrono::milliseconds(100);
@@ -55,7 +55,7 @@ bool is_wanted(const std::string& component, const std::string& only) {
   return only.empty() || decoded_component(component) == only;
 }
 
-// One below the other, each with its name where there are several.
+// The sites one below the other, each with its name if there are several.
 std::vector<std::string> lines_of(const Models& models,
                                   const std::string& only,
                                   std::size_t width = kAnyWidth) {
@@ -80,7 +80,7 @@ TopClock::duration seconds(double count) {
   return std::chrono::duration_cast<TopClock::duration>(std::chrono::duration<double>(count));
 }
 
-// Two heartbeats are enough for every rate, and a daemon that locates has said something meanwhile.
+// Two heartbeats suffice for every rate, and a locating daemon has published meanwhile.
 Expected<void> print_once(const Receive& receive, const TopArguments& arguments) {
   constexpr std::uint64_t kHeartbeats = 2;
   StopSignal::install();
@@ -131,8 +131,8 @@ void show(const Receive& receive, const TopArguments& arguments) {
   }
 }
 
-// With what was last said, so that zones and quiet targets are known from the beginning. Where that
-// is not told and not at the usual place either, with what comes.
+// Connects with a snapshot of the last messages, so that zones and quiet targets are available at
+// once. If no snapshot is given or found at the usual address, it connects without one.
 Expected<Receive> connect_top(const MessageSource& from, double patience) {
   constexpr double kMostPatience = 2.0;  // [s]
   const std::vector<std::string> all = {"v1/"};

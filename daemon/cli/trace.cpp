@@ -143,7 +143,7 @@ Expected<void> run_trace(const TraceArguments& arguments) {
   const Scene& scene = *source->scene;
   print_scene_notes(scene);
   if (arguments.cfr.empty()) {
-    grid = OfdmGrid{scene.carrier_hz(), 0.0, {0}};  // of a gradient: the carrier alone
+    grid = OfdmGrid{scene.carrier_hz(), 0.0, {0}};  // for a gradient: the carrier alone
   }
   const auto report = trace(arguments, *link, *grid, source->scene);
   if (!report) {

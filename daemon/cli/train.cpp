@@ -1,4 +1,4 @@
-// `rayloc train`: what a method learns of a site from its survey, beside the calibration.
+// `rayloc train`: trains a method on the survey of a site, beside the calibration.
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
@@ -34,7 +34,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kMostHeldOut = 0.8;  // of the points, a share: as `rayloc calibrate` has it
+constexpr double kMostHeldOut = 0.8;  // share of the points, as in `rayloc calibrate`
 
 struct TrainOptions {
   std::string site;
@@ -60,7 +60,7 @@ std::vector<std::string> trained_methods() {
   return names;
 }
 
-// A run of the verb.
+// One run of the verb.
 class Train {
  public:
   explicit Train(const TrainOptions& options)
@@ -86,7 +86,7 @@ class Train {
   TrainSurvey survey_;
   std::vector<bool> held_;
   std::shared_ptr<const Training> training_;
-  std::optional<ErrorStatistics> held_out_;  // errors of the points that were not learned from
+  std::optional<ErrorStatistics> held_out_;  // errors of the points excluded from training
   double seconds_ = 0.0;
 };
 
@@ -141,7 +141,7 @@ Expected<void> Train::read_survey() {
   return {};
 }
 
-// Of everything that the training starts from.
+// Hash of all inputs of the training.
 std::string Train::inputs_hash() const {
   ContentHash hash;
   hash.add(survey_.content);
@@ -213,7 +213,7 @@ Expected<void> Train::learn() {
   return check_held_out();
 }
 
-// By the method with what was learned.
+// Locates with the method and the trained values.
 Expected<LocationEstimate> Train::locate(const std::vector<CsiFrame>& frames) const {
   if (method_.create_device != nullptr) {
     DeviceMethodInput input{room_, told_};

@@ -14,7 +14,7 @@
 namespace rayloc::cli {
 namespace {
 
-// By how much the clocks of access points and of the survey may differ.
+// Largest difference between the clocks of access points and survey.
 constexpr Duration kTrainingClockSlack = std::chrono::milliseconds(20);
 
 using Frames = std::map<MacAddress, std::vector<CsiFrame>>;

@@ -1,4 +1,4 @@
-// What a method learns from: recordings of a device, or of people, cut into the points of a survey.
+// Training data of a method: recordings of a device, or of people, split by survey points.
 #pragma once
 
 #include <optional>
@@ -14,26 +14,26 @@
 namespace rayloc::cli {
 
 struct TrainSurvey {
-  std::vector<TrainingPoint> points;      // that were heard
-  std::vector<CsiFrame> empty;            // of people: while nobody was there
-  std::optional<MacAddress> transmitter;  // of people: who sent
-  std::vector<std::string> notes;         // of the recordings
+  std::vector<TrainingPoint> points;      // with observations
+  std::vector<CsiFrame> empty;            // for people: recorded without people
+  std::optional<MacAddress> transmitter;  // for people: the transmitter
+  std::vector<std::string> notes;         // from the recordings
   std::string content;                    // hash of the recordings and the points
 };
 
 struct SurveyArguments {
   std::vector<std::string> captures;    // [AP=]FILE
-  std::vector<std::string> empty;       // the same
+  std::vector<std::string> empty;       // [AP=]FILE
   std::string points;                   // t_start,t_end,x,y,z
-  std::optional<Duration> time_offset;  // added to the times of the points
+  std::optional<Duration> time_offset;  // offset added to the times of the points
 };
 
-// Of the device that was carried from point to point, as `rayloc calibrate` reads it.
+// Reads the device that was carried from point to point, as `rayloc calibrate` does.
 Expected<TrainSurvey> read_device_survey(const Site& site,
                                          const RoomModel& room,
                                          const SurveyArguments& arguments);
 
-// Of the fixed transmitter that is heard at most points, while a person stood on each.
+// Reads the fixed transmitter received at most points, while a person stood on each.
 Expected<TrainSurvey> read_people_survey(const Site& site, const SurveyArguments& arguments);
 
 }  // namespace rayloc::cli

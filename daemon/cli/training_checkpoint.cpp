@@ -15,7 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kCheckpointParts =
-    3;  // parameters, means and squares of their slopes: as many of each
+    3;  // parameters, means and squares of their gradients, equal counts
 
 fs::path numbers_file(const fs::path& folder, const std::string& method) {
   return folder / (method + ".checkpoint.json");
@@ -43,7 +43,7 @@ Expected<void> write_checkpoint(const fs::path& folder,
                                           {"epoch", state.epoch},
                                           {"steps", state.steps},
                                           {"loss", state.loss}};
-  // Who is interrupted between the two finds weights that the numbers do not state.
+  // An interruption between the two writes leaves weights that the numbers do not match.
   if (auto written = write_file(weights_file(folder, method), bytes); !written) {
     return written;
   }

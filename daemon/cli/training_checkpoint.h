@@ -1,5 +1,5 @@
-// Where a training stood when it was interrupted, as two files in the folder training/ of --out:
-// the numbers, and the weights of the network with what its optimiser remembers.
+// State of an interrupted training as two files in the folder training/ of --out: the numbers, and
+// the weights of the network with the state of the optimiser.
 #pragma once
 
 #include <filesystem>
@@ -10,13 +10,13 @@
 
 namespace rayloc::cli {
 
-// `inputs`: hash of everything that the training starts from.
+// `inputs`: hash of all inputs of the training.
 Expected<void> write_checkpoint(const std::filesystem::path& folder,
                                 const std::string& method,
                                 const std::string& inputs,
                                 const TrainingCheckpoint& checkpoint);
 
-// An Error when there is none, it is broken, or of other inputs.
+// Returns an Error if there is none, it is broken, or it was made from other inputs.
 Expected<TrainingCheckpoint> read_checkpoint(const std::filesystem::path& folder,
                                              const std::string& method,
                                              const std::string& inputs);

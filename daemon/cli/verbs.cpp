@@ -4,7 +4,7 @@
 
 namespace rayloc::cli {
 
-// One row a verb, in the order of `rayloc --help`; one a line, so that branches merge.
+// One row per verb, in the order of `rayloc --help`, on separate lines, so that branches merge.
 extern const Verb kCalibrate;    // calibrate_verb.cpp
 extern const Verb kCheckConfig;  // check_config.cpp
 extern const Verb kCluster;      // cluster.cpp

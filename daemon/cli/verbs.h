@@ -1,4 +1,4 @@
-// The verbs there are; each is declared in the file of its name (frames.cpp, replay.cpp, ...).
+// The list of verbs; each is declared in the file of its name (frames.cpp, replay.cpp, ...).
 #pragma once
 
 #include <span>

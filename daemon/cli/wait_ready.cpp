@@ -1,4 +1,4 @@
-// `rayloc wait-ready`: returns when raylocd is ready, for scripts and for units that come after it.
+// `rayloc wait-ready`: returns when raylocd is ready, for scripts and dependent units.
 #include <chrono>
 #include <memory>
 #include <string>
@@ -21,11 +21,11 @@ std::string reasons_of(const nlohmann::json& ready) {
   return text;
 }
 
-// Why it is not ready, empty when it is.
+// Returns the reason why it is not ready; empty when it is ready.
 Expected<std::string> obstacle(const HttpQuery& query, bool sources) {
   const Expected<JsonResult> ready = get_json(query, "/readyz");
   if (!ready) {
-    // Nobody listens yet: that is what one waits for.
+    // No process listens yet: that is the case to wait for.
     return ready.error().kind == ErrorKind::kUsage
                ? Expected<std::string>(tl::make_unexpected(ready.error()))
                : Expected<std::string>(ready.error().message);

@@ -1,5 +1,5 @@
-// A replay that begins in the middle, as a worker does that takes a site over: its options, and
-// the file of records that goes from one to the next.
+// A replay that begins in the middle of a recording, as a worker that takes over a site does: its
+// options, and the file of handed-over records.
 #pragma once
 
 #include <string>
@@ -11,16 +11,16 @@
 namespace rayloc::cli {
 
 struct WarmReplayArguments {
-  std::string from;          // empty: from the beginning, or from where the records end
+  std::string from;          // empty: the beginning, or the end of the records
   double warm_up = 5.0;      // [s]
-  std::string carried;       // file; empty: nobody carried anything
+  std::string carried;       // file; empty: no carried records
   std::string carried_out;   // file; empty: not written
   double carried_every = 1;  // [s]
 };
 
 void add_warm_replay_options(OptionParser& app, WarmReplayArguments& arguments);
 
-// Nothing: the replay is of the whole recording.
+// Returns empty if the replay covers the whole recording.
 Expected<WarmStart> warm_start_of(const WarmReplayArguments& arguments);
 
 // A record as a line of the file.

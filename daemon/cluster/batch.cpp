@@ -19,7 +19,7 @@ using std::chrono::microseconds;
 constexpr std::uint32_t kLongestPayload = 65'507;          // of UDP over IPv4, RFC 768 and 791
 constexpr std::int64_t kLatestUs = 9'000'000'000'000'000;  // in the year 2255: fits in nanoseconds
 
-// A source that has ended promises the end of time.
+// The watermark of a source that has ended is the end of time.
 std::int64_t to_us(Timestamp time) {
   return std::min(std::chrono::floor<microseconds>(time.time_since_epoch()).count(), kLatestUs);
 }
@@ -65,7 +65,7 @@ void fill(const BatchPart& from, v1::ApPart& part) {
   part.set_payloads(payloads.data(), payloads.size());
 }
 
-// Whether every time of it can be told in nanoseconds.
+// Returns true if all its times can be represented in nanoseconds.
 bool are_times(const v1::ApPart& part) {
   const auto in_range = [](std::int64_t us) { return us >= 0 && us <= kLatestUs; };
   std::int64_t time = part.watermark_us();
@@ -79,7 +79,7 @@ bool are_times(const v1::ApPart& part) {
          });
 }
 
-// What contradicts itself in a part; nothing where all is well.
+// Returns the inconsistency of a part; nothing where the part is valid.
 std::optional<std::string> trouble_of(const v1::ApPart& part) {
   if (part.access_point().empty()) {
     return "a part without an access point";

@@ -1,9 +1,9 @@
-// Batch: what one capture node heard of a site in some milliseconds, and how it travels
-// (v1::CsiBatch in proto/rayloc/v1/cluster.proto).
+// Batch: the datagrams of a site that one capture node received within some
+// milliseconds, and their encoding (v1::CsiBatch in proto/rayloc/v1/cluster.proto).
 //
-// Raw datagrams, not frames: a word of CSI is 4 bytes on the wire and 8 to 16 as a complex number,
-// and the decoders and their tests stay the truth. Stamps are truncated to microseconds, as
-// recordings are.
+// Raw datagrams, not frames: a word of CSI is 4 bytes on the wire and 8
+// to 16 as a complex number, and the decoders and their tests stay the
+// reference. Timestamps are truncated to microseconds, as in recordings.
 #pragma once
 
 #include <cstdint>
@@ -18,14 +18,14 @@
 
 namespace rayloc {
 
-// Of one access point.
+// Datagrams of one access point.
 struct BatchPart {
   std::string access_point;
-  Timestamp watermark;  // none that comes later is older
+  Timestamp watermark;  // lower bound of the times of later datagrams
   DatagramRing::Piece datagrams;
 };
 
-// Batches that do not come: [from, to].
+// Batches that will not arrive: [from, to].
 struct BatchGap {
   std::uint64_t from = 0;
   std::uint64_t to = 0;
@@ -44,7 +44,7 @@ struct Batch {
 
 std::string encode(const Batch& batch);
 
-// An Error for what unseal() refuses, and for numbers that contradict each other.
+// Returns an Error for input that unseal() refuses, and for inconsistent numbers.
 Expected<Batch> decode_batch(std::string_view bytes);
 
 }  // namespace rayloc

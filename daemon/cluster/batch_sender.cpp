@@ -13,9 +13,9 @@ namespace rayloc {
 namespace {
 
 constexpr auto kSenderFinishTimeout = std::chrono::seconds(1);
-constexpr auto kStreamLookInterval = std::chrono::seconds(1);  // for a stream
+constexpr auto kStreamLookInterval = std::chrono::seconds(1);  // for a missing stream
 constexpr auto kFlush = std::chrono::milliseconds(10);
-constexpr std::size_t kMostAtOnce = 64;  // messages, before new batches are looked at
+constexpr std::size_t kMostAtOnce = 64;  // messages, before new batches are checked
 
 }  // namespace
 
@@ -74,7 +74,7 @@ void BatchSender::take(std::size_t access_point, std::span<const Datagram> datag
   const std::lock_guard lock(mutex_);
   Open& open = open_[access_point];
   captured_[open.part.access_point] += datagrams.size();
-  // The thread sleeps until the next tick, or until the batch before this one was due.
+  // The thread sleeps until the next tick, or until the previous batch was due.
   bool is_due_sooner = open_datagrams_ == 0 && !datagrams.empty();
   for (const Datagram& datagram : datagrams) {
     if (open_datagrams_ > 0 && (open_datagrams_ >= options_.max_datagrams ||
@@ -102,8 +102,8 @@ void BatchSender::advance(std::size_t access_point, Timestamp watermark) {
   open_[access_point].part.watermark = watermark;
 }
 
-// REQUIRES: the mutex is held. What every access point has, and how far those are that have
-// nothing.
+// REQUIRES: the mutex is held. Seals the data of every access
+// point, and the watermarks of access points without data.
 void BatchSender::seal(Time now) {
   Batch batch;
   batch.clock_synchronised = options_.clock_synchronised && options_.clock_synchronised();
@@ -111,7 +111,7 @@ void BatchSender::seal(Time now) {
     if (open.part.datagrams.entries.empty() && open.part.watermark == open.told) {
       continue;
     }
-    // Before the first watermark is known its datagrams promise as little as it is.
+    // Before the first watermark, the time of the first datagram is a valid lower bound.
     const Timestamp watermark = open.part.watermark == Timestamp::min()
                                     ? open.part.datagrams.entries.front().time
                                     : open.part.watermark;
@@ -129,7 +129,7 @@ void BatchSender::note_acknowledged(std::uint64_t number, const std::string& tro
   {
     const std::lock_guard lock(mutex_);
     trouble_ = trouble.empty() ? "" : subject_ + ": " + trouble;
-    if (!trouble.empty()) {  // it goes again when it has not been acknowledged for long enough
+    if (!trouble.empty()) {  // sent again when not acknowledged for long enough
       ++refused_;
       stream_in_doubt_ = true;
       return;
@@ -143,7 +143,7 @@ void BatchSender::note_acknowledged(std::uint64_t number, const std::string& tro
   wake_.notify_one();  // the window has room again
 }
 
-// One that is refused goes again when it has not been acknowledged for long enough.
+// A refused one is sent again when it has not been acknowledged for long enough.
 void BatchSender::note_filled(std::uint64_t number, const std::string& trouble) {
   if (!trouble.empty()) {
     return;
@@ -167,7 +167,7 @@ void BatchSender::run() {
   progress_.rest();
 }
 
-// Waits until something is to be done; whether there is another round.
+// Waits for work; returns true if there is another round.
 bool BatchSender::next_round() {
   std::unique_lock lock(mutex_);
   progress_.beat();
@@ -190,7 +190,7 @@ BatchSender::Time BatchSender::due() const {
   return open_datagrams_ > 0 ? std::min(tick, opened_ + options_.flush) : tick;
 }
 
-// A stream in memory is gone when its server was started anew. Who may not make one finds it made.
+// A server restart deletes a stream in memory. A node without the right to create it finds it.
 void BatchSender::see_to_stream() {
   const Time now = std::chrono::steady_clock::now();
   if (!broker_->connected() || now - looked_ < kStreamLookInterval) {
@@ -205,7 +205,7 @@ void BatchSender::see_to_stream() {
   }
   connections_ = broker_->connections();
   const Expected<void> there = broker_->ensure_stream(options_.stream);
-  looked_ = std::chrono::steady_clock::now();  // batches go on their way before it is asked again
+  looked_ = std::chrono::steady_clock::now();  // batches are sent before the next check
   if (!there) {
     const std::lock_guard lock(mutex_);
     trouble_ = there.error().message;
@@ -228,7 +228,7 @@ void BatchSender::send_some() {
       }
       ready.push_back(std::move(*one));
     }
-    awake_ = awake_ || ready.size() == kMostAtOnce;  // there is more
+    awake_ = awake_ || ready.size() == kMostAtOnce;  // more batches are waiting
   }
   for (const NumberedRing::Ready& one : ready) {
     const auto sent = publisher_->publish(subject_, *one.bytes, id_of(one), one.number);
@@ -240,7 +240,7 @@ void BatchSender::send_some() {
   }
 }
 
-// One at a time, and what is live never waits for it.
+// Sends one batch at a time; live data never wait for it.
 void BatchSender::send_history() {
   std::optional<FillQueue::Ready> ready;
   {
@@ -249,7 +249,7 @@ void BatchSender::send_history() {
       ready = fill_.next(std::chrono::steady_clock::now());
     }
   }
-  if (ready) {  // where it fails, it goes again
+  if (ready) {  // on a failure it is sent again
     (void)fill_publisher_->publish(
         fill_subject_,
         *ready->bytes,
@@ -258,7 +258,7 @@ void BatchSender::send_history() {
   }
 }
 
-// The broker stores each once, but for those that somebody has asked for again.
+// The broker stores each batch once, except those that a reader has requested again.
 std::string BatchSender::id_of(const NumberedRing::Ready& batch) const {
   return fmt::format("{}-{:x}-{}-{}{}",
                      options_.node,
@@ -328,7 +328,7 @@ BatchSender::Counters BatchSender::counters() const {
   counters.filled = fill_.filled();
   counters.to_fill = fill_.waiting();
   counters.refused = refused_;
-  for (const Open& open : open_) {  // what is not in a batch yet waits as well
+  for (const Open& open : open_) {  // datagrams that are in no batch yet wait as well
     counters.captured.try_emplace(open.part.access_point, 0);
     counters.ring.waiting[open.part.access_point] += open.part.datagrams.entries.size();
   }

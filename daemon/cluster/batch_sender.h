@@ -1,11 +1,11 @@
-// BatchSender: what a capture node hears of one site, to the cluster: datagrams of all its access
-// points become numbered batches, which go to the site's stream (numbered_ring.h says what is
-// owed).
+// BatchSender: sends the datagrams of one site that a capture node receives to the
+// cluster: datagrams of all its access points become numbered batches, which go to
+// the site's stream (numbered_ring.h keeps the batches that are still owed).
 //
-// It stands beside the recorder and never keeps it waiting: a broker that is away costs marks of
-// gaps in the stream, and nothing of what is recorded. What they stand for goes to the stream of
-// history once all that is live is sent. Thread safety: taps from a thread for each
-// access point, the rest from any.
+// It works in parallel with the recorder and never blocks it: an unreachable
+// broker causes gap marks in the stream, and no loss in the recordings. The
+// marked batches go to the history stream once all live data are sent. Thread
+// safety: taps from a thread for each access point, the rest from any.
 #pragma once
 
 #include <condition_variable>
@@ -32,9 +32,9 @@ class BatchSender {
     std::string site;
     std::string node;
     std::uint64_t epoch = 0;                         // of the node's start
-    StreamOptions stream;                            // that is made where there is none
-    Duration flush = std::chrono::milliseconds(20);  // the longest that a datagram waits for others
-    Duration tick = std::chrono::milliseconds(100);  // between batches while nothing is heard
+    StreamOptions stream;                            // created where it does not exist
+    Duration flush = std::chrono::milliseconds(20);  // the longest wait of a datagram for others
+    Duration tick = std::chrono::milliseconds(100);  // between batches while nothing is received
     std::size_t max_datagrams = 64;                  // of a batch
     std::size_t max_bytes = std::size_t{64} << 10U;
     NumberedRing::Limits limits;
@@ -47,11 +47,11 @@ class BatchSender {
   BatchSender(const BatchSender&) = delete;
   BatchSender& operator=(const BatchSender&) = delete;
 
-  // For the source of that access point; lives as long as this. REQUIRES: not started.
+  // Tap for the source of that access point; lives as long as this. REQUIRES: not started.
   DatagramTap& tap(const std::string& access_point);
   Expected<void> start();
-  // Sends what waits, for as long as the broker takes it and at most for a second, and ends the
-  // thread. No tap is called any more.
+  // Sends what waits, for as long as the broker accepts it and at most for
+  // a second, and ends the thread. REQUIRES: no tap is called any more.
   void finish();
 
   // As NumberedRing::consumed() and ask(), for a node of that epoch.
@@ -61,14 +61,14 @@ class BatchSender {
   struct Counters {
     NumberedRing::Counters ring;
     NumberedRing::Counts captured;  // = in live batches + in gap marks + waiting
-    // Of those in gap marks: what is in the stream of history, and what is to be there. The rest is
-    // in the recordings alone.
+    // Part of those in gap marks: datagrams in the history stream, and
+    // datagrams queued for it. The others are in the recordings alone.
     NumberedRing::Counts filled, to_fill;
     bool connected = false;
     std::uint64_t refused = 0;  // messages that the broker did not store
   };
   Counters counters() const;
-  // Why the broker does not take batches; empty while it does.
+  // Reason why the broker does not accept batches; empty while it does.
   std::string trouble() const;
   const StageProgress& progress() const { return progress_; }
 
@@ -77,7 +77,7 @@ class BatchSender {
   using Time = std::chrono::steady_clock::time_point;
   struct Open {
     BatchPart part;
-    Timestamp told = Timestamp::min();  // the last watermark that a batch has
+    Timestamp told = Timestamp::min();  // the last watermark in a batch
   };
 
   void take(std::size_t access_point, std::span<const Datagram> datagrams);
@@ -100,14 +100,14 @@ class BatchSender {
   const std::string fill_subject_;
   std::deque<Tap> taps_;
   StageProgress progress_;
-  std::uint64_t connections_ = 0;  // used by the thread alone: when the stream was last seen to
-  Time looked_;                    // used by the thread alone; when that was over
+  std::uint64_t connections_ = 0;  // used by the thread alone: at the last check of the stream
+  Time looked_;                    // used by the thread alone; end of that check
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   std::vector<Open> open_;          // guarded by mutex_; by access point
   std::size_t open_datagrams_ = 0;  // guarded by mutex_
   std::size_t open_bytes_ = 0;      // guarded by mutex_
-  Time opened_;                     // guarded by mutex_; of the first datagram in it
+  Time opened_;                     // guarded by mutex_; of its first datagram
   Time sealed_;                     // guarded by mutex_; the last batch
   NumberedRing::Counts captured_;   // guarded by mutex_
   NumberedRing ring_;               // guarded by mutex_
@@ -115,7 +115,7 @@ class BatchSender {
   std::uint64_t refused_ = 0;       // guarded by mutex_
   std::string trouble_;             // guarded by mutex_
   bool stream_in_doubt_ = true;     // guarded by mutex_
-  bool awake_ = false;              // guarded by mutex_: there is something to do
+  bool awake_ = false;              // guarded by mutex_: work is pending
   bool finishing_ = false;          // guarded by mutex_
   std::unique_ptr<Broker::AckedPublisher> publisher_;
   std::unique_ptr<Broker::AckedPublisher> fill_publisher_;

@@ -1,4 +1,4 @@
-// What a capture node has given to its cluster, as heartbeats tell it.
+// Counters of the batches that a capture node sends to its cluster, for heartbeats.
 #pragma once
 
 #include "daemon/cluster/batch_sender.h"

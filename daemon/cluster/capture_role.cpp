@@ -17,7 +17,7 @@ StreamOptions site_stream(const std::string& site, StreamOptions options) {
 }
 
 StreamOptions fill_stream(StreamOptions options) {
-  constexpr std::chrono::hours kDays{72};  // chosen: a weekend, and who looks after it
+  constexpr std::chrono::hours kDays{72};  // chosen: a weekend, and time for maintenance
   constexpr std::int64_t kMostBytes = std::int64_t{4} << 30U;  // chosen: the disk has other uses
   options.name = kFillStream;
   options.subjects = kFillSubjects;
@@ -65,12 +65,12 @@ Expected<std::shared_ptr<BatchSender>> CaptureRole::add_site(const std::string& 
   auto sender = std::make_shared<BatchSender>(broker_, std::move(options));
   const auto before = std::exchange(senders_[site], sender);
   std::swap(outputs_[site], *output);
-  lock.unlock();  // a subscription ends when nobody takes from it, who may wait for the lock
+  lock.unlock();  // a subscription ends once its handler is idle, which may wait for the lock
   return sender;
 }
 
 void CaptureRole::remove_site(const std::string& site) {
-  std::unique_ptr<Broker::Subscription> output;  // ends when the lock is free again
+  std::unique_ptr<Broker::Subscription> output;  // ends when the lock is released
   const std::lock_guard lock(mutex_);
   senders_.erase(site);
   std::swap(outputs_[site], output);
@@ -83,7 +83,7 @@ std::shared_ptr<BatchSender> CaptureRole::sender_of(const std::string& site) con
   return found == senders_.end() ? nullptr : found->second;
 }
 
-// Anybody may publish there: what cannot be read is not obeyed.
+// Any client may publish there: unreadable requests are ignored.
 void CaptureRole::take_request(const BrokerMessage& message) {
   v1::ResendRequest request;
   if (!unseal(message.data, request)) {

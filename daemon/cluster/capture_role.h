@@ -1,5 +1,5 @@
-// CaptureRole: what a capture node has besides its sources: a BatchSender for each site, told what
-// the workers have consumed and what they lack.
+// CaptureRole: the cluster part of a capture node: a BatchSender for each site,
+// informed about the batches that the workers have consumed and those that they lack.
 //
 // Thread safety: add_site() and remove_site() from one thread, the rest from any.
 #pragma once
@@ -20,18 +20,18 @@ class CaptureRole {
  public:
   struct Options {
     std::string node;
-    std::uint64_t epoch = 0;  // of this start; no other has the same
-    // Of each site; `site`, `node`, `epoch` and the stream's names are filled in.
+    std::uint64_t epoch = 0;  // of this start; unique
+    // For each site; `site`, `node`, `epoch` and the stream's names are filled in.
     BatchSender::Options sender;
   };
 
   static Expected<std::unique_ptr<CaptureRole>> open(std::shared_ptr<Broker> broker,
                                                      Options options);
 
-  // Not started. It takes the place of one of that name, under another epoch: to its readers the
-  // node was started anew.
+  // Returns a sender that is not started. It replaces a sender of the same
+  // name, under another epoch: to its readers the node was restarted.
   Expected<std::shared_ptr<BatchSender>> add_site(const std::string& site);
-  // It is heard no more: its sender, which has finished, is let go.
+  // Ends the reception for a site: its sender, which has finished, is released.
   void remove_site(const std::string& site);
 
  private:
@@ -47,15 +47,15 @@ class CaptureRole {
   std::uint64_t starts_ = 0;                                     // guarded by mutex_
   std::map<std::string, std::shared_ptr<BatchSender>> senders_;  // guarded by mutex_; by site
   std::map<std::string, std::unique_ptr<Broker::Subscription>> outputs_;  // guarded by mutex_
-  std::unique_ptr<Broker::Subscription> requests_;  // last: ends before what it looks at
+  std::unique_ptr<Broker::Subscription> requests_;  // last: ends before the members it uses
 };
 
-// The stream of a site as it is made where nobody has made it. `options`: how long and where it
-// keeps.
+// Configuration of the stream of a site, for its
+// creation. `options`: retention and storage.
 StreamOptions site_stream(const std::string& site, StreamOptions options);
-// The stream of history, of all sites. `options`: on how many servers it is kept.
+// Configuration of the history stream of all sites. `options`: number of replicas.
 StreamOptions fill_stream(StreamOptions options);
-// The stream of what the owners of all sites say.
+// Configuration of the stream of the results of all sites.
 StreamOptions output_stream(StreamOptions options);
 
 }  // namespace rayloc

@@ -16,9 +16,9 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr milliseconds kLook{20};
-constexpr milliseconds kUsualLease{2000};  // the preset, where nobody has said another
+constexpr milliseconds kUsualLease{2000};  // the preset, used when none is stated
 
-// Every claim is the last of its subject.
+// Each claim is the last message of its subject.
 Expected<void> read_claims(Broker& broker, ClusterView& view) {
   const std::string stream(kClaimStream);
   const auto subjects = subjects_of(broker, stream);
@@ -51,7 +51,7 @@ Expected<void> read_last_results(Broker& broker, ClusterView& view) {
   return {};
 }
 
-// The longest that somebody has stated.
+// Returns the longest stated lease.
 milliseconds lease_of(const ClusterView& view) {
   std::uint32_t longest = 0;
   for (const auto& [name, site] : view.sites) {

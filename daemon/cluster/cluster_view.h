@@ -1,5 +1,5 @@
-// ClusterView: what a cluster looks like from its broker: who lives, who owns which site, and how
-// far each site is.
+// ClusterView: state of a cluster as seen from its broker: live
+// workers, owners of sites, and the progress of each site.
 #pragma once
 
 #include <map>
@@ -14,23 +14,23 @@ namespace rayloc {
 struct ClusterView {
   struct Worker {
     v1::WorkerState state;
-    Timestamp heard;  // by the clock of who looks
+    Timestamp heard;  // by the clock of this machine
   };
-  std::map<std::string, Worker> workers;  // that were heard, by name
+  std::map<std::string, Worker> workers;  // received, by name
   struct Site {
     v1::SiteClaim claim;
-    v1::OutputRecord last;  // of its results; empty: none
+    v1::OutputRecord last;  // last of its results; empty: none
   };
-  std::map<std::string, Site> sites;  // that were claimed and not removed, by name
+  std::map<std::string, Site> sites;  // claimed and not removed, by name
 
-  // Whether the worker that claimed it was heard.
+  // Returns true if a state of the worker that claimed it was received.
   bool has_owner(const v1::SiteClaim& claim) const;
 };
 
-// Listens to workers until all that own sites were heard and half a lease has passed, a lease at
-// most: they say four times within it that they live. An Error where the broker does not answer.
+// Listens to workers until all owners of sites were received and half a lease has passed, a
+// lease at most: they report four times within it. An Error where the broker does not answer.
 Expected<ClusterView> look_at_cluster(Broker& broker);
-// Whether it connects in that time.
+// Returns true if it connects within `patience`.
 bool wait_for_broker(const Broker& broker, std::chrono::milliseconds patience);
 
 }  // namespace rayloc

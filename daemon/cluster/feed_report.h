@@ -1,4 +1,4 @@
-// What a worker has read of the stream of a site, as heartbeats tell it.
+// Counters of the site stream that a worker reads, for heartbeats.
 #pragma once
 
 #include "daemon/cluster/site_feed.h"

@@ -7,7 +7,7 @@ namespace rayloc {
 void FillQueue::add(const Batch& batch) {
   Waiting one{batch.number, std::make_shared<const std::string>(encode(batch)), counts_of(batch)};
   if (one.counts.empty()) {
-    return;  // it has said how far its node was, which nobody waits for any more
+    return;  // it only reported progress of its node, which is obsolete
   }
   bytes_ += one.bytes->size();
   for (const auto& [access_point, count] : one.counts) {
@@ -33,7 +33,7 @@ void FillQueue::acknowledged(std::uint64_t number) {
   }
 }
 
-// `to`: where its datagrams are counted; null: they are in the recordings alone.
+// `to`: counts that receive its datagrams; null: they are in the recordings alone.
 void FillQueue::take_out_first(Counts* to) {
   Waiting& first = batches_.front();
   bytes_ -= first.bytes->size();

@@ -1,6 +1,6 @@
-// FillQueue: batches that marks of gaps have taken the place of, on their way to the stream of
-// history: one after the other, so that they never stand in the way of what is heard now. What is
-// more than it keeps is in the recordings of the node alone.
+// FillQueue: batches replaced by gap marks, in transit to the history
+// stream: sent one after the other, so that they never delay live data.
+// Batches beyond its limit are in the recordings of the node alone.
 //
 // It reads no clock. Thread safety: one thread at a time.
 #pragma once
@@ -23,25 +23,25 @@ class FillQueue {
   using Counts = NumberedRing::Counts;
 
   struct Limits {
-    std::size_t bytes = std::size_t{64} << 20U;  // the oldest gives way
-    // What has not been acknowledged by then is sent again.
+    std::size_t bytes = std::size_t{64} << 20U;  // beyond it, the oldest is dropped
+    // A batch that has not been acknowledged by then is sent again.
     Duration patience = std::chrono::seconds(1);
   };
 
   explicit FillQueue(const Limits& limits) : limits_(limits) {}
 
-  // Of a number that a mark stands for; ascending.
+  // Adds a batch that a mark replaces; in ascending order of numbers.
   void add(const Batch& batch);
 
   struct Ready {
     std::uint64_t number = 0;
     std::shared_ptr<const std::string> bytes;
   };
-  // What is to be sent now: one at a time.
+  // Next batch to send now: one at a time.
   std::optional<Ready> next(Time now);
   void acknowledged(std::uint64_t number);
 
-  // Datagrams by access point. Those of marks that are in neither are not filled in.
+  // Datagrams by access point. Marked datagrams that are in neither are not filled in.
   const Counts& filled() const { return filled_; }
   const Counts& waiting() const { return waiting_; }
 

@@ -73,7 +73,7 @@ void GatewayRole::run() {
   progress_.rest();
 }
 
-// From the oldest of the last words of all sites on.
+// Reads from the oldest of the last records of all sites on.
 bool GatewayRole::open_reader() {
   if (!broker_->connected() || !broker_->ensure_stream(stream_)) {
     return false;
@@ -127,7 +127,7 @@ void GatewayRole::take(const BrokerMessage& message) {
   }
   if (is_first_stream && message.sequence <= site->second.from) {
     if (is_record) {
-      (void)site->second.order.is_next(record);  // what is behind it has to be
+      (void)site->second.order.is_next(record);  // sets the order for its successors
     }
     return;
   }

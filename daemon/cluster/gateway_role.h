@@ -1,7 +1,7 @@
-// GatewayRole: what the owners of sites say, out of the stream of results, to the sites of this
-// gateway. It keeps no state: it begins behind the last word of each site. What was said while it
-// was away is not told again, as nobody heard it; it is in the stream (`rayloc replay --stream`).
-// What an owner says that was replaced, and what is repeated, is passed over.
+// GatewayRole: passes the results of the owners of sites from the stream of results to the
+// sites of this gateway. It keeps no state: it begins after the last record of each site.
+// Results published while it was away are not sent later; they remain in the stream
+// (`rayloc replay --stream`). Records of a replaced owner and repeated records are skipped.
 //
 // Thread safety: add() before start(), the rest from any thread.
 #pragma once
@@ -22,10 +22,10 @@
 
 namespace rayloc {
 
-// The records of one site in the order in which they count, whoever else wrote among them.
+// Accepts the valid records of one site in order, regardless of records of other writers.
 class OutputOrder {
  public:
-  // Whether it is the next word of the site.
+  // Returns true if it is the next valid record of the site.
   bool is_next(const v1::OutputRecord& record);
 
  private:
@@ -43,7 +43,7 @@ class GatewayRole {
   GatewayRole(const GatewayRole&) = delete;
   GatewayRole& operator=(const GatewayRole&) = delete;
 
-  // `say`: from a thread of its own, in the order of the results.
+  // `say`: called from a thread of the role, in the order of the results.
   void add(const std::string& site, Say say);
   void remove(const std::string& site);
   void start();
@@ -52,8 +52,8 @@ class GatewayRole {
   struct Counters {
     std::uint64_t records = 0;
     std::uint64_t items = 0;
-    std::uint64_t passed_over = 0;  // of owners that were replaced, repeated, or unreadable
-    std::uint64_t lost = 0;         // that the stream did not have any more
+    std::uint64_t passed_over = 0;  // from replaced owners, repeated, or unreadable
+    std::uint64_t lost = 0;         // no longer in the stream
   };
   Counters counters() const;
   const StageProgress& progress() const { return progress_; }
@@ -62,7 +62,7 @@ class GatewayRole {
   struct Site {
     Say say;
     OutputOrder order;
-    std::uint64_t from = 0;  // its last word when the reader began, which is passed over
+    std::uint64_t from = 0;  // last record when the reader began, which is skipped
   };
 
   GatewayRole(std::shared_ptr<Broker> broker, StreamOptions stream)
@@ -75,8 +75,8 @@ class GatewayRole {
   const StreamOptions stream_;
   StageProgress progress_;
   std::atomic<bool> ending_{false};
-  std::unique_ptr<StreamReader> reader_;  // used by the thread alone, as the next one
-  Timestamp begun_{};                     // when the stream was made whose sequences `from` has
+  std::unique_ptr<StreamReader> reader_;  // used by the thread alone, as is begun_
+  Timestamp begun_{};                     // creation time of the stream whose sequences `from` has
   mutable std::mutex mutex_;
   std::map<std::string, Site> sites_;  // guarded by mutex_; by subject
   Counters counters_;                  // guarded by mutex_

@@ -8,9 +8,9 @@ namespace {
 
 constexpr const char* kAbsent = "the broker was absent";
 constexpr const char* kNotKept = "no longer kept";
-// Batches of which it is remembered what they held: an hour of 20 a second.
+// Number of batches whose contents are remembered: an hour of 20 a second.
 constexpr std::size_t kMostRemembered = 72'000;
-// That one request may ask for: more is asked for again.
+// Batches per request: further ones need another request.
 constexpr std::uint64_t kMostAsked = 4096;
 
 bool covers(const std::vector<BatchGap>& gaps, std::uint64_t number) {
@@ -140,7 +140,7 @@ NumberedRing::Ready NumberedRing::send(Entries::iterator at, Time now) {
   return {at->first, entry.repeat, entry.bytes};
 }
 
-// Its number is taken and may have reached the broker, so it stays as it is.
+// Its number is used and may have reached the broker, so it stays unchanged.
 void NumberedRing::not_sent(std::uint64_t number) {
   const auto at = entries_.find(number);
   if (at == entries_.end() || at->second.state != State::kOnItsWay) {
@@ -168,9 +168,9 @@ void NumberedRing::consumed(std::uint64_t number) {
   remembered_.erase(remembered_.begin(), remembered_.upper_bound(number));
   while (!entries_.empty() && entries_.begin()->first <= number) {
     const auto oldest = entries_.begin();
-    acknowledged(oldest->first);  // whoever has consumed it had it from the broker
+    acknowledged(oldest->first);  // a consumed batch came from the broker
     if (oldest->second.state != State::kAcknowledged) {
-      return;  // nobody can have consumed what was not sent
+      return;  // an unsent batch cannot be consumed
     }
     asked_.erase(oldest->first);
     kept_bytes_ -= oldest->second.bytes->size();
@@ -202,7 +202,7 @@ void NumberedRing::ask(std::uint64_t from, std::uint64_t to) {
   }
 }
 
-// In the place of the batch, and of the marks that it has told. `of`: where it was counted.
+// Replaces the batch by a mark, and restores the marks in it. `of`: the counts that included it.
 void NumberedRing::mark(std::uint64_t number,
                         Counts& of,
                         Remembered batch,
@@ -215,8 +215,8 @@ void NumberedRing::mark(std::uint64_t number,
   add_mark({number, number, std::move(batch.counts), reason});
 }
 
-// Those one after another that were never sent are one. Of others each may have arrived after all,
-// and its reader counts it by itself.
+// Merges consecutive marks of batches that were never sent. Other marked
+// batches may still arrive, and the reader counts each of them separately.
 void NumberedRing::add_mark(BatchGap gap) {
   const auto behind = std::find_if(
       marks_.begin(), marks_.end(), [&](const BatchGap& one) { return one.from > gap.to; });

@@ -9,7 +9,7 @@
 namespace rayloc {
 namespace {
 
-// It stays loaded: libnats has threads. Null with why.
+// The module stays loaded: libnats has threads. Returns null with the reason in `why`.
 OpenNats find_module(std::string& why) {
 #ifdef RAYLOC_NATS_LINKED
   (void)why;

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::string_view kMark = "RLC";
 constexpr std::uint8_t kVersion = 1;
-constexpr std::size_t kSealBytes = 8;  // mark, version, sum
+constexpr std::size_t kSealBytes = 8;  // mark, version, checksum
 constexpr std::size_t kSumAt = 4;
 
 std::uint32_t sum_of(std::string_view bytes) {

@@ -1,5 +1,5 @@
-// The seal around every message of a cluster (proto/rayloc/v1/cluster.proto): whose it is, in which
-// version, and that no byte of it has changed on its way.
+// Seal around every message of a cluster (proto/rayloc/v1/cluster.proto): it
+// marks the protocol and its version, and detects bytes that changed in transit.
 #pragma once
 
 #include <cstdint>
@@ -16,8 +16,8 @@ namespace rayloc {
 
 std::string seal(const google::protobuf::MessageLite& message);
 
-// Reads it into `message`. An Error says what is wrong: no seal, another version, bytes that have
-// changed, or bytes that are no such message.
+// Parses it into `message`. An Error states the fault: no seal,
+// another version, changed bytes, or bytes that are no such message.
 Expected<void> unseal(std::string_view bytes, google::protobuf::MessageLite& message);
 
 }  // namespace rayloc

@@ -6,8 +6,8 @@
 namespace rayloc {
 namespace {
 
-constexpr std::size_t kMostHeld = 4096;  // batches of a node behind a hole; then it is given up
-// Starts of a node whose batches are still recognised: one a second for as long as streams keep.
+constexpr std::size_t kMostHeld = 4096;  // batches of a node after a hole; then it is given up
+// Starts of a node whose batches are still recognised: one a second for the retention of streams.
 constexpr std::size_t kEpochsKnown = 60;
 
 }  // namespace
@@ -47,7 +47,7 @@ void Sequencer::push(const std::string& name, Batch batch, std::vector<Taken>& o
   }
 }
 
-// What is held of the start before it does not become more.
+// Delivers the held batches of the previous start, whose holes are not filled any more.
 void Sequencer::begin_epoch(const std::string& name,
                             Node& node,
                             const Batch& batch,
@@ -84,7 +84,7 @@ void Sequencer::take_in_order(const std::string& name, Node& node, std::vector<T
   }
 }
 
-// Whether a mark stands for what comes next.
+// Returns true if a mark covers the next number.
 bool Sequencer::pass_gap(Node& node) {
   while (!node.gaps.empty()) {
     const auto first = node.gaps.begin();
@@ -99,7 +99,7 @@ bool Sequencer::pass_gap(Node& node) {
         counters_.marked_datagrams[access_point] += count;
       }
       node.at.number = gap.to;
-      // Held under a number that is marked: it came after all, and too late.
+      // Held under a marked number: it arrived after all, and too late.
       while (!node.held.empty() && node.held.begin()->first <= gap.to) {
         node.held.erase(node.held.begin());
         --held_;
@@ -114,7 +114,7 @@ bool Sequencer::pass_gap(Node& node) {
   return false;
 }
 
-// REQUIRES: something is held.
+// REQUIRES: a batch is held.
 void Sequencer::pass_missing(const std::string& name, Node& node, std::vector<Taken>& out) {
   const std::uint64_t held = node.held.begin()->first;
   const std::uint64_t marked = node.gaps.empty() ? held : node.gaps.begin()->first;

@@ -1,9 +1,9 @@
-// Sequencer: the batches of all nodes of a site, each node's once and in the order of their
-// numbers, whatever the broker did to them on their way.
+// Sequencer: delivers the batches of all nodes of a site, each node's once and
+// in the order of their numbers, whatever the broker did to them in transit.
 //
-// What comes out is a function of the records of the stream alone: a batch is taken behind the one
-// before it; a hole ends by the batch, by a mark of the gap, or by a new start of the node. All of
-// these are records, so every reader of the stream takes the same. It reads no clock.
+// Its output is a function of the records of the stream alone: a batch is delivered after its
+// predecessor; a hole is closed by the batch, by a gap mark, or by a new start of the node. All
+// of these are records, so every reader of the stream delivers the same. It reads no clock.
 //
 // Thread safety: one thread at a time.
 #pragma once
@@ -21,25 +21,25 @@ namespace rayloc {
 class Sequencer {
  public:
   struct Position {
-    std::uint64_t epoch = 0;   // 0: nothing is known of the node
-    std::uint64_t number = 0;  // of the last batch that was taken, or marked
+    std::uint64_t epoch = 0;   // 0: no data of the node yet
+    std::uint64_t number = 0;  // of the last batch that was taken or marked
     std::vector<std::uint64_t> past_epochs;
   };
   using Positions = std::map<std::string, Position>;  // by node
 
-  // `from_the_beginning`: it sees every record of the stream, so that a node's first batch is
-  // number
-  // 1. Else that of a node without a position may be any: what was before it is not missed.
+  // `from_the_beginning`: it receives every record of the stream, so that
+  // a node's first batch is number 1. Otherwise a node without a position
+  // may begin with any number: earlier batches do not count as missing.
   Sequencer(Positions positions, bool from_the_beginning);
 
   struct Taken {
     std::string node;
     Batch batch;
   };
-  // The next record of the stream. Appends those whose turn it is.
+  // Adds the next record of the stream. Appends the batches that are now in order to `out`.
   void push(const std::string& node, Batch batch, std::vector<Taken>& out);
 
-  // What is lacked now, to be asked for.
+  // A range of batches that is missing now, to be requested.
   struct Hole {
     std::string node;
     std::uint64_t epoch = 0;
@@ -56,12 +56,12 @@ class Sequencer {
   struct Counters {
     std::uint64_t pushed = 0;
     std::uint64_t taken = 0;
-    std::uint64_t repeats = 0;  // that had been taken, or were held
-    std::uint64_t late = 0;     // of a start of the node that is over
-    std::uint64_t held = 0;     // until those before them are there
-    std::uint64_t marked = 0;   // numbers that marks stand for
+    std::uint64_t repeats = 0;  // taken before, or held
+    std::uint64_t late = 0;     // of an earlier start of the node
+    std::uint64_t held = 0;     // until their predecessors arrive
+    std::uint64_t marked = 0;   // numbers covered by marks
     std::uint64_t missing =
-        0;  // numbers that nothing stands for: the node started anew, or too many were held
+        0;  // numbers covered by nothing: the node was restarted, or too many were held
     std::map<std::string, std::uint64_t> marked_datagrams;  // by access point
   };
   Counters counters() const;

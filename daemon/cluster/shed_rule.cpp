@@ -3,7 +3,7 @@
 namespace rayloc {
 namespace {
 
-// Two bursts: one of them is whole.
+// Length of two bursts: one of them is complete.
 constexpr Duration kWindow = std::chrono::milliseconds(400);
 
 }  // namespace

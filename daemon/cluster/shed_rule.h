@@ -1,7 +1,7 @@
-// What a site leaves out of what it hears while there is more than can be explained, and when.
+// Rule by which a site leaves out received data while the load exceeds its processing capacity.
 //
-// Whole windows of event time are left out: what is used is enough for bursts, and which are is a
-// function of the level and of time alone.
+// Whole windows of event time are left out: the remaining windows are long enough
+// for bursts, and their choice is a function of the level and of time alone.
 #pragma once
 
 #include <chrono>
@@ -14,15 +14,15 @@ namespace rayloc {
 
 inline constexpr std::uint32_t kMostShed = 3;  // an eighth is used
 
-// Of 2^level windows of 400 ms the first is used.
+// Returns true for the first of every 2^level windows of 400 ms.
 bool is_used(Timestamp time, std::uint32_t level);
 
 class ShedRule {
  public:
   using Time = std::chrono::steady_clock::time_point;
   struct Limits {
-    // Of event time, between what was heard and what is explained: more of it for so long, and more
-    // is left out; less of it for so long, and less is.
+    // Lag in event time between reception and explanation: above the upper limit for
+    // that period, more is left out; below the lower limit for that period, less is.
     Duration most_lag = std::chrono::seconds(3);
     Duration least_lag = std::chrono::milliseconds(500);
     Duration patience = std::chrono::seconds(5);
@@ -30,8 +30,8 @@ class ShedRule {
 
   explicit ShedRule(const Limits& limits) : limits_(limits) {}
 
-  // The level that is to be, where it is another one than `level`. `heard`: up to when; `done`: up
-  // to when all is explained; neither is known before the first.
+  // Returns the new level, if it differs from `level`. `heard`: end of the received
+  // data; `done`: end of the explained data; both are unset before their first value.
   std::optional<std::uint32_t> next_level(Timestamp heard,
                                           Timestamp done,
                                           std::uint32_t level,

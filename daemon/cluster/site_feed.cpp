@@ -15,13 +15,13 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr milliseconds kFeedRound{20};     // between looks at what is missing
-constexpr milliseconds kFull{5};           // between looks whether there is room again
-constexpr std::chrono::seconds kAgain{1};  // what was asked for or told, and had no effect
-constexpr milliseconds kPlaces{100};       // between places from which it may be read again
-constexpr std::size_t kMostPlaces = 4096;  // some minutes; then every other one is forgotten
+constexpr milliseconds kFeedRound{20};     // between checks for missing data
+constexpr milliseconds kFull{5};           // between checks for free room
+constexpr std::chrono::seconds kAgain{1};  // until an unanswered request or record is repeated
+constexpr milliseconds kPlaces{100};       // between places for resuming
+constexpr std::size_t kMostPlaces = 4096;  // some minutes; then every other one is dropped
 
-// Leaves what is of times that are wanted; how many are not.
+// Keeps the entries with wanted times; returns the number of removed entries.
 template <typename Wanted>
 std::size_t keep_only(const Wanted& wanted, DatagramRing::Piece& piece) {
   if (std::all_of(piece.entries.begin(), piece.entries.end(), [&](const auto& entry) {
@@ -43,14 +43,14 @@ std::size_t keep_only(const Wanted& wanted, DatagramRing::Piece& piece) {
 
 }  // namespace
 
-// What waits for the source of one access point.
+// Queue of the source of one access point.
 class SiteFeed::Lane {
  public:
   explicit Lane(std::shared_ptr<std::atomic<std::size_t>> bytes) : bytes_(std::move(bytes)) {}
 
-  // Whose it is: the node that heard it last; empty: nobody has named it yet. For the feed alone.
+  // Node that last received the access point; empty: none has named it yet. For the feed alone.
   std::string node;
-  // The last that was promised. For the feed alone.
+  // Last promised watermark. For the feed alone.
   Timestamp watermark = Timestamp::min();
 
   void put(DatagramRing::Piece piece, Timestamp promised) {
@@ -80,7 +80,7 @@ class SiteFeed::Lane {
     Timestamp watermark;
     bool ended = false;
   };
-  // Nothing more comes; what waits is only given where it is still wanted.
+  // Ends the input; queued data are delivered only with `give_what_waits`.
   void end(bool give_what_waits) {
     {
       const std::lock_guard lock(mutex_);
@@ -91,7 +91,7 @@ class SiteFeed::Lane {
     }
     wake_.notify_one();
   }
-  // Waits for something; else how far it is promised.
+  // Waits for data; on a time-out returns the promised watermark.
   Waiting take(Duration timeout) {
     std::unique_lock lock(mutex_);
     wake_.wait_for(lock, timeout, [&] { return ended_ || !waiting_.empty(); });
@@ -233,7 +233,7 @@ void SiteFeed::tend(Time now) {
   note();
 }
 
-// A capture node may have no right to.
+// Creates the stream, since a capture node may lack the permission.
 void SiteFeed::make_stream() {
   if (!only_listens_ && broker_->connected() && broker_->connections() != connections_ &&
       broker_->ensure_stream(options_.stream)) {
@@ -261,7 +261,7 @@ void SiteFeed::take(const BrokerMessage& message) {
   promise_for_silent_ones();
 }
 
-// Of silence: of a node that has been heard since, it is out of date.
+// A silence record is obsolete for a node that has been received since.
 void SiteFeed::take_owner_record(const BrokerMessage& message) {
   v1::OwnerRecord record;
   if (!unseal(message.data, record)) {
@@ -314,7 +314,7 @@ bool SiteFeed::is_waited_for(const Lane& lane) const {
   return !lane.node.empty() && (node == nodes_.end() || !node->second.silent);
 }
 
-// As much as all promise that are waited for; nothing where nobody is.
+// Least watermark of the lanes that are waited for; nothing where there is none.
 std::optional<Timestamp> SiteFeed::promised() const {
   std::optional<Timestamp> safe;
   for (const auto& lane : lanes_) {
@@ -346,7 +346,7 @@ void SiteFeed::ask_for_holes(Time now) {
       request.set_epoch(hole.epoch);
       request.set_from_number(hole.from);
       request.set_to_number(hole.to);
-      (void)broker_->publish(resend_subject(hole.node), seal(request));  // asked again if in vain
+      (void)broker_->publish(resend_subject(hole.node), seal(request));  // repeated if unsuccessful
       due = now + kAgain;
     }
     holes.emplace(hole, due);
@@ -377,8 +377,8 @@ void SiteFeed::tell_silent_nodes(Time now) {
   }
 }
 
-// The next record of the stream tells us as well. What could be explained by now is what all
-// promise: a node whose clock is wrong makes others wait, and that is no load.
+// The level is applied when the record is read from the stream. The promised watermark bounds
+// what could be explained by now: a node with a wrong clock delays others, and that is no load.
 void SiteFeed::tell_what_is_shed(Time now) {
   const auto level =
       shed_rule_.next_level(promised().value_or(Timestamp::min()), done_, shed_level_, now);
@@ -387,10 +387,10 @@ void SiteFeed::tell_what_is_shed(Time now) {
   }
   v1::OwnerRecord record;
   record.mutable_shed()->set_level(*level);
-  (void)broker_->publish(owner_subject(options_.site), seal(record));  // told again if in vain
+  (void)broker_->publish(owner_subject(options_.site), seal(record));  // repeated if unsuccessful
 }
 
-// While a source has nothing, the others may be waiting for it.
+// While one source has no data, the others may be waiting for it.
 void SiteFeed::wait_for_room() {
   progress_.rest();
   while (
@@ -400,7 +400,7 @@ void SiteFeed::wait_for_room() {
   }
 }
 
-// A batch that is held was read and not taken: who goes on behind it would miss it.
+// A held batch was read and not taken: a reader that resumed after it would miss it.
 void SiteFeed::note_place() {
   if (sequencer_.has_holes()) {
     return;
@@ -416,7 +416,7 @@ void SiteFeed::note_place() {
       here.silent.insert(name);
     }
   }
-  if (newest_ == last) {  // nothing new was heard: the later place does
+  if (newest_ == last) {  // no new data: the later place replaces it
     checkpoints_.back().resume = std::move(here);
     return;
   }

@@ -1,14 +1,14 @@
-// SiteFeed: the stream of a site as the sources of its access points, for a pipeline on another
-// machine than those that hear them.
+// SiteFeed: provides the stream of a site as the sources of its access
+// points, for a pipeline that runs on another machine than the capture nodes.
 //
-// What the sources give, and what they promise (their watermarks), is a function of the records of
-// the stream. A node that is dead must not hold its site: after a while without it, although others
-// are heard, a record in the stream says so. From there its access points are not waited for, until
-// it is heard again; what is then older than what was promised meanwhile is late, and counted. An
-// access point that no node has named yet is not waited for either.
+// The datagrams of the sources, and their watermarks, are a function of the records of the stream.
+// A dead node must not block its site: after a period without it, although others are received, a
+// record in the stream declares it silent. From there on its access points are not waited for,
+// until it is received again; data that are then older than the watermarks promised meanwhile are
+// late, and counted. An access point that no node has named yet is not waited for either.
 //
-// More than can be explained is shed, by a record in the stream as well (shed_rule.h): so whoever
-// reads it again leaves out the same.
+// Load that cannot be processed is shed, by a record in the stream as well
+// (shed_rule.h): so every later reader of the stream leaves out the same data.
 //
 // Thread safety: each source from one thread, the rest from any.
 #pragma once
@@ -42,19 +42,19 @@ class SiteFeed {
   struct Options {
     std::string site;
     std::vector<std::string> access_points;  // ids
-    StreamOptions stream;                    // that is made where there is none
-    SiteResume resume;                       // from where it is read
-    // Of who looks back: nothing is asked of anybody, and the sources end behind the message of
-    // that sequence.
+    StreamOptions stream;                    // created where it does not exist
+    SiteResume resume;                       // place to read from
+    // For a replay: nothing is requested from nodes, and
+    // the sources end after the message of that sequence.
     std::optional<std::uint64_t> until;
-    // Of who stands by: nothing is asked or written until speak().
+    // For a standby: nothing is requested or written until speak().
     bool only_listens = false;
-    // A node that is not heard for so long, although others are, is silent.
+    // A node that is not received for so long, although others are, is silent.
     Duration silent_after = std::chrono::seconds(1);
     ShedRule::Limits shed;
-    // What is missing for so long is asked for.
+    // Data missing for so long are requested.
     Duration ask_after = std::chrono::milliseconds(300);
-    // What waits for the sources to be read, while each of them has something.
+    // Size of the queues of the sources, while each of them has data.
     std::size_t max_waiting_bytes = std::size_t{256} << 20U;
   };
 
@@ -63,31 +63,31 @@ class SiteFeed {
   SiteFeed(const SiteFeed&) = delete;
   SiteFeed& operator=(const SiteFeed&) = delete;
 
-  // Of that number among `access_points`; once each. This outlives it.
+  // Source of the access point with that index in `access_points`; once each. This outlives it.
   std::unique_ptr<DatagramSource> source(std::size_t access_point);
   void start();
-  // Ends the thread; sources give what waits, and nothing more.
+  // Ends the thread; sources deliver what is queued, and nothing more.
   void finish();
-  // Of who looks back: the sources end now. From any thread.
+  // For a replay: the sources end now. From any thread.
   void end() { ending_ = true; }
 
   struct Counters {
     StreamReader::Counters stream;
     Sequencer::Counters batches;
-    std::uint64_t refused = 0;   // records that cannot be read
-    std::uint64_t unknown = 0;   // datagrams of access points that the site does not have
-    std::uint64_t silences = 0;  // of nodes
+    std::uint64_t refused = 0;   // unreadable records
+    std::uint64_t unknown = 0;   // datagrams of access points that are not in the site
+    std::uint64_t silences = 0;  // nodes declared silent
     std::uint64_t shed = 0;      // datagrams
     std::uint32_t shed_level = 0;
   };
   Counters counters() const;
   const StageProgress& progress() const { return progress_; }
-  // The latest place of which everything is behind that was heard at `time` or later. Nobody asks
-  // for an earlier `time` afterwards.
+  // Returns the latest place that precedes all data received at
+  // `time` or later. No caller requests an earlier `time` afterwards.
   SiteResume resume_for(Timestamp time);
-  // It is the owner's from now on.
+  // This worker owns the site from now on.
   void speak() { only_listens_ = false; }
-  // Everything of instants before is explained.
+  // All instants before `time` are explained.
   void note_done(Timestamp time) { done_ = time; }
 
  private:
@@ -95,12 +95,12 @@ class SiteFeed {
   class Source;
   struct Node {
     Time heard;           // by our clock
-    Time told;            // when somebody was last told that it is silent
-    bool silent = false;  // says the stream
+    Time told;            // last report of its silence
+    bool silent = false;  // according to the stream
   };
   struct Checkpoint {
     SiteResume resume;
-    Timestamp newest;  // of what lies before it
+    Timestamp newest;  // of the data before it
   };
 
   SiteFeed(std::shared_ptr<Broker> broker, Options options);
@@ -127,15 +127,15 @@ class SiteFeed {
   std::unique_ptr<StreamReader> reader_;
   Sequencer sequencer_;
   std::map<std::string, Node> nodes_;
-  std::map<Sequencer::Hole, Time> holes_;  // when it is to be asked for
+  std::map<Sequencer::Hole, Time> holes_;  // due time of the request
   std::uint64_t refused_ = 0;
   std::uint64_t unknown_ = 0;
   std::uint64_t silences_ = 0;
   std::uint64_t shed_ = 0;
-  std::uint32_t shed_level_;  // says the stream
+  std::uint32_t shed_level_;  // according to the stream
   ShedRule shed_rule_;
   std::uint64_t connections_ = 0;
-  Timestamp newest_ = Timestamp::min();  // of what was delivered
+  Timestamp newest_ = Timestamp::min();  // of the delivered data
   StageProgress progress_;
   std::atomic<Timestamp> done_{Timestamp::min()};
   std::atomic<bool> only_listens_;

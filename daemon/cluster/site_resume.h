@@ -1,5 +1,5 @@
-// SiteResume: from where a site's stream is read again, and what had been taken there; as
-// v1::StreamPosition it travels with every result.
+// SiteResume: the place from which a site's stream is read again, and the
+// batches taken before it; sent as v1::StreamPosition with every result.
 #pragma once
 
 #include <cstdint>

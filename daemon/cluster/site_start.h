@@ -1,4 +1,4 @@
-// SiteStart: how the next owner of a site begins, read from the last word of the one before it.
+// SiteStart: start of the next owner of a site, derived from the last record of its predecessor.
 #pragma once
 
 #include <cstdint>
@@ -13,20 +13,20 @@ namespace rayloc {
 
 struct SiteStart {
   std::uint64_t generation = 0;       // of its claim
-  SiteResume resume;                  // from where it reads
-  Timestamp from = Timestamp::min();  // what is before it has been said
-  // `open` is of where it begins to listen; null: nobody knows anything.
+  SiteResume resume;                  // place to read from
+  Timestamp from = Timestamp::min();  // earlier results have been published
+  // `open` refers to the place from which it reads; null: no state.
   std::shared_ptr<const Carried> carried;
 };
 
-// `record`: the last of the site; an empty one: nobody has said anything. An Error (kBadInput) says
-// what of it contradicts itself.
+// `record`: the last one of the site; empty: none was
+// published. An Error (kBadInput) states the inconsistency.
 Expected<SiteStart> start_after(const v1::OutputRecord& record);
 
-// How the owner that began so has computed what it says: as start_after() unless it had stood by.
+// Start from which that owner computed its results: as start_after() unless it was a standby.
 Expected<SiteStart> start_of(const v1::Begin& begin);
 
-// Times of results: the microsecond that is not later; 0 before all time.
+// Times of results: rounded down to the microsecond; 0 before all time.
 std::int64_t us_of(Timestamp time);
 Timestamp time_of_us(std::int64_t us);
 

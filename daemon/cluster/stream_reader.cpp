@@ -9,12 +9,12 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr milliseconds kReaderLookInterval{500};  // for a stream that is not there
+constexpr milliseconds kReaderLookInterval{500};  // for a missing stream
 constexpr milliseconds kPause{20};                // while the broker is away or does not answer
-// Of a message that is said to be gone though the stream goes on behind it.
+// For a message that is reported missing although later ones exist.
 constexpr std::chrono::seconds kGonePatience{2};
-// A leader that was cut off takes itself for one for ten seconds (NATS), and knows nothing of what
-// was stored since. So long a stream that ends before what was read of it is not believed.
+// An isolated leader considers itself the leader for ten seconds (NATS), and lacks messages
+// stored since. For so long, a stream end before the last message read is not accepted.
 constexpr std::chrono::seconds kStaleLeader{15};
 
 }  // namespace
@@ -37,11 +37,11 @@ StreamReader::StreamReader(std::shared_ptr<Broker> broker, Options options)
 
 void StreamReader::take(BrokerMessage&& message) {
   if (message.sequence == 0) {
-    return;  // somebody else's word
+    return;  // not from the stream
   }
   {
     const std::lock_guard lock(mutex_);
-    // It tells each once and in order; else it is another stream of that name.
+    // A stream republishes each once and in order; otherwise it is another stream of that name.
     in_doubt_ = in_doubt_ || message.sequence <= last_told_;
     last_told_ = message.sequence;
     if (waiting_bytes_ + message.data.size() > options_.max_waiting_bytes) {
@@ -73,7 +73,7 @@ std::optional<BrokerMessage> StreamReader::next(milliseconds timeout) {
   return std::nullopt;
 }
 
-// Once for each connection: the stream may be another one by then. False: it cannot be told yet.
+// Once per connection: the stream may be another one by then. False: its state is unavailable.
 bool StreamReader::look_at_stream() {
   const std::uint64_t connections = broker_->connections();
   {
@@ -99,7 +99,7 @@ bool StreamReader::look_at_stream() {
     return false;
   }
   in_doubt_ = false;
-  heard_ = {};  // what was told while nobody listened is asked for at once
+  heard_ = {};  // messages missed while disconnected are requested at once
   const bool any = place_.created == Timestamp{};
   if ((!any && place_.created != state->created) || place_.sequence > state->last) {
     ++counters_.streams;
@@ -115,7 +115,7 @@ bool StreamReader::look_at_stream() {
   return true;
 }
 
-// REQUIRES: the mutex is held. Whether it is the same stream, as far as it goes, and may be longer.
+// REQUIRES: the mutex is held. True: the same stream with a shorter end, which may still grow.
 bool StreamReader::seems_shorter(const StreamState& state, Time now) {
   if (in_doubt_ || place_.created != state.created || place_.sequence <= state.last) {
     shorter_.reset();
@@ -125,7 +125,7 @@ bool StreamReader::seems_shorter(const StreamState& state, Time now) {
   return now - *shorter_ < kStaleLeader;
 }
 
-// The next message, when it comes until then. `hole`: a later one is there instead.
+// Returns the next message, if it arrives before `until`. `hole`: only a later one is there.
 std::optional<BrokerMessage> StreamReader::waiting_one(Time until, bool& hole) {
   std::unique_lock lock(mutex_);
   for (;;) {
@@ -168,8 +168,8 @@ std::optional<BrokerMessage> StreamReader::ask_for_next(bool hole) {
   return std::move(*message);
 }
 
-// Retention has taken it, or the replica that was asked does not have it yet. One request that has
-// no answer is enough for a call: whoever ends the reader waits for it.
+// Retention has removed it, or the queried replica does not have it yet. One
+// unanswered request per call is enough: the thread that ends the reader waits for it.
 std::optional<BrokerMessage> StreamReader::ask_the_leader() {
   auto message = broker_->get_of_leader(options_.stream, place_.sequence + 1);
   if (!message) {
@@ -191,7 +191,7 @@ std::optional<BrokerMessage> StreamReader::ask_the_leader() {
       std::this_thread::sleep_for(kPause);
       return std::nullopt;
     }
-    gone_to = place_.sequence + 1;  // those behind it have been waited for as well
+    gone_to = place_.sequence + 1;  // later ones have been waited for as well
   } else {
     missing_.reset();
   }
@@ -204,7 +204,7 @@ std::optional<BrokerMessage> StreamReader::ask_the_leader() {
 BrokerMessage StreamReader::accept(BrokerMessage&& message, bool asked_for) {
   place_.sequence = message.sequence;
   missing_.reset();
-  // Behind a message that was asked for there may be more that was told before we listened.
+  // After a requested message, more may have been republished before we subscribed.
   heard_ = asked_for ? Time{} : std::chrono::steady_clock::now();
   const std::lock_guard lock(mutex_);
   ++counters_.read;

@@ -1,5 +1,5 @@
-// What a program takes, as plain values: for what is made of it beside parsing (manual page,
-// completion by shells).
+// The command line of a program as plain values, for uses
+// other than parsing (manual page, completion by shells).
 #pragma once
 
 #include <string>
@@ -8,10 +8,10 @@
 namespace rayloc::cli {
 
 struct CommandOption {
-  std::vector<std::string> names;  // "--json", "-j"; empty for an argument by position
-  std::string value;               // "FILE", "TEXT": what stands behind the name; empty for a flag
-  std::vector<std::string> choices;  // when only these values are taken
-  std::string preset;                // the default, empty when there is none
+  std::vector<std::string> names;  // "--json", "-j"; empty for a positional argument
+  std::string value;               // "FILE", "TEXT": the placeholder of the value; empty for a flag
+  std::vector<std::string> choices;  // the only allowed values; empty: any value
+  std::string preset;                // the default; empty: none
   std::string description;
   bool required = false;
   bool repeated = false;  // takes any number of values
@@ -20,10 +20,10 @@ struct CommandOption {
 struct Command {
   std::string name;
   std::string summary;
-  std::string notes;  // what --help ends with: the example
+  std::string notes;  // end of the --help text: the example
   std::vector<CommandOption> options;
-  std::vector<CommandOption> arguments;  // by position
-  std::vector<Command> commands;         // verbs; of `scene`: check, room, show
+  std::vector<CommandOption> arguments;  // positional
+  std::vector<Command> commands;         // verbs; for `scene`: check, room, show
 };
 
 }  // namespace rayloc::cli

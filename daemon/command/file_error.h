@@ -1,4 +1,4 @@
-// What is wrong with a file that a verb was given.
+// Reports an error in a file that was given to a verb.
 #pragma once
 
 #include <cstdio>
@@ -10,8 +10,8 @@
 namespace rayloc::cli {
 
 // Prints the error without the program's name before it, so that editors jump to its
-// FILE:LINE:COLUMN, and leaves nothing to say but the exit status. What it quotes of the file may
-// not control the terminal; a message may have several lines.
+// FILE:LINE:COLUMN, and returns only the exit status. Quoted parts of the file cannot control the
+// terminal; a message may have several lines.
 inline tl::unexpected<Error> report_file_error(const Error& error) {
   std::fprintf(stderr, "%s\n", printable(error.message, '\n').c_str());
   return exit_silently(error.kind);

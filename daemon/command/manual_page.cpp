@@ -57,7 +57,7 @@ contradicts the site
 .BR raylocd.toml (5)
 )";
 
-// Text of several lines, as lines.
+// Text of several lines, with line breaks kept.
 std::string lines(const std::string& text) {
   std::string result;
   std::istringstream in(text);
@@ -67,12 +67,12 @@ std::string lines(const std::string& text) {
   return result;
 }
 
-// As it stands, in a typewriter's face.
+// Unchanged text in a typewriter face.
 std::string verbatim(const std::string& text) {
   std::string result;
   std::istringstream in(text);
   for (std::string line; std::getline(in, line);) {
-    // mandoc(1) warns of blank lines; a line without text looks the same.
+    // mandoc(1) warns of blank lines; a line without text renders the same.
     result += (line.empty() ? "\\&" : roff(line)) + "\n";
   }
   return result.empty() ? "" : ".PP\n.nf\n" + result + ".fi\n";
@@ -89,7 +89,7 @@ std::string value_of(const CommandOption& option) {
   return text;
 }
 
-// An entry of a list: the option or argument in bold and italics, then what it means.
+// A list entry: the option or argument in bold and italics, then its description.
 std::string entry(const CommandOption& option) {
   std::string names;
   for (const std::string& name : option.names) {
@@ -129,7 +129,7 @@ std::string usage(const Command& command, const std::string& path) {
   return text + " [\\fIoption\\fR ...]\n";
 }
 
-// Of a verb, and of its own verbs behind it.
+// The section of a verb, followed by the sections of its own verbs.
 std::string section(const Command& command, const std::string& path) {
   std::string text =
       ".SS rayloc " + roff(path) + "\n" + lines(command.summary) + ".PP\n" + usage(command, path);

@@ -1,4 +1,4 @@
-// The manual page rayloc(1), made of what --help says.
+// The manual page rayloc(1), generated from the --help texts.
 #pragma once
 
 #include <string>

@@ -29,7 +29,7 @@ CLI::Validator validator(const ValueCheck& check) {
       check);
 }
 
-// CLI11 tells the values of IsMember() in the option's type only: "TEXT:{device,person,all}".
+// CLI11 reports the values of IsMember() only in the option's type: "TEXT:{device,person,all}".
 std::vector<std::string> choices_of(const std::string& type) {
   std::vector<std::string> choices;
   const std::size_t begin = type.find(":{");
@@ -126,7 +126,7 @@ class OptionParser::Impl {
   }
 
  private:
-  std::unique_ptr<CLI::App> own_;  // null of a subcommand
+  std::unique_ptr<CLI::App> own_;  // null for a subcommand
   CLI::App* app_;
   std::deque<ParserOption> options_;
   std::vector<std::unique_ptr<OptionParser>> subcommands_;

@@ -1,9 +1,9 @@
 // OptionParser: the command line of our programs, by CLI11. Only option_parser.cpp includes that
-// library, which costs a source 15 to 30 s to compile.
+// library, since it adds 15 to 30 s to the compilation of a source.
 //
-// Names and rules are CLI11's: "--json,-j" is an option, "FILE" an argument by position; a value
-// that is given is written to the variable when the command line is parsed, so the variable must
-// live until then.
+// Names and rules are CLI11's: "--json,-j" is an option, "FILE" a
+// positional argument; a given value is written to the variable when
+// the command line is parsed, so the variable must live until then.
 //
 // Thread safety: none.
 #pragma once
@@ -23,7 +23,7 @@ class Option;
 
 namespace rayloc::cli {
 
-// What the values of an option may be.
+// Allowed ranges of the values of an option.
 struct IntegerRange {
   int least = 0;
   int most = 0;
@@ -43,19 +43,19 @@ inline ValueCheck positive() { return AnyPositive{}; }
 inline ValueCheck not_negative() { return AnyNotNegative{}; }
 inline ValueCheck one_of(std::vector<std::string> values) { return values; }
 
-// An option while it is declared; its parser owns it.
+// An option under declaration; its parser owns it.
 class ParserOption {
  public:
   explicit ParserOption(CLI::Option* option) : option_(option) {}
 
   ParserOption* required();
   ParserOption* check(const ValueCheck& check);
-  // --help shows the value that the variable has now.
+  // --help shows the current value of the variable.
   ParserOption* capture_default_str();
   ParserOption* description(const std::string& text);
   ParserOption* needs(const ParserOption* other);
   ParserOption* excludes(const ParserOption* other);
-  // Not several values behind one name.
+  // False: one value per option name.
   ParserOption* allow_extra_args(bool allow);
 
  private:
@@ -64,18 +64,18 @@ class ParserOption {
 
 class OptionParser {
  public:
-  // `version`: what --version prints.
+  // `version`: the text printed by --version.
   OptionParser(const std::string& description, const std::string& name, const std::string& version);
   ~OptionParser();
   OptionParser(const OptionParser&) = delete;
   OptionParser& operator=(const OptionParser&) = delete;
 
   // Value: std::string, bool, an integer, double, a std::optional or a std::vector of one of these;
-  // option_parser.cpp lists them, and the linker misses any other.
+  // option_parser.cpp instantiates them, and any other fails to link.
   template <typename Value>
   ParserOption* add_option(const std::string& names, Value& value, const std::string& description);
   ParserOption* add_flag(const std::string& names, bool& value, const std::string& description);
-  // One that was added. REQUIRES: it was.
+  // Returns an option that was added. REQUIRES: it exists.
   ParserOption* get_option(const std::string& name);
 
   // Text at the end of --help.
@@ -84,12 +84,12 @@ class OptionParser {
 
   OptionParser* add_subcommand(const std::string& name, const std::string& summary);
   void require_subcommand(int count);
-  // Called when this subcommand was given.
+  // Called if this subcommand was given.
   void callback(std::function<void()> call);
   bool parsed() const;
 
-  // The status with which the program is to end, when there is nothing to do: after --help and
-  // --version, which are printed, or a mistake, which is said on standard error.
+  // Returns an exit status if the program is to end at once: after --help and --version, which are
+  // printed, or after an error, which is reported on standard error.
   std::optional<int> parse(int argc, const char* const* argv);
 
   Command describe() const;

@@ -6,8 +6,8 @@
 
 namespace rayloc {
 
-// One line as it is to be read: backslashes stay, dashes can be typed, and a dot or a quote at the
-// beginning is no request.
+// Escapes one line for literal output: backslashes stay, dashes can be typed, and a dot or a quote
+// at the beginning is no request.
 std::string roff(std::string_view line);
 
 }  // namespace rayloc

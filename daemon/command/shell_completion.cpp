@@ -5,7 +5,7 @@
 namespace rayloc::cli {
 namespace {
 
-// In single quotes.
+// The text in single quotes.
 std::string quoted(const std::string& text) {
   std::string result = "'";
   for (const char c : text) {
@@ -33,8 +33,8 @@ std::vector<std::string> names_of(const std::vector<Command>& commands) {
   return names;
 }
 
-// Calls `visit` for every command below `command` and for itself; `path` is "" for rayloc and
-// "scene show" for a verb of a verb.
+// Calls `visit` for `command` and every command below it; `path`
+// is "" for rayloc and "scene show" for a verb of a verb.
 void walk(const Command& command,
           const std::string& path,
           const std::function<void(const Command&, const std::string& path)>& visit) {
@@ -60,7 +60,7 @@ _rayloc() {
     case "$verb ${COMP_WORDS[i]}" in
 )";
 
-// Where nothing of ours fits, `complete -o default` completes names of files.
+// If no completion of ours fits, `complete -o default` completes file names.
 constexpr const char* kBashTail = R"(  esac
   case $word in
     -*) words=$options ;;
@@ -70,7 +70,7 @@ constexpr const char* kBashTail = R"(  esac
 complete -o default -F _rayloc rayloc
 )";
 
-// For descriptions in zsh's specifications of options: one line, without what it would interpret.
+// Descriptions in zsh's option specifications: one line, with its special characters escaped.
 std::string zsh_text(const std::string& text) {
   std::string line;
   for (const char c : text.substr(0, text.find('\n'))) {
@@ -97,7 +97,7 @@ std::string zsh_function(const std::string& path) {
   return name;
 }
 
-// The arguments of _arguments, one a line.
+// The arguments of _arguments, one per line.
 std::string zsh_specifications(const Command& command) {
   std::string lines;
   const auto add = [&](const std::string& specification) {

@@ -7,7 +7,7 @@
 
 namespace rayloc::cli {
 
-// A script for bash to source; needs nothing but bash.
+// A script to be sourced by bash, without other dependencies.
 std::string bash_completion(const Command& rayloc);
 
 // A file `_rayloc` for a folder of zsh's $fpath.

@@ -11,7 +11,7 @@
 namespace rayloc::cli {
 
 // Runs the verb once the command line is parsed. An Error becomes a line on stderr and the exit
-// status of INTERFACE 1. A verb that is done ends with 0, or with the status that it returns.
+// status of INTERFACE 1. A completed verb ends with 0, or with the status that it returns.
 class RunVerb {
  public:
   RunVerb() = default;
@@ -37,8 +37,8 @@ struct Verb {
   RunVerb (*declare)(OptionParser& app);  // adds the verb's arguments to `app`
 };
 
-// A verb that reports by exit status what is no failure of its own (for example a check that
-// found something wrong) returns this: it has printed what there is to say.
+// Returned by a verb whose exit status reports something other than its own failure (for example a
+// check that found an error); the verb has printed all messages.
 inline tl::unexpected<Error> exit_silently(ErrorKind kind) { return make_error(kind, ""); }
 
 }  // namespace rayloc::cli

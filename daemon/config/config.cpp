@@ -34,7 +34,7 @@ std::optional<ConfigValue> read_path(const TomlTable& table, const ConfigOption&
   return path ? std::optional(ConfigValue(path->string())) : std::nullopt;
 }
 
-// Which files a pattern names is seen when they are opened.
+// The files that a pattern matches are determined when they are opened.
 std::optional<ConfigValue> read_paths(const TomlTable& table, const ConfigOption& option) {
   if (table.is_string(option.key) && table.string(option.key) == "-") {
     return ConfigValue(std::vector<std::string>{"-"});
@@ -90,8 +90,8 @@ std::optional<ConfigValue> read_value(const TomlTable& table, const ConfigOption
   RAYLOC_CHECK(false);
 }
 
-// The value of the file, else the default; nothing without either. A default is read as if it
-// stood in a file, so that it obeys the same rules.
+// The value of the file, or the default; empty without either. A default is read as if it were in a
+// file, so that it obeys the same rules.
 std::optional<ConfigEntry> read_entry(const TomlTable& table, const ConfigOption& option) {
   if (const std::optional<ConfigValue> value = read_value(table, option)) {
     return ConfigEntry{&option, *value, true};
@@ -133,7 +133,7 @@ void read_site(const TomlTable& table, ConfigReading& reading) {
   reading.site_tables.push_back(table);
 }
 
-// [site], or each [[site]].
+// Reads [site], or each [[site]].
 void read_site_sections(const TomlTable& root, ConfigReading& reading) {
   reading.config.has_site_list = root.is_array("site");
   if (reading.config.has_site_list) {
@@ -165,7 +165,7 @@ void read_section(const TomlTable& table, std::string_view section, ConfigReadin
   }
 }
 
-// The key `kind`; empty where it is absent or wrong.
+// The key `kind`; empty if it is absent or wrong.
 std::string stated_kind(const TomlTable& table) {
   const std::span<const ConfigOption> options = config_options();
   const auto kinds = std::find_if(options.begin(), options.end(), [](const ConfigOption& option) {
@@ -176,7 +176,7 @@ std::string stated_kind(const TomlTable& table) {
   return table.choice("kind", kinds->choices).value_or("");
 }
 
-// Why a source of that kind has no such key; empty where it has.
+// The reason why a source of that kind has no such key; empty if it has.
 std::string misplaced(const ConfigOption& option, const std::string& kind, bool by_url) {
   const std::string key = "'" + std::string(option.key) + "'";
   if (by_url && option.in_url) {
@@ -245,7 +245,7 @@ std::string file_of_both(const SourceConfig& a, const SourceConfig& b) {
   return both == a.files.end() ? "" : both->string();
 }
 
-// An input that two sources would take from each other.
+// An input that two sources would compete for.
 std::string shared_input(const SourceConfig& a, const SourceConfig& b) {
   if (a.kind != b.kind) {
     return {};
@@ -404,7 +404,7 @@ Expected<DaemonConfig> finish_config(TomlDocument& document) {
 }  // namespace
 
 std::string line_of(const std::string& place) {
-  const std::size_t slash = place.rfind('/') + 1;  // 0 where there is none
+  const std::size_t slash = place.rfind('/') + 1;  // 0 if there is none
   const std::size_t column = place.rfind(':', place.size() - 3);
   return place.substr(slash, column - slash);
 }
@@ -434,7 +434,7 @@ ConfigReading read_config(TomlDocument& document) {
     } else if (const std::optional<TomlTable> table = root.table(section)) {
       read_section(*table, section, reading);
     } else if (!root.has(section)) {
-      // All defaults.
+      // Reads the section with all defaults.
       read_section(document.empty_table(std::string(section)), section, reading);
     }
   }

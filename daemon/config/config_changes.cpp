@@ -59,7 +59,7 @@ ConfigChanges ConfigValues::changes_to(const ConfigValues& newer) const {
 std::string ConfigValues::json() const {
   nlohmann::ordered_json json = nlohmann::ordered_json::object();
   for (const auto& [key, entry] : values_) {
-    // What to_toml() writes reads the same in JSON; strings that are no UTF-8 are left out.
+    // The output of to_toml() is valid JSON as well; strings that are not UTF-8 are left out.
     const auto value = nlohmann::ordered_json::parse(entry.value, nullptr, false);
     json[key] = value.is_discarded() ? nlohmann::ordered_json() : value;
   }
@@ -80,7 +80,7 @@ void ConfigValues::adopt_applicable(const ConfigValues& newer) {
 
 namespace {
 
-// What stands for an option that no file states and that has no default.
+// The value of an option that no file states and that has no default.
 ConfigValue nothing_of(ConfigType type) {
   switch (type) {
     case ConfigType::kTexts:

@@ -47,7 +47,7 @@ void check_cluster(const TomlTable& root, const ClusterConfig& cluster) {
                           "' is no address of a NATS server; write nats://ADDRESS:PORT, or tls://");
       return;
     }
-    if (server.find('@') != std::string::npos) {  // the address is shown: no secret belongs there
+    if (server.find('@') != std::string::npos) {  // the address is shown: no secret belongs in it
       table->error_at("servers", "'servers': an address with a password, which is not supported");
       return;
     }

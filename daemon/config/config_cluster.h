@@ -1,4 +1,4 @@
-// What [cluster] of raylocd's configuration must be beside the table of keys.
+// Checks of [cluster] in raylocd's configuration beyond the table of keys.
 #pragma once
 
 #include "daemon/config/config.h"
@@ -6,11 +6,11 @@
 
 namespace rayloc {
 
-// Whether [cluster] says that it is a worker or a gateway, which hear nothing themselves.
+// True if [cluster] configures a worker or a gateway, which have no own sources.
 bool has_no_sources(const TomlTable& root);
 
-// Errors are noted in the document: a role without servers or without a name, a worker or
-// a gateway with sources, or with [site].
+// Errors are recorded in the document: a role without servers or without a name, a worker or a
+// gateway with sources, or with [site].
 void check_cluster(const TomlTable& root, const ClusterConfig& cluster);
 
 }  // namespace rayloc

@@ -29,7 +29,7 @@ void check_listen(const TomlTable& root, const HttpConfig& http) {
   }
 }
 
-// Who writes files must have been let in; `insecure` lets everyone read.
+// Clients that write files must be authenticated; `insecure` lets every client read.
 void check_edit(const TomlTable& root, const HttpConfig& http) {
   const std::optional<TomlTable> table = root.table("http");
   if (table && http.enabled && http.edit && !http.host.empty() && !is_loopback(http.host) &&

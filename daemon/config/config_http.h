@@ -1,4 +1,4 @@
-// What [http] of raylocd's configuration must be beside the table of keys.
+// Checks of [http] in raylocd's configuration beyond the table of keys.
 #pragma once
 
 #include "daemon/config/config.h"
@@ -6,8 +6,8 @@
 
 namespace rayloc {
 
-// Errors are noted in the document: an address that strangers reach without a token, a path or an
-// origin that is none.
+// Errors are recorded in the document: an address that strangers reach without a token, an invalid
+// path or origin.
 void check_http(const TomlTable& root, const HttpConfig& http);
 
 }  // namespace rayloc

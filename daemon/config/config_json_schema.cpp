@@ -9,7 +9,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Of the literals that the table uses: numbers, true, false and plain text read the same in JSON.
+// For the literals in the table: numbers, true, false and plain text are identical in JSON.
 Json literal(std::string_view toml) { return Json::parse(toml); }
 
 Json bounds(const ConfigOption& option, const char* type) {
@@ -24,7 +24,7 @@ Json names_of(std::span<const std::string_view> choices) {
   return {{"type", "string"}, {"enum", names}};
 }
 
-// A name, or several: "none" stands by itself, and is the last.
+// A name, or several: "none" is valid on its own only, and is the last.
 Json methods_of(const ConfigOption& option) {
   const Json several = {{"type", "array"},
                         {"items", names_of(option.choices.first(option.choices.size() - 1))},

@@ -87,7 +87,7 @@ std::string_view type_text(const ConfigOption& option) {
   return "";
 }
 
-// What each transport is, one below the other.
+// Descriptions of the transports, one below the other.
 std::string transports() {
   std::string text = ".RS\n";
   for (const TransportScheme& row : transport_schemes()) {

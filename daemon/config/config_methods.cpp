@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::string_view kNone = "none";
 
-// Why the method cannot stand at that place of the list; empty where it can.
+// The reason why the method is invalid at that position of the list; empty if it is valid.
 std::string fault_of(const std::vector<std::string>& names,
                      std::size_t entry,
                      const ConfigOption& option) {
@@ -63,7 +63,7 @@ bool has_devices(const Site& site) {
          });
 }
 
-// What the site lacks for the method; empty where it lacks nothing.
+// Data that the site lacks for the method; empty if it lacks none.
 std::string lack_of(const Method& method, const Site& site) {
   const std::string folder = site.directory.string();
   if (method.needs_training && site.training_files.count(std::string(method.name)) == 0) {
@@ -154,7 +154,7 @@ std::vector<std::string> check_methods_of(const TomlTable& root,
   const std::optional<TomlTable> table =
       stated.has_method ? std::optional(reading.site_tables[index]) : root.table("engine");
   if (!table || !table->has("method")) {
-    return {};  // the default, which needs nothing
+    return {};  // the default, which has no requirements
   }
   std::vector<const Method*> all = stated.has_method ? stated.compared : engine.compared;
   all.insert(all.begin(), stated.has_method ? stated.method : engine.method);

@@ -11,16 +11,16 @@
 
 namespace rayloc {
 
-// A text, or an array of different ones; an array of one counts as its text. Errors stand at the
+// A text, or an array of different ones; an array of one counts as its text. Errors refer to the
 // entry that is wrong.
 std::optional<ConfigValue> read_methods(const TomlTable& table, const ConfigOption& option);
 
-// Errors for methods that are compared where only one may be stated: on a worker of a cluster.
+// Errors for compared methods where only one may be stated: on a worker of a cluster.
 void check_methods(const TomlTable& root, const ConfigReading& reading);
 
-// Errors for methods that cannot locate at that site, the `index`-th: nothing was learned there, or
-// it has no target of their kind. Else where each is stated, the site's own first:
-// "raylocd.toml:4:11: "; nothing of a default.
+// Errors for methods that cannot locate at that site, the `index`-th: no training exists there, or
+// it has no target of their kind. Otherwise the places that state them, the site's own first:
+// "raylocd.toml:4:11: "; empty for a default.
 std::vector<std::string> check_methods_of(const TomlTable& root,
                                           const ConfigReading& reading,
                                           const Site& site,

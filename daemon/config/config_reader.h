@@ -1,5 +1,5 @@
-// A configuration while it is being read: the values, and where they stand. Shared by config.cpp
-// and config_text.cpp; everyone else wants config.h.
+// A configuration while it is being read: the values and their places. Shared by config.cpp and
+// config_text.cpp; all other code should include config.h.
 #pragma once
 
 #include <filesystem>
@@ -15,7 +15,7 @@ namespace rayloc {
 struct ConfigEntry {
   const ConfigOption* option = nullptr;
   ConfigValue value;
-  bool stated = false;  // else the default
+  bool stated = false;  // otherwise the default
 };
 
 struct ConfigSection {
@@ -30,17 +30,17 @@ struct ConfigReading {
   std::vector<TomlTable> source_tables;  // of config.sources, one each
 };
 
-// The file and what it includes.
+// Reads the file and its includes.
 Expected<std::unique_ptr<TomlDocument>> read_files(const std::filesystem::path& file);
 
 // "raylocd.toml:4", of "/etc/raylocd/raylocd.toml:4:1: ".
 std::string line_of(const std::string& place);
 
-// Errors are noted in the document.
+// Errors are recorded in the document.
 ConfigReading read_config(TomlDocument& document);
 
-// What holds when a daemon that runs with `running` reads its files again: sites, sources and the
-// keys that a reload applies as they are now, the others as they were.
+// The configuration after a daemon with `running` reads its files again: sites, sources and the
+// keys that a reload applies from the new reading, the others unchanged.
 DaemonConfig reloaded_config(const DaemonConfig& running, const ConfigReading& now);
 
 }  // namespace rayloc

@@ -1,8 +1,8 @@
-// The table of every key of raylocd's configuration: what there is, what it may be, what it means.
+// The table of every key of raylocd's configuration: names, valid values, meanings.
 //
 // Reading and checking (config.cpp), the commented example (deploy/raylocd.toml, `rayloc config
 // default`), the effective configuration and the JSON schema all come from this table. A row also
-// stores the value, so that there can be no key that is documented and not read.
+// stores the value, so that a documented key is always read.
 #pragma once
 
 #include <cstddef>
@@ -43,27 +43,27 @@ struct ConfigOption {
   std::string_view section;
   std::string_view key;
   ConfigType type;
-  std::string_view preset = {};   // the default in TOML, empty when there is none
-  std::string_view example = {};  // in TOML, where there is no default
+  std::string_view preset = {};   // the default in TOML, empty if there is none
+  std::string_view example = {};  // in TOML, if there is no default
   bool required = false;
   NumberRange range = {};
   std::span<const std::string_view> choices = {};
   std::string_view description = {};  // one line
   std::string_view only_kinds = {};   // of [[source]]: kinds that have the key, empty: all
-  bool in_url = false;                // of [[source]]: `url` says it, where that is stated
-  bool reload = false;                // SIGHUP applies a change; else it takes a restart
+  bool in_url = false;                // of [[source]]: replaced by `url` if that is stated
+  bool reload = false;                // SIGHUP applies a change; otherwise a restart does
   void (*store)(DaemonConfig&, const ConfigValue&) = nullptr;
   void (*store_site)(SiteConfig&, const ConfigValue&) = nullptr;
   void (*store_source)(SourceConfig&, const ConfigValue&) = nullptr;
 };
 
-// In the order of the example; the options of a section stand together.
+// In the order of the example; the options of a section are adjacent.
 std::span<const ConfigOption> config_options();
 
-// Whether a [[source]] of that kind has the option.
+// True if a [[source]] of that kind has the option.
 bool applies_to_kind(const ConfigOption& option, std::string_view kind);
 
-// The file deploy/raylocd.toml: every key with its description; what is left out is commented.
+// The file deploy/raylocd.toml: every key with its description; omitted keys are commented out.
 std::string config_example();
 
 // The manual page raylocd.toml(5), in the man macros of roff.
@@ -72,8 +72,8 @@ std::string config_manual_page();
 // A JSON schema (draft 2020-12) of the file, for editors.
 std::string config_json_schema();
 
-// What values an option takes: "from 0.01 to 10 s", "udp", "pcap" or "interface"; empty when that
-// is told by its type.
+// The valid values of an option: "from 0.01 to 10 s", "udp", "pcap" or "interface"; empty if its
+// type is sufficient.
 std::string config_limits(const ConfigOption& option);
 
 // A value in TOML: true, 5, 0.2, "text", ["a", "b"].

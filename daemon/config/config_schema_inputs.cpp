@@ -1,4 +1,4 @@
-// The rows of the table of keys that say where things come from: files, sites, sources.
+// The rows of the table of keys for inputs: files, sites, sources.
 #include "capture/decode/decoder_registry.h"
 #include "daemon/config/config_schema_rows.h"
 #include "daemon/config/endpoint.h"
@@ -13,10 +13,10 @@ constexpr std::string_view kUdp = "udp";
 constexpr std::string_view kPcap = "pcap";
 constexpr std::string_view kInterface = "interface";
 constexpr std::string_view kUnix = "unix";
-constexpr std::string_view kUrl = "url";  // a transport without keys of its own
+constexpr std::string_view kUrl = "url";  // a transport without its own keys
 constexpr std::string_view kLive = "udp, interface, unix or url";
 
-// Checked by then (parse_listen); a wrong address is an Error already, and its value unused.
+// Already checked (parse_listen); a wrong address is an Error, and its value unused.
 void store_listen(SourceConfig& source, const ConfigValue& value) {
   if (const std::optional<ListenAddress> address = parse_listen(text(value))) {
     source.listen_host = address->host;

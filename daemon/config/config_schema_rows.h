@@ -1,4 +1,4 @@
-// What the rows of the table of keys store their values with (config_schema.cpp and
+// Functions with which the rows of the table of keys store their values (config_schema.cpp and
 // config_schema_inputs.cpp).
 #pragma once
 
@@ -43,17 +43,17 @@ Enum chosen(const ConfigValue& value, const std::array<std::string_view, kCount>
   return {};
 }
 
-// The methods for a daemon, and "none", which locates nothing.
+// The methods of a daemon, and "none", which locates no target.
 std::span<const std::string_view> engine_methods();
-// The first locates; the others are compared with it.
+// The first method locates; the others are compared with it.
 void store_methods(const ConfigValue& value,
                    const Method*& first,
                    std::vector<const Method*>& compared);
 
-// The top of the file, [site] and [[source]].
+// Keys at the top of the file, of [site] and of [[source]].
 std::span<const ConfigOption> input_options();
 
-// [cluster].
+// Keys of [cluster].
 std::span<const ConfigOption> cluster_options();
 
 }  // namespace rayloc::config_rows

@@ -1,4 +1,4 @@
-// From a configuration to what is run: sites by name, each with its sources, resolved and checked.
+// Converts a configuration to the sites to run: by name, each with its resolved, checked sources.
 #include <algorithm>
 #include <set>
 #include <string>
@@ -17,10 +17,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What is known of a [[site]] before its sources are.
+// The data of a [[site]] that is read before its sources.
 struct ReadSite {
-  std::string name;     // empty: not known
-  std::string trouble;  // why it could not be read
+  std::string name;     // empty: unknown
+  std::string trouble;  // the reason why it could not be read
   bool is_read = false;
   Site site;
   std::vector<std::string> method_places = {};
@@ -32,7 +32,7 @@ std::vector<ReadSite> read_site_folders(const DaemonConfig& config, const Runnin
     ReadSite& read = sites.emplace_back();
     read.name = stated.name;
     if (stated.directory.empty()) {
-      continue;  // an error already
+      continue;  // already reported as an error
     }
     Expected<Site> site = load_site(stated.directory);
     if (!site) {
@@ -52,7 +52,7 @@ std::vector<ReadSite> read_site_folders(const DaemonConfig& config, const Runnin
   return sites;
 }
 
-// Names stand in paths and topics, and folders are called by them.
+// Names are used in paths and topics, and as names of folders.
 void check_names(const std::vector<ReadSite>& sites, const ConfigReading& reading) {
   for (std::size_t i = 0; i < sites.size(); ++i) {
     const std::string& name = sites[i].name;
@@ -75,13 +75,13 @@ void check_names(const std::vector<ReadSite>& sites, const ConfigReading& readin
   }
 }
 
-// -1 where it cannot be told.
+// -1 if it cannot be determined.
 int site_of(const SourceConfig& source,
             const TomlTable& table,
             const std::vector<ReadSite>& sites,
             bool listed) {
   if (sites.empty()) {
-    return -1;  // an error already
+    return -1;  // already reported as an error
   }
   if (!table.has("site")) {
     if (sites.size() == 1) {
@@ -99,7 +99,7 @@ int site_of(const SourceConfig& source,
   if (!source.site.empty() && found != names.end()) {
     return static_cast<int>(found - names.begin());
   }
-  // One that could not be read may be the one.
+  // One that could not be read may be the match.
   const bool all_known = std::none_of(
       sites.begin(), sites.end(), [](const ReadSite& site) { return site.name.empty(); });
   if (!source.site.empty() && all_known) {
@@ -177,9 +177,9 @@ void resolve_sources(const std::vector<ReadSite>& sites, ConfigReading& reading)
   }
 }
 
-// Of a worker: one source of each access point of each site, which is the site's stream.
+// For a worker: one source for each access point of each site, which is the site's stream.
 void add_stream_sources(const std::vector<ReadSite>& sites, DaemonConfig& config) {
-  constexpr Duration kStallAfter = std::chrono::seconds(5);  // as the default of [[source]]
+  constexpr Duration kStallAfter = std::chrono::seconds(5);  // equal to the default of [[source]]
   for (std::size_t i = 0; i < sites.size(); ++i) {
     const Site& site = sites[i].site;
     for (std::size_t j = 0; j < site.access_points.size(); ++j) {
@@ -196,7 +196,7 @@ void add_stream_sources(const std::vector<ReadSite>& sites, DaemonConfig& config
   }
 }
 
-// The configuration as it holds for one of its sites.
+// The configuration that applies to one of its sites.
 SiteSetup setup_of(const DaemonConfig& config, std::size_t index, ReadSite&& read) {
   SiteSetup setup;
   setup.config = config;

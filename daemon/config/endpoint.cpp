@@ -25,7 +25,7 @@ std::optional<std::uint32_t> parse_ipv4(const std::string& host) {
                                                          : std::nullopt;
 }
 
-// In brackets, as URLs have it, or without.
+// In brackets, as in URLs, or without.
 bool is_ipv6(std::string_view host) {
   if (host.size() > 2 && host.front() == '[' && host.back() == ']') {
     host = host.substr(1, host.size() - 2);
@@ -80,7 +80,7 @@ EndpointReach endpoint_reach(std::string_view endpoint) {
   constexpr std::string_view kTcp = "tcp://";
   constexpr std::string_view kIpc = "ipc://";
   if (endpoint.substr(0, kIpc.size()) == kIpc) {
-    // The kernel's limit of the path, its terminating zero included.
+    // The kernel's limit of the path, including its terminating zero.
     const std::size_t length = endpoint.size() - kIpc.size();
     return length > 0 && length < sizeof(sockaddr_un::sun_path) ? EndpointReach::kLoopback
                                                                 : EndpointReach::kInvalid;
@@ -94,7 +94,7 @@ EndpointReach endpoint_reach(std::string_view endpoint) {
     return EndpointReach::kInvalid;
   }
   const std::string_view port = address.substr(colon + 1);
-  if (port != "*" && parse_port(port).value_or(0) == 0) {  // "*": a free one
+  if (port != "*" && parse_port(port).value_or(0) == 0) {  // "*": any free one
     return EndpointReach::kInvalid;
   }
   const std::string host(address.substr(0, colon));

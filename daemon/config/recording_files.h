@@ -8,8 +8,8 @@
 
 namespace rayloc {
 
-// What it names, with wildcards expanded. A pattern that no file matches stays as it is, to be
-// named when it cannot be opened.
+// Its files, with wildcards expanded. A pattern that matches no file is kept, so that the error of
+// opening it names it.
 std::vector<std::string> recording_files(const SourceConfig& source);
 
 }  // namespace rayloc

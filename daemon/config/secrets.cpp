@@ -18,7 +18,7 @@ void take_credential(const char* name, fs::path& file) {
   if (credentials == nullptr || !file.empty()) {
     return;
   }
-  // One that is there and cannot be read is for the reader to complain of.
+  // If the file exists and cannot be read, its reader reports the error.
   if (const fs::path passed = fs::path(credentials) / name; access(passed.c_str(), F_OK) == 0) {
     file = passed;
   }

@@ -39,7 +39,7 @@ Json json_list(std::span<const Value> values) {
   return list;
 }
 
-// The table `name` with its keys, and those within it with theirs.
+// The table `name` with its keys, and its nested tables with theirs.
 Json object_of(const std::string& name);
 
 Json value_of(const SiteKey& key) {
@@ -70,7 +70,7 @@ Json value_of(const SiteKey& key) {
   RAYLOC_CHECK(false);
 }
 
-// Literals of the table read the same in TOML and JSON.
+// Literals of the table have the same form in TOML and JSON.
 Json property_of(const SiteKey& key) {
   Json property = value_of(key);
   property["description"] = std::string(key.description);

@@ -1,5 +1,5 @@
-// What site.toml may state, in words and for programs: printed from the table of keys that its
-// parser reads by (daemon/site/keys/site_keys.h).
+// Documentation of site.toml, for people and for programs: generated from the table of keys that
+// its parser uses (daemon/site/keys/site_keys.h).
 #pragma once
 
 #include <string>
@@ -9,8 +9,8 @@ namespace rayloc {
 // The manual page site.toml(5), in the man macros of roff.
 std::string site_manual_page();
 
-// A JSON schema (draft 2020-12) of the file, for editors. What a table alone cannot say (tones that
-// fill the band, outlines that cross themselves) only the parser finds.
+// A JSON schema (draft 2020-12) of the file, for editors. Constraints beyond a table of keys (tones
+// that fill the band, outlines that cross themselves) are checked by the parser only.
 std::string site_json_schema();
 
 }  // namespace rayloc

@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Scheme and kind of the transports with keys of their own.
+// Scheme and kind of the transports that have their own keys.
 struct KindName {
   std::string_view scheme;
   std::string_view kind;
@@ -33,7 +33,7 @@ const KindName& kind_name(const TransportScheme& scheme) {
   return found == kSchemeKinds.end() ? kOther : *found;
 }
 
-// What a URL may not be here; empty where it may.
+// The reason why a URL is not allowed here; empty if it is.
 std::string objection(const TransportAddress& url) {
   const SourceKind kind = kind_name(*url.scheme).value;
   if (url.address.empty()) {
@@ -53,7 +53,7 @@ std::string objection(const TransportAddress& url) {
   return "";
 }
 
-// A relative one from the folder of the file that states it.
+// A relative path starts at the folder of the file that states it.
 fs::path path_in(const TomlTable& table, const TransportAddress& url) {
   fs::path path = url.address;
   const std::optional<fs::path> whole = table.path("url");  // FOLDER/SCHEME:ADDRESS

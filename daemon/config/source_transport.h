@@ -1,4 +1,4 @@
-// From a [[source]] to its transport and back (capture/source/transport_schemes.h).
+// Converts a [[source]] to its transport and back (capture/source/transport_schemes.h).
 #pragma once
 
 #include <optional>
@@ -11,13 +11,13 @@
 
 namespace rayloc {
 
-// The key `url` of a table; notes an error and returns nothing where raylocd cannot read it.
+// The key `url` of a table; records an error and returns empty if raylocd cannot read it.
 std::optional<TransportAddress> read_source_url(const TomlTable& table);
 
-// Which keys such a source has: "udp", "pcap", "interface", "unix", or "url" for none of its own.
+// The set of keys of such a source: "udp", "pcap", "interface", "unix", or "url" without own keys.
 std::string_view kind_of(const TransportScheme& scheme);
 
-// Stores the address as the key of that kind would ("listen", "file", ...).
+// Stores the address like the key of that kind ("listen", "file", ...).
 void store_source_url(const TomlTable& table, const TransportAddress& url, SourceConfig& source);
 
 }  // namespace rayloc

@@ -32,7 +32,7 @@ double on_scale(double value, AxisScale scale) {
   return scale == AxisScale::kLinear ? value : std::log10(value);
 }
 
-// From values to the page.
+// Maps values to page coordinates.
 class AxisMap {
  public:
   AxisMap(const ChartAxis& axis, const std::vector<double>& values, double from, double to)
@@ -47,7 +47,7 @@ class AxisMap {
     }
     lower_ = axis.lower.value_or(lower);
     upper_ = axis.upper.value_or(upper);
-    if (!(lower_ < upper_)) {  // a single value: some room to either side
+    if (!(lower_ < upper_)) {  // single value: adds margins on either side
       const double middle = std::isfinite(lower_) ? lower_ : 1.0;
       const bool logarithmic = scale_ == AxisScale::kLogarithmic;
       lower_ = logarithmic ? 0.5 * middle : middle - 0.5;
@@ -144,7 +144,7 @@ void draw_curve(const ChartCurve& curve, const AxisMap& x, const AxisMap& y, Dra
   finish();
 }
 
-// Below the axes, one line a curve, so that nothing is covered.
+// Below the axes, one line per curve, so that nothing is covered.
 void draw_curve_names(const Chart& chart, Drawing& drawing) {
   double y = kChartHeight + 6.0;
   for (const ChartCurve& curve : chart.curves) {

@@ -1,7 +1,7 @@
 // Charts: curves over two axes.
 //
-// What is not finite, or not positive on a logarithmic axis, is left out; the curve is broken
-// there.
+// Values that are not finite, or not positive on a
+// logarithmic axis, are left out; the curve is broken there.
 #pragma once
 
 #include <cstddef>
@@ -20,7 +20,7 @@ enum class AxisScale : std::uint8_t { kLinear, kLogarithmic };
 struct ChartAxis {
   std::string label;
   AxisScale scale = AxisScale::kLinear;
-  std::optional<double> lower;  // else what the curves need
+  std::optional<double> lower;  // default: from the curves
   std::optional<double> upper;
 };
 
@@ -32,7 +32,7 @@ struct ChartPoint {
 };
 
 struct ChartCurve {
-  std::string name;  // in the legend; empty: not there
+  std::string name;  // in the legend; empty: no entry
   std::vector<ChartPoint> points;
   Colour colour;
   bool dashed = false;
@@ -45,19 +45,19 @@ struct Chart {
   std::vector<ChartCurve> curves;
 };
 
-// A chart without a point that can be shown says so.
+// A chart without a displayable point shows a message.
 Drawing draw_chart(const Chart& chart);
 
-// Round numbers from `lower` to `upper`, about `count` of them; of a logarithmic axis powers of
-// ten, or, where those are fewer than two, as of a linear one. REQUIRES: lower < upper, both
-// finite.
+// Round numbers from `lower` to `upper`, about `count` of them; for
+// a logarithmic axis powers of ten, or, with fewer than two of
+// those, as for a linear one. REQUIRES: lower < upper, both finite.
 std::vector<double> axis_ticks(double lower, double upper, AxisScale scale, std::size_t count);
 
-// Logarithmic where all values are positive and span more than a decade.
+// Logarithmic if all values are positive and span more than a decade.
 AxisScale suitable_scale(std::span<const double> values);
 
-// The share of `values` that is at most x, as a staircase; values that are not finite count, at
-// infinity, so that the curve ends below 1.
+// The share of `values` that is at most x, as a staircase; values that are not finite count as
+// infinite, so that the curve ends below 1.
 std::vector<ChartPoint> empirical_distribution(std::vector<double> values);
 
 }  // namespace rayloc::draw

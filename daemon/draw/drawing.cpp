@@ -5,8 +5,8 @@
 namespace rayloc::draw {
 
 double text_width(const std::string& text, double size) {
-  constexpr double kMeanAdvance = 0.6;  // of the size: DejaVu Sans, lower case
-  // Continuation bytes of UTF-8 draw nothing.
+  constexpr double kMeanAdvance = 0.6;  // share of the size: DejaVu Sans, lower case
+  // Continuation bytes of UTF-8 add no width.
   const auto glyphs = std::count_if(text.begin(), text.end(), [](char c) {
     return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;
   });

@@ -1,5 +1,5 @@
-// Drawing: a picture as a list of shapes, painted in their order. svg.h and png.h make files of it,
-// so that both formats show the same.
+// Drawing: a picture as a list of shapes, painted in their order. svg.h and png.h write it to
+// files, so that both formats show the same.
 //
 // Coordinates are those of the page: x to the right, y down, in units of one pixel at scale 1.
 #pragma once
@@ -63,7 +63,7 @@ struct Text {
   TextAnchor anchor = TextAnchor::kStart;
   bool bold = false;
   double degrees = 0.0;  // anticlockwise about `at`
-  bool halo = false;     // a white rim, for text on top of lines
+  bool halo = false;     // white outline, for text on top of lines
 };
 
 using Shape = std::variant<Polygon, Line, Circle, Text>;
@@ -78,7 +78,7 @@ struct Drawing {
   std::vector<Shape> shapes;
 };
 
-// About how wide a text is drawn: no font is asked, so that a picture is the same everywhere.
+// Approximate width of a text: independent of fonts, so that a picture is the same everywhere.
 double text_width(const std::string& text, double size);
 
 }  // namespace rayloc::draw

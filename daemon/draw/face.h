@@ -1,4 +1,4 @@
-// Face: a convex part of a surface, as a picture shows it.
+// Face: a convex part of a surface, for a picture.
 #pragma once
 
 #include <cstdint>
@@ -11,11 +11,11 @@ namespace rayloc::draw {
 
 struct Face {
   std::vector<Vec3d> corners;  // [m], in the order of the outline
-  // Of each edge, from the corner of the same number on: whether it is an edge of the surface, and
-  // not a seam between two faces.
+  // By edge, starting at the corner of the same number: true for
+  // an edge of the surface, false for a seam between two faces.
   std::vector<bool> outlined;
-  Vec3d normal;        // of a closed object outwards, else either way
-  bool solid = false;  // of a closed object: seen from outside only
+  Vec3d normal;        // outwards for a closed object, else arbitrary
+  bool solid = false;  // face of a closed object: visible from outside only
   std::uint32_t object = 0;
 };
 

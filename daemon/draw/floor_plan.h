@@ -1,4 +1,4 @@
-// FloorPlan: a room as an architect draws it: cut at breast height and seen from above.
+// FloorPlan: a room in architectural style: cut at breast height and seen from above.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ struct FloorPlan {
     MeshSection section;
   };
   std::vector<Face> below;              // seen from above, lowest first
-  std::vector<Cut> cuts;                // what the cut goes through
+  std::vector<Cut> cuts;                // parts cut by the plane
   std::vector<std::uint32_t> overhead;  // objects above the cut, ceilings aside
 };
 

@@ -5,7 +5,7 @@
 namespace rayloc::draw {
 namespace {
 
-// Pictures are drawn for a white page; in the dark they are inverted, their hues kept.
+// Pictures are drawn for a white page; in dark mode they are inverted, with hues kept.
 constexpr std::string_view kStyle = R"(
 :root { color-scheme: light dark; --ink: #222; --page: #fff; --line: #d5d5d5; --faint: #666; }
 @media (prefers-color-scheme: dark) {

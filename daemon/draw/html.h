@@ -1,4 +1,4 @@
-// Pieces of a page of HTML that is well-formed XML as well.
+// Parts of an HTML page that is also well-formed XML.
 #pragma once
 
 #include <string>
@@ -7,13 +7,13 @@
 
 namespace rayloc::draw {
 
-// Text with the characters escaped that mean something, in elements and attributes of HTML and SVG;
-// control characters, most of which XML has no way to write, become "?".
+// Text with special characters escaped, for elements and attributes of HTML and SVG; control
+// characters, most of which XML cannot represent, become "?".
 std::string html_text(std::string_view text);
 
 struct HtmlTable {
   std::vector<std::string> columns;
-  std::vector<std::vector<std::string>> rows;  // plain text, one cell a column
+  std::vector<std::vector<std::string>> rows;  // plain text, one cell per column
 };
 
 std::string to_html(const HtmlTable& table);

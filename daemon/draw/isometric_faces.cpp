@@ -10,8 +10,8 @@
 namespace rayloc::draw {
 namespace {
 
-// Whether the object would hide the room: the ceiling, and what is thin and stands at the viewer's
-// sides, x and y smallest.
+// True if the object would hide the room: the ceiling, and
+// thin objects at the viewer's sides, at the smallest x and y.
 bool is_left_open(const ScenePart& part, const Bounds& all) {
   constexpr double kThin = 0.3;     // [m]
   constexpr double kAtSide = 0.35;  // [m]
@@ -21,7 +21,7 @@ bool is_left_open(const ScenePart& part, const Bounds& all) {
          (size.y < kThin && part.bounds.upper.y < all.lower.y + kAtSide);
 }
 
-// A lamp above the viewer's right shoulder.
+// Light from above the viewer's right shoulder.
 double light_on(const Face& face, const Vec3d& towards_viewer) {
   const Vec3d lamp = normalized(Vec3d{-0.35, -0.6, 0.8});
   const bool away = dot(face.normal, towards_viewer) < 0.0;

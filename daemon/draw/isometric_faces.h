@@ -1,7 +1,7 @@
-// The faces of a room for an isometric picture, lit, in the order in which they are painted.
+// The faces of a room for an isometric picture, with shading, in painting order.
 //
-// The ceiling, and what is thin and stands at the viewer's sides, would hide the room: of these
-// only edges are drawn.
+// The ceiling, and thin objects at the viewer's sides,
+// would hide the room: only their edges are drawn.
 #pragma once
 
 #include <vector>
@@ -23,7 +23,7 @@ struct IsometricFaces {
   std::vector<Face> open;
 };
 
-// For a viewer in the direction `towards_viewer`, where x and y are smallest.
+// For a viewer in the direction `towards_viewer`, on the side of the smallest x and y.
 IsometricFaces isometric_faces(std::vector<Face> faces,
                                const std::vector<ScenePart>& parts,
                                const Vec3d& towards_viewer);

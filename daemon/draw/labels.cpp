@@ -5,7 +5,7 @@
 namespace rayloc::draw {
 
 Labels::Extent Labels::extent(const Text& text) {
-  constexpr double kAscent = 0.8;  // of the size
+  constexpr double kAscent = 0.8;  // share of the size
   constexpr double kDescent = 0.25;
   const double width = text_width(text.text, text.size);
   double left = 0.0;
@@ -14,7 +14,7 @@ Labels::Extent Labels::extent(const Text& text) {
   }
   const double above = kAscent * text.size;
   const double below = kDescent * text.size;
-  if (text.degrees != 0.0) {  // a quarter turn anticlockwise: along the page's y
+  if (text.degrees != 0.0) {  // quarter turn anticlockwise: along the page's y
     return {{text.at.x - above, text.at.y - (left + width)}, {text.at.x + below, text.at.y - left}};
   }
   return {{text.at.x + left, text.at.y - above}, {text.at.x + left + width, text.at.y + below}};

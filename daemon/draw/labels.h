@@ -1,4 +1,4 @@
-// Labels: names put where they cover no other name.
+// Labels: places names without overlaps.
 #pragma once
 
 #include <string>
@@ -10,11 +10,11 @@ namespace rayloc::draw {
 
 class Labels {
  public:
-  // The first of `places` (texts that differ in place, size or direction) that is clear of all
-  // labels so far is kept; none when all are taken.
+  // Keeps the first of `places` (texts that differ in place, size or direction) that is clear of
+  // all labels so far; none if all are taken.
   void place(const std::vector<Text>& places);
 
-  // Texts that are there already.
+  // Marks the area of an existing text as occupied.
   void reserve(const Text& text) { occupied_.push_back(extent(text)); }
 
   const std::vector<Text>& texts() const { return texts_; }

@@ -1,4 +1,4 @@
-// The column beside a picture: materials, powers, symbols, and how long a metre is.
+// The column beside a picture: materials, powers, symbols, and a scale bar.
 #pragma once
 
 #include <vector>
@@ -15,7 +15,7 @@ struct Legend {
   double height = 0.0;
 };
 
-// `pixels_per_metre`: of lengths along the axes, as the view shows them.
+// `pixels_per_metre`: for lengths along the axes, as the view shows them.
 Legend draw_legend(const ScenePicture& picture,
                    View view,
                    double pixels_per_metre,

@@ -20,7 +20,7 @@ Cut cut_edge(Vec3d a, Vec3d b, double z) {
   return {{place_of(a), place_of(b)}, a + ((z - a.z) / (b.z - a.z)) * (b - a)};
 }
 
-// Segments that share an edge of the mesh, followed from one to the next.
+// Connects segments that share an edge of the mesh to chains.
 class Chainer {
  public:
   void add(const Cut& from, const Cut& to) {
@@ -41,7 +41,7 @@ class Chainer {
             auto& chains = is_end ? section.lines : section.loops;
             chains.push_back(follow(i, end));
             if (!is_end) {
-              chains.back().pop_back();  // the first corner again
+              chains.back().pop_back();  // equal to the first corner
             }
           }
         }
@@ -51,7 +51,7 @@ class Chainer {
   }
 
  private:
-  // From that end of the segment on.
+  // Follows the chain from that end of the segment.
   std::vector<Vec3d> follow(std::size_t segment, std::size_t end) {
     std::vector<Vec3d> points{segments_[segment].at(end).point};
     for (bool found = true; found;) {

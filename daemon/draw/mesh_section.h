@@ -1,4 +1,4 @@
-// Where a horizontal plane cuts a mesh: what the plan of a room shows of its walls.
+// Section of a mesh with a horizontal plane: the outline of walls on the plan of a room.
 #pragma once
 
 #include <tuple>
@@ -17,8 +17,8 @@ using Edge = std::pair<Place, Place>;
 inline Place place_of(const Vec3d& v) { return {v.x, v.y, v.z}; }
 
 struct MeshSection {
-  std::vector<std::vector<Vec3d>> loops;  // closed, the first corner not repeated: of bodies
-  std::vector<std::vector<Vec3d>> lines;  // of sheets
+  std::vector<std::vector<Vec3d>> loops;  // closed, without the repeated first corner: for bodies
+  std::vector<std::vector<Vec3d>> lines;  // for sheets
 };
 
 MeshSection cut_mesh(const Mesh& mesh, double z);

@@ -40,7 +40,7 @@ Halves split(const Face& face, const Plane<double>& plane) {
     add_corner(dp > 0.0 ? halves.front : halves.back, p, outlined);
     if (crosses) {
       const Vec3d cut = p + (dp / (dp - dq)) * (q - p);
-      // The side that is left goes on along the cut, the other one along the edge.
+      // The first half continues along the cut, the other one along the edge.
       add_corner(dp > 0.0 ? halves.front : halves.back, cut, false);
       add_corner(dp > 0.0 ? halves.back : halves.front, cut, outlined);
     }
@@ -109,8 +109,8 @@ class Partition {
   std::vector<Face> order;
 
  private:
-  // Of some faces the one whose plane splits the fewest others: fewer faces, and no seams through
-  // walls.
+  // Chooses the face whose plane splits the fewest
+  // others: fewer faces, and no seams through walls.
   Plane<double> choose_plane(const std::vector<Face>& faces) {
     constexpr std::size_t kCandidates = 24;
     Plane<double> best = plane_of(faces[0]);
@@ -129,7 +129,7 @@ class Partition {
     return best;
   }
 
-  // Always the same numbers, so that a picture is always the same (Knuth's MMIX generator).
+  // A fixed sequence, so that a picture is always the same (Knuth's MMIX generator).
   std::size_t next() {
     state_ = state_ * 6364136223846793005ULL + 1442695040888963407ULL;
     return static_cast<std::size_t>(state_ >> 33U);

@@ -2,7 +2,7 @@
 //
 // A binary space partition (Fuchs, Kedem and Naylor, SIGGRAPH 1980): faces that cut through others
 // split them, so the order is right where sorting by distance is not. Above kMostSplit faces, where
-// a picture is a grey mass anyway, they are sorted by the distance of their middles.
+// a picture is uniformly grey anyway, they are sorted by the distance of their centres.
 #pragma once
 
 #include <cstddef>

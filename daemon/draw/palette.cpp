@@ -37,7 +37,7 @@ constexpr std::array<Colour, 6> kOthers{{{178, 190, 160, 1.0},
                                          {212, 196, 160, 1.0},
                                          {190, 178, 168, 1.0},
                                          {164, 186, 180, 1.0}}};
-// ColorBrewer "OrRd", without its palest two.
+// ColorBrewer "OrRd", without its two palest colours.
 constexpr std::array<Colour, 6> kPowers{{{253, 212, 158, 1.0},
                                          {253, 187, 132, 1.0},
                                          {252, 141, 89, 1.0},
@@ -51,7 +51,7 @@ constexpr std::array<Colour, 6> kShares{{{68, 1, 84, 1.0},
                                          {34, 168, 132, 1.0},
                                          {122, 209, 81, 1.0},
                                          {253, 231, 37, 1.0}}};
-// ColorBrewer "RdBu", blue first, its middle darker: on a white page.
+// ColorBrewer "RdBu", blue first, its middle darker for a white page.
 constexpr std::array<Colour, 5> kSigned{{{5, 80, 160, 1.0},
                                          {90, 150, 205, 1.0},
                                          {205, 205, 205, 1.0},

@@ -6,7 +6,7 @@
 namespace rayloc::draw {
 namespace {
 
-constexpr double kPngScale = 2.0;  // pixels of the image for one of the drawing
+constexpr double kPngScale = 2.0;  // image pixels per drawing pixel
 
 }  // namespace
 

@@ -1,4 +1,4 @@
-// A Drawing as the bytes of a file, SVG or PNG by the ending of its name.
+// A Drawing as the bytes of a file, SVG or PNG according to the file name's ending.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace rayloc::draw {
 
-// An Error of kUsage for another ending; else as of to_png().
+// Returns an Error of kind kUsage for another ending; else as to_png().
 Expected<std::string> picture_bytes(const Drawing& drawing, const std::string& file);
 
 }  // namespace rayloc::draw

@@ -46,7 +46,7 @@ void draw_below(const FloorPlan& plan,
   for (const Face& face : plan.below) {
     const ScenePart& part = parts[face.object];
     Colour colour = material_colour(part.material);
-    if (part.kind == PartKind::kFloor) {  // pale: the page that everything stands on
+    if (part.kind == PartKind::kFloor) {  // pale: the background of all other objects
       colour = {246, 246, 244, 1.0};
     }
     draw_face(face, colour, page, shapes);
@@ -83,7 +83,7 @@ void draw_overhead(const ScenePart& part, const Projection& page, std::vector<Sh
                            kOverhead});
 }
 
-// Which side of the plan a wall is: 0..3 = west, east, south, north; 4: none, it stands within.
+// The side of the plan of a wall: 0..3 = west, east, south, north; 4: none, it is inside.
 std::size_t side_of(const ScenePart& part, const Bounds& all) {
   constexpr double kAtTheEdge = 0.3;  // [m]
   const Vec3d size = part.bounds.size();
@@ -130,8 +130,8 @@ void label_wall(const ScenePart& part, const Bounds& all, const Projection& page
   labels.place({text});
 }
 
-// Where the name of a piece of furniture may stand: on it, else above or below; beside what is too
-// thin to be written on, on the side where the room is.
+// Candidate places for the name of a piece of furniture: on it, else above or below; for objects
+// too thin to be written on, beside them, on the side of the room.
 std::vector<Text> furniture_places(const ScenePart& part,
                                    const PagePoint& room_centre,
                                    const Projection& page,
@@ -192,7 +192,7 @@ std::vector<Shape> draw_plan(const Scene& scene,
   const FloorPlan plan = floor_plan(scene, parts);
   std::vector<Shape> shapes;
   draw_below(plan, parts, page, shapes);
-  // In the order of the objects, so that a picture is the same whatever it is made of.
+  // In the order of the objects, so that a picture is always the same.
   std::size_t cut = 0;
   std::size_t overhead = 0;
   for (std::uint32_t i = 0; i < parts.size(); ++i) {
@@ -232,7 +232,7 @@ void label_plan(const std::vector<ScenePart>& parts,
 
 std::vector<Shape> draw_ruler(const Bounds& all, const Projection& page, Labels& labels) {
   constexpr double kTick = 4.0;
-  constexpr double kClosest = 36.0;  // pixels between numbers
+  constexpr double kClosest = 36.0;  // pixels between ruler numbers
   constexpr std::array<double, 8> kSteps = {0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0};
   const auto step = std::find_if(kSteps.begin(), kSteps.end() - 1, [&](double metres) {
     return metres * page.scale >= kClosest;

@@ -13,7 +13,7 @@ namespace {
 using Image = std::unique_ptr<cairo_surface_t, decltype(&cairo_surface_destroy)>;
 using Context = std::unique_ptr<cairo_t, decltype(&cairo_destroy)>;
 
-// Neighbouring polygons overlap by this much, or the page would shine through between them.
+// Neighbouring polygons overlap by this much, to hide the page between them.
 constexpr double kSeam = 0.3;
 
 class Painter {

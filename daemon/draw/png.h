@@ -8,8 +8,8 @@
 
 namespace rayloc::draw {
 
-// `scale`: pixels of the image for one of the drawing. An Error when the image would be larger than
-// cairo or memory allow.
+// `scale`: image pixels per drawing pixel. Returns an Error
+// if the image would be larger than cairo or memory allow.
 Expected<std::string> to_png(const Drawing& drawing, double scale);
 
 }  // namespace rayloc::draw

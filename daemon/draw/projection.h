@@ -1,4 +1,4 @@
-// Projection: the world on the page, by parallel rays.
+// Projection: parallel projection of the world to the page.
 #pragma once
 
 #include <cmath>
@@ -9,11 +9,11 @@
 namespace rayloc::draw {
 
 struct Projection {
-  Vec3d right;  // unit vectors in the world: where the page's right and top are
+  Vec3d right;  // unit vectors in the world along the page's right and top
   Vec3d up;
   Vec3d towards_viewer;
-  double scale = 1.0;  // pixels a metre, in the plane of the page
-  PagePoint origin;    // where the world's origin is on the page
+  double scale = 1.0;  // pixels per metre, in the plane of the page
+  PagePoint origin;    // position of the world's origin on the page
 
   PagePoint operator()(const Vec3d& v) const {
     return {origin.x + scale * dot(right, v), origin.y - scale * dot(up, v)};
@@ -23,7 +23,7 @@ struct Projection {
 // From above, x to the right.
 inline Projection plan_projection() { return {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, 1.0, {}}; }
 
-// Isometric, from the south-west and above: x runs to the upper right, y to the upper left, and
+// Isometric, from the south-west and above: x points to the upper right, y to the upper left, and
 // lengths along all three axes appear shortened by kIsometric.
 inline const double kIsometric = std::sqrt(2.0 / 3.0);
 inline Projection isometric_projection() {

@@ -21,7 +21,7 @@ constexpr double kMapMargin = 14.0;
 constexpr double kMapTitleHeight = 30.0;
 constexpr double kMapRulerMargin = 34.0;
 constexpr double kBarWidth = 120.0;
-constexpr double kMapMaxWidth = 760.0;  // of the room on the page
+constexpr double kMapMaxWidth = 760.0;  // width of the room on the page
 constexpr double kMapMaxHeight = 420.0;
 constexpr double kMapMaxPixelsPerMetre = 130.0;
 constexpr double kDotRadius = 4.5;
@@ -31,7 +31,7 @@ Colour colour_of(const RoomMap& map, double value) {
   return map.colour(std::clamp((value - map.lowest) / (map.highest - map.lowest), 0.0, 1.0));
 }
 
-// From the highest (above) to the lowest; below it what a ring means.
+// From the highest (top) to the lowest value; below it the meaning of a ring.
 void draw_colour_bar(const RoomMap& map, const PagePoint& corner, std::vector<Shape>& shapes) {
   constexpr int kBands = 24;
   constexpr int kTicks = 4;
@@ -79,7 +79,7 @@ void draw_value_names(const RoomMap& map, const PagePoint& corner, std::vector<S
   }
 }
 
-// A little too large, so that no seam shows.
+// Slightly enlarged, so that no seam is visible.
 void draw_cells(const RoomMap& map, const Projection& page, std::vector<Shape>& shapes) {
   constexpr double kOverlap = 0.25;  // pixels
   for (const MapCell& cell : map.cells) {
@@ -136,7 +136,7 @@ Drawing draw_room_map(const RoomMap& map) {
   const std::vector<Shape> plan = draw_plan(*map.scene, scene_parts(*map.scene), page);
   append_shapes(plan, drawing.shapes);
   append_shapes(draw_ruler(all, page, labels), drawing.shapes);
-  if (!map.cells.empty()) {  // what stands in the room is seen over them as lines
+  if (!map.cells.empty()) {  // objects of the room are drawn over them as lines
     draw_cells(map, page, drawing.shapes);
     std::copy_if(plan.begin(), plan.end(), std::back_inserter(drawing.shapes), [](const Shape& s) {
       return std::holds_alternative<Line>(s);

@@ -1,4 +1,4 @@
-// Maps: the plan of a room, and numbers in it as colours.
+// Maps: the plan of a room, with values as colours.
 #pragma once
 
 #include <functional>
@@ -29,7 +29,7 @@ struct MapCell {      // a square of the floor
   double value = 0.0;
 };
 
-struct MapName {  // of a colour, where values are numbers of things
+struct MapName {  // name of a colour, if values are numbers of things
   std::string name;
   Colour colour;
 };
@@ -42,18 +42,18 @@ struct MapAntenna {
 struct RoomMap {
   const Scene* scene = nullptr;
   std::string title;
-  std::vector<MapCell> cells;  // under everything else but the plan
+  std::vector<MapCell> cells;  // drawn over the plan and under all other parts
   std::vector<MapLine> lines;
   double line_width = 4.0;  // [pixel]
   std::vector<MapDot> dots;
   std::vector<MapAntenna> antennas;
-  std::string ring_meaning;  // of MapDot::ringed, for the legend; empty: none are
-  // The colours and what they mean.
+  std::string ring_meaning;  // of MapDot::ringed, for the legend; empty: no rings
+  // The colours and their meaning.
   std::string value_name;
   double lowest = 0.0;  // REQUIRES: lowest < highest
   double highest = 1.0;
   std::function<Colour(double share)> colour;  // 0: lowest, 1: highest
-  std::vector<MapName> names;                  // in place of the scale of colours
+  std::vector<MapName> names;                  // replace the colour scale
 };
 
 // REQUIRES: map.scene != nullptr, map.colour.

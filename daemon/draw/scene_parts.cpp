@@ -6,8 +6,8 @@ namespace rayloc::draw {
 namespace {
 
 constexpr double kFlat = 0.5;          // [m]: floors, ceilings and walls are not thicker
-constexpr double kLargeShare = 0.5;    // of the plan: a floor or a ceiling
-constexpr double kHighShare = 0.6;     // of the height: a wall
+constexpr double kLargeShare = 0.5;    // share of the plan: a floor or a ceiling
+constexpr double kHighShare = 0.6;     // share of the height: a wall
 constexpr double kShortestWall = 1.0;  // [m]
 
 PartKind kind_of(const Bounds& part, const Bounds& all) {

@@ -1,5 +1,5 @@
-// What an object most likely is, by its measures: a picture shows floors, walls and furniture each
-// in its way. Only pictures depend on this.
+// Classifies an object by its dimensions: a picture shows floors,
+// walls and furniture differently. Only pictures depend on this.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@ struct ScenePart {
   std::string material;
 };
 
-// One entry an object.
+// One entry per object.
 std::vector<ScenePart> scene_parts(const Scene& scene);
 
 }  // namespace rayloc::draw

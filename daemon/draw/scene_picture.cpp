@@ -18,11 +18,11 @@ namespace {
 constexpr double kSceneMargin = 20.0;
 constexpr double kSceneRulerMargin = 48.0;  // left of and below a plan: numbers and names of walls
 constexpr double kSceneTitleHeight = 56.0;
-constexpr double kSceneMaxWidth = 1'100.0;  // of the room on the page
+constexpr double kSceneMaxWidth = 1'100.0;  // size of the room on the page
 constexpr double kSceneMaxHeight = 760.0;
 constexpr double kSceneMaxPixelsPerMetre = 200.0;
 
-// The page's extent of the scene at one pixel a metre.
+// The extent of the scene on the page at one pixel per metre.
 struct Extent {
   PagePoint lower{1e300, 1e300};
   PagePoint upper{-1e300, -1e300};
@@ -43,7 +43,7 @@ Extent extent_of(const Bounds& bounds, const Projection& projection) {
   return extent;
 }
 
-// Everything that is drawn: the scene, and antennas and zones that may be outside of it.
+// Bounds of everything drawn: the scene, and antennas and zones that may be outside of it.
 Bounds bounds_of(const ScenePicture& picture) {
   Bounds bounds{picture.scene->bounds_min(), picture.scene->bounds_max()};
   for (const Mark& mark : picture.marks) {
@@ -61,7 +61,7 @@ Bounds bounds_of(const ScenePicture& picture) {
 
 struct Page {
   Projection projection;
-  double width = 0.0;  // of the room on it
+  double width = 0.0;  // width of the room on it
   double height = 0.0;
 };
 
@@ -118,7 +118,7 @@ void draw_heading(const Mark& mark, const Projection& page, std::vector<Shape>& 
   const double dx = tip.x - tail.x;
   const double dy = tip.y - tail.y;
   if (std::hypot(dx, dy) < 4.0) {
-    return;  // it looks at the viewer
+    return;  // it points to the viewer
   }
   shapes.emplace_back(Line{{tail, tip}, {kReceiverInk, 1.2}});
   shapes.emplace_back(Polygon{{tip,
@@ -136,7 +136,7 @@ void draw_marks(const ScenePicture& picture,
   for (const Mark& mark : picture.marks) {
     if (mark.kind == MarkKind::kAccessPoint) {
       draw_heading(mark, page, shapes);
-    } else if (view == View::k3d) {  // how high it is: a line down to the floor
+    } else if (view == View::k3d) {  // its height: a line down to the floor
       Vec3d below = mark.antennas.front();
       below.z = floor;
       shapes.emplace_back(Line{{page(mark.antennas.front()), page(below)}, {kFaintInk, 0.8, true}});
@@ -148,7 +148,7 @@ void draw_marks(const ScenePicture& picture,
     for (const Vec3d& antenna : mark.antennas) {
       extent.include(page(antenna));
     }
-    std::vector<Text> places;  // above or below, first where the arrow does not go
+    std::vector<Text> places;  // above or below, first on the side without the arrow
     for (const double y : {extent.lower.y - 9.0, extent.upper.y + 17.0}) {
       Text text{{0.5 * (extent.lower.x + extent.upper.x), y},
                 mark.name,
@@ -166,7 +166,7 @@ void draw_marks(const ScenePicture& picture,
   }
 }
 
-// A tint over the floor, a dashed outline, and its name in the middle of its corners.
+// A tint over the floor, a dashed outline, and the name at the centroid of its corners.
 void draw_zones(const ScenePicture& picture,
                 const Projection& page,
                 Labels& labels,

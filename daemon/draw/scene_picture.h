@@ -22,7 +22,7 @@ struct Mark {
   std::string name;
   MarkKind kind = MarkKind::kAccessPoint;
   std::vector<Vec3d> antennas;  // at least one
-  Vec3d heading;                // where it looks, a unit vector; of access points
+  Vec3d heading;                // heading, a unit vector; for access points
 };
 
 struct DrawnPath {
@@ -33,7 +33,7 @@ struct DrawnPath {
 inline constexpr Colour kZoneInk{130, 60, 130, 1.0};
 inline constexpr Colour kZoneTint{130, 60, 130, 0.12};
 
-// On the floor.
+// A zone on the floor.
 struct DrawnZone {
   std::string name;
   std::vector<std::array<double, 2>> polygon;  // [m]
@@ -46,7 +46,7 @@ struct ScenePicture {
   std::vector<Mark> marks;
   std::vector<DrawnPath> paths;
   std::vector<DrawnZone> zones;
-  double strongest_db = 0.0;  // of the colours
+  double strongest_db = 0.0;  // range of the colours
   double weakest_db = 0.0;
 };
 

@@ -39,7 +39,7 @@ std::string points_text(const std::vector<PagePoint>& points) {
 
 struct Element {
   std::string operator()(const Polygon& polygon) const {
-    // Neighbouring polygons overlap a little, or the page would shine through between them.
+    // Neighbouring polygons overlap a little, to hide the page between them.
     const Pen seam{polygon.fill, 0.3};
     return fmt::format("<polygon points=\"{}\"{}{}/>\n",
                        points_text(polygon.corners),

@@ -1,4 +1,4 @@
-// The two views of a room, as draw_scene puts them on the page. Internal to scene_picture.
+// The two views of a room, as draw_scene places them on the page. Internal to scene_picture.
 #pragma once
 
 #include <vector>
@@ -19,7 +19,7 @@ void label_plan(const std::vector<ScenePart>& parts,
                 const Bounds& all,
                 const Projection& page,
                 Labels& labels);
-// Metres along two sides; their numbers are reserved in `labels`.
+// Metres along two sides; the areas of the numbers are reserved in `labels`.
 std::vector<Shape> draw_ruler(const Bounds& all, const Projection& page, Labels& labels);
 
 // isometric_view.cpp

@@ -29,7 +29,7 @@ std::string decimal_time(Timestamp time) {
          std::to_string(1000 + milliseconds % 1000).substr(1);
 }
 
-// Why no estimate answers for any point, with what to do.
+// Explains why no estimate matches any point, with a remedy.
 Error nothing_matches(std::size_t all,
                       const std::vector<PublishedEstimate>& selected,
                       const std::vector<TruthPoint>& truth,
@@ -53,7 +53,7 @@ Error nothing_matches(std::size_t all,
   return {ErrorKind::kBadInput, message};
 }
 
-// What belongs together, before anything is read.
+// Checks that the options are consistent, before anything is read.
 Expected<void> check(const ComparisonRequest& request) {
   const std::size_t given = (request.fingerprints.empty() ? 0U : 1U) +
                             (request.points.empty() ? 0U : 1U) +

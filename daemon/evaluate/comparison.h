@@ -1,5 +1,5 @@
-// Comparison: estimates of a file beside the surveyed truth, and what it takes nothing, or only the
-// survey, to reach.
+// Comparison: estimates of a file against the surveyed
+// truth, and baselines that use nothing, or only the survey.
 #pragma once
 
 #include <optional>
@@ -19,12 +19,12 @@ namespace rayloc {
 struct ComparisonRequest {
   std::string estimates;   // file; "-" is standard input
   std::string truth;       // csv
-  bool is_person = false;  // else devices
+  bool is_person = false;  // else a device
   bool is_filtered = false;
-  std::string target = {};                     // only of this one; empty: of all
-  Duration time_offset = {};                   // added to the times of the truth
-  std::string site = {};                       // for the control by the room's centre; empty: none
-  std::vector<std::string> fingerprints = {};  // "[AP=]FILE": with the next two, another control
+  std::string target = {};                     // only this target; empty: all
+  Duration time_offset = {};                   // offset added to the times of the truth
+  std::string site = {};                       // for the room-centre control; empty: none
+  std::vector<std::string> fingerprints = {};  // "[AP=]FILE": with the next two, a second control
   std::string points = {};
   std::vector<std::string> captures = {};
 };
@@ -33,9 +33,9 @@ struct Comparison {
   std::optional<Site> site;
   std::vector<TruthPoint> recorded;              // by the clock of the recordings
   std::vector<TruthPoint> truth;                 // by the clock of the estimates
-  std::vector<PublishedEstimate> estimates;      // those asked for
-  std::vector<const LocationEstimate*> matches;  // one a point, into `estimates`
-  std::vector<PointResult> results;              // one a point
+  std::vector<PublishedEstimate> estimates;      // the selected ones
+  std::vector<const LocationEstimate*> matches;  // one per point, into `estimates`
+  std::vector<PointResult> results;              // one per point
   Controls controls;
 
   // `matches` point into it.
@@ -47,8 +47,8 @@ struct Comparison {
   ~Comparison() = default;
 };
 
-// An Error where a file cannot be read, where no estimate answers for any point, and where what a
-// control needs is not all there.
+// Returns an Error if a file cannot be read, if no estimate
+// matches any point, or if the inputs of a control are incomplete.
 Expected<Comparison> compare_with_truth(const ComparisonRequest& request);
 
 }  // namespace rayloc

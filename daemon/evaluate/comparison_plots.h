@@ -1,4 +1,4 @@
-// What `rayloc evaluate --plot` writes of a comparison.
+// Plots of a comparison, written by `rayloc evaluate --plot`.
 #pragma once
 
 #include <filesystem>
@@ -7,7 +7,7 @@
 
 namespace rayloc {
 
-// cdf.svg, coverage.svg, reliability.svg and, of a comparison with a site, map.svg.
+// Writes cdf.svg, coverage.svg, reliability.svg and, for a comparison with a site, map.svg.
 // REQUIRES: the directory exists.
 Expected<void> write_comparison_plots(const std::filesystem::path& directory,
                                       const Comparison& comparison);

@@ -43,7 +43,7 @@ std::vector<double> located_errors(std::span<const PointResult> results) {
   return errors;
 }
 
-// Absent when no point has one.
+// Absent if no point has one.
 std::optional<double> mean_normalized(const std::vector<std::optional<double>>& values) {
   double sum = 0.0;
   std::size_t count = 0;
@@ -54,7 +54,7 @@ std::optional<double> mean_normalized(const std::vector<std::optional<double>>& 
   return count == 0 ? std::nullopt : std::optional(0.5 * sum / static_cast<double>(count));
 }
 
-// Nothing when both are infinite.
+// Empty if both are infinite.
 std::optional<double> skill(double median, double control) {
   const double value = 1.0 - median / control;
   return std::isnan(value) ? std::nullopt : std::optional(value);
@@ -64,7 +64,7 @@ using Points = std::vector<std::size_t>;  // drawn with replacement
 using Figure = std::function<std::optional<double>(const Points&)>;
 
 // Percentile bootstrap: the figure over points drawn with replacement; the same draws for every
-// figure. Nothing when none of them has the figure.
+// figure. Empty if no draw has the figure.
 std::optional<std::array<double, 2>> bootstrap(std::size_t count,
                                                const Figure& figure,
                                                const BootstrapOptions& options) {
@@ -107,7 +107,7 @@ OfValues share_under(double limit) {
   return [limit](const std::vector<double>& values) { return share_below(values, limit); };
 }
 
-// Adds intervals to statistics whose figures are there.
+// Adds intervals for the figures that are present.
 class Intervals {
  public:
   Intervals(const BootstrapOptions& options, std::size_t count, ErrorStatistics& statistics)
@@ -226,7 +226,7 @@ void state_control(const std::vector<double>& errors,
 double percentile(std::vector<double> values, double probability) {
   RAYLOC_CHECK(!values.empty());
   double rank = probability * static_cast<double>(values.size() - 1);
-  // 0.95 * 20 is 19 but for rounding, which must not draw in an infinite neighbour.
+  // 0.95 * 20 is 19 but for rounding, which must not include an infinite neighbour.
   if (std::abs(rank - std::round(rank)) < 1e-9) {
     rank = std::round(rank);
   }

@@ -26,7 +26,7 @@ bool is_finite(const v1::Point& p) {
   return std::isfinite(p.x()) && std::isfinite(p.y()) && std::isfinite(p.z());
 }
 
-// Absent: zeros, which is no covariance.
+// Absent fields are zeros, which is no covariance.
 template <typename Values>
 std::optional<std::array<double, 9>> read_covariance(const Values& values) {
   std::array<double, 9> covariance{};

@@ -1,4 +1,4 @@
-// Estimates as `rayloc replay` and `rayloc sub` write them, read back.
+// Reads estimates written by `rayloc replay` and `rayloc sub`.
 #pragma once
 
 #include <filesystem>
@@ -20,10 +20,10 @@ struct PublishedEstimate {
 
 // One JSON object per line, each a Location or an Envelope (whose other bodies are skipped), or
 // Locations in protobuf, each after its length as a varint. Recognised by the first bytes; "-" is
-// standard input. In the order of the file. Errors name file:line:column or the byte.
+// standard input. Returned in the order of the file. Errors name file:line:column or the byte.
 Expected<std::vector<PublishedEstimate>> load_estimates(const std::filesystem::path& file);
 
-// `name` stands for the file in errors.
+// `name` denotes the file in errors.
 Expected<std::vector<PublishedEstimate>> read_estimates(std::string_view content,
                                                         const std::string& name);
 

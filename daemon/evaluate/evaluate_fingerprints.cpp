@@ -91,7 +91,7 @@ Expected<std::vector<Frames>> read_windows(const Site& site,
   return std::move(found.frames());
 }
 
-// Those that recorded both the survey and the target: nothing can be compared at the others.
+// Access points that recorded both the survey and the target: others cannot be compared.
 std::vector<FingerprintMap::AccessPoint> common_access_points(
     const Site& site,
     const std::vector<CaptureArgument>& survey,

@@ -10,7 +10,7 @@
 namespace rayloc::cli {
 namespace {
 
-// What misses made infinite has no number; other words than "inf", which is none.
+// A value that misses made infinite has no number: a word other than "inf" is printed.
 std::string figure_text(double value) {
   return std::isfinite(value) ? fmt::format("{:.3f}", value) : "missed";
 }

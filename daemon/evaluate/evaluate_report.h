@@ -1,4 +1,4 @@
-// The two forms in which `rayloc evaluate` prints its figures.
+// The two output forms of `rayloc evaluate`.
 #pragma once
 
 #include <string>
@@ -7,10 +7,10 @@
 
 namespace rayloc::cli {
 
-// One line with the keys of INTERFACE 3.2; what is infinite or absent is null.
+// One line with the keys of INTERFACE 3.2; infinite or absent values are null.
 std::string statistics_json(const ErrorStatistics& statistics);
 
-// For people, with 95 % intervals; what is infinite is "inf".
+// For people, with 95 % intervals; infinite values are "inf".
 std::string statistics_table(const ErrorStatistics& statistics);
 
 }  // namespace rayloc::cli

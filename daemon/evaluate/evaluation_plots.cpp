@@ -29,7 +29,7 @@ Chart probabilities(std::string title, std::string x, std::string y) {
   return chart;
 }
 
-// A curve through the bins, and a bar for the interval of each.
+// A curve through the bins, and an error bar for the interval of each.
 void add_bins(const std::string& name,
               const std::vector<StatedOutcome>& outcomes,
               const draw::Colour& colour,

@@ -1,4 +1,4 @@
-// What `rayloc evaluate --plot` draws.
+// Figures of `rayloc evaluate --plot`.
 #pragma once
 
 #include <span>
@@ -20,20 +20,20 @@ struct NamedErrors {
   std::vector<double> errors;  // [m]; infinite: missed
 };
 
-// Distributions of errors; a curve ends below 1 by the share that was missed.
+// Distributions of errors; a curve ends below 1 by the share of missed points.
 draw::Drawing draw_error_distributions(std::span<const NamedErrors> all);
 
-// Where the errors are: a dot at each point of the truth, a line to what was estimated.
-// REQUIRES: truth.size() == matches.size().
+// Map of the errors: a dot at each point of the truth, a line to its estimate. REQUIRES:
+// truth.size() == matches.size().
 draw::Drawing draw_error_map(const Scene& scene,
                              std::vector<draw::MapAntenna> antennas,
                              std::span<const TruthPoint> truth,
                              std::span<const LocationEstimate* const> matches);
 
-// The share of points whose truth lies in the stated region of each probability.
+// The share of points with the truth in the stated region of each probability.
 draw::Drawing draw_coverage(std::span<const PointResult> results);
 
-// How often hypotheses of each weight are the right one, and the left-over probability is right.
+// Frequency with which hypotheses of each weight, and the residual probability, are right.
 draw::Drawing draw_reliability(const StatedOutcomes& outcomes);
 
 }  // namespace rayloc

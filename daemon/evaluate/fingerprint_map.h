@@ -1,10 +1,10 @@
-// FingerprintMap: the control that needs no model: the surveyed point where the access points heard
-// what is most like what they hear now.
+// FingerprintMap: the control without a model: the surveyed point at which the access points'
+// observations are most similar to the present ones.
 //
-// A fingerprint is what is left of a burst at every access point (observe/burst.h), chain gains and
-// all. Two of them are apart by 1 - their correlation at the best delay and factor, summed over the
-// access points that were asked for; by 1 where only one of the two was heard. The chains must not
-// have been switched off and on in between.
+// A fingerprint is the preprocessed burst at every access point (observe/burst.h),
+// chain gains included. The distance of two is 1 - their correlation at the best
+// delay and factor, summed over the selected access points; it is 1 if only one of
+// the two was observed. The chains must not have been power-cycled in between.
 #pragma once
 
 #include <complex>
@@ -25,20 +25,20 @@ class FingerprintMap {
  public:
   struct AccessPoint {
     int index = 0;                    // CsiFrame::access_point
-    std::vector<std::uint8_t> cores;  // the chains to use
+    std::vector<std::uint8_t> cores;  // rx chains to use
   };
   FingerprintMap(const OfdmGrid& grid, std::vector<AccessPoint> access_points);
 
-  // `frames`: of one transmitter standing still there, in order of time at each access point.
-  // False when nothing of them can be used: the point is left out.
+  // `frames`: of one transmitter stationary at that position, in order of time at each access
+  // point. Returns false if none is usable: the point is left out.
   bool add(const Vec3d& position, std::span<const CsiFrame> frames);
   std::size_t size() const { return points_.size(); }
 
-  // The most similar point; nothing when no frame can be used, or there is no point.
+  // The most similar point; empty if no frame can be used, or there is no point.
   std::optional<Vec3d> nearest(std::span<const CsiFrame> frames) const;
 
  private:
-  // By number in access_points_; empty: not heard.
+  // By number in access_points_; empty: not observed.
   using Fingerprint = std::vector<std::vector<std::complex<double>>>;
   struct Point {
     Vec3d position;

@@ -9,7 +9,7 @@
 namespace rayloc {
 namespace {
 
-// The number of the hypothesis that the truth belongs to; nothing: somewhere else.
+// The number of the hypothesis that the truth belongs to; empty: none of them.
 std::optional<std::size_t> right_one(const LocationEstimate& estimate, const Vec3d& truth) {
   constexpr double kRegion99 = 9.210340371976184;  // -2 ln 0.01
   std::optional<std::size_t> best;
@@ -37,7 +37,7 @@ ReliabilityBin summarize(const std::vector<StatedOutcome>& outcomes) {
     bin.stated += outcome.stated / n;
     bin.happened += outcome.happened ? 1.0 / n : 0.0;
   }
-  constexpr double kDeviations = 1.959963984540054;  // of a normal distribution, 95 %
+  constexpr double kDeviations = 1.959963984540054;  // for a normal distribution, 95 %
   const double z2 = kDeviations * kDeviations;
   const double middle = (bin.happened + z2 / (2.0 * n)) / (1.0 + z2 / n);
   const double half = kDeviations / (1.0 + z2 / n) *

@@ -7,7 +7,7 @@
 
 namespace rayloc {
 
-// What is infinite or absent is null. Skills, which follow from the medians, have intervals only.
+// Infinite or absent values are null. Skills, which follow from the medians, have intervals only.
 nlohmann::ordered_json to_json(const ErrorStatistics& statistics);
 
 }  // namespace rayloc

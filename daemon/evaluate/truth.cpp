@@ -13,7 +13,7 @@ constexpr Duration kMaxTruthDistance = std::chrono::milliseconds(60);
 
 using Iterator = std::vector<const LocationEstimate*>::const_iterator;
 
-// The last in [begin, end], or `none`; of equal times the one that is last in the file.
+// The last in [begin, end], or `none`; of equal times the last one in the file.
 const LocationEstimate* last_within(Iterator first, Iterator last, Timestamp begin, Timestamp end) {
   const auto after = std::upper_bound(
       first, last, end, [](Timestamp t, const LocationEstimate* e) { return t < e->time; });

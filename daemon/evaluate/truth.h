@@ -1,4 +1,4 @@
-// Truth: where the target really was, and which estimate answers for it.
+// Truth: the true positions of the target, and the estimates that match them.
 #pragma once
 
 #include <filesystem>
@@ -14,7 +14,7 @@ namespace rayloc {
 class CsvTable;
 
 struct TruthPoint {
-  // A spot: where the target stood from `begin` to `end`. An instant: both are the same.
+  // A spot: the target was stationary from `begin` to `end`. An instant: both are equal.
   Timestamp begin;
   Timestamp end;
   bool instant = false;
@@ -29,10 +29,10 @@ Expected<std::vector<TruthPoint>> read_truth(const CsvTable& table);
 // The same points by a clock that is `offset` ahead (wall = recording + offset).
 std::vector<TruthPoint> shifted(std::vector<TruthPoint> truth, Duration offset);
 
-// What answers for each point; nullptr where nothing does. Per spot the last estimate with a time
-// in [begin, end + 0.1 s]: a burst may end a little after the target was asked to move on. Per
-// instant the nearest within 0.06 s, of two equally near ones the earlier. The pointers are into
-// `estimates`.
+// The estimate that matches each point; nullptr if there is none. Per spot the
+// last estimate with a time in [begin, end + 0.1 s]: a burst may end a little
+// after the target was asked to move on. Per instant the nearest within 0.06
+// s, of two equally near ones the earlier. The pointers are into `estimates`.
 std::vector<const LocationEstimate*> match(const std::vector<TruthPoint>& truth,
                                            const std::vector<PublishedEstimate>& estimates);
 

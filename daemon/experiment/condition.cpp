@@ -400,7 +400,7 @@ std::string world_text(const Condition& condition) {
 }
 
 std::string experiment_help() {
-  constexpr std::size_t kWidth = 28;  // of "paper.sigma_0_squared = 1"
+  constexpr std::size_t kWidth = 28;  // width of "paper.sigma_0_squared = 1"
   std::string help;
   const auto line = [&](std::string text, std::string_view meaning) {
     text.resize(std::max(text.size(), kWidth), ' ');

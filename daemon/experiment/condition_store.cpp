@@ -22,7 +22,7 @@ std::string content(const fs::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-// All that the result depends on.
+// Hash of all inputs of the result.
 std::string hash_of(const Condition& condition, std::uint64_t seed) {
   ContentHash hash;
   hash.add(seed);
@@ -94,7 +94,7 @@ ConditionStore condition_store(const fs::path& directory, bool may_load) {
     };
   }
   store.save = [folder, file_of](const ConditionResult& result, std::uint64_t seed) {
-    std::error_code ignored;  // what cannot be kept is found again
+    std::error_code ignored;  // a result that cannot be kept is recomputed
     fs::create_directories(folder, ignored);
     const fs::path file = file_of(result.condition, seed);
     const fs::path part = file.string() + ".part";

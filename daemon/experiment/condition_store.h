@@ -1,4 +1,4 @@
-// What an experiment has found so far, a file a condition, so that who is interrupted goes on.
+// Results of an experiment so far, one file per condition, so that an interrupted run resumes.
 #pragma once
 
 #include <filesystem>
@@ -7,8 +7,8 @@
 
 namespace rayloc {
 
-// In the folder `conditions` of `directory`, by a hash of all that the condition states, the plan
-// of its room and the seed. Files that are broken, or of other conditions, count as not there.
+// Stores in the folder `conditions` of `directory`, keyed by a hash of all keys of the condition,
+// the plan of its room and the seed. Files that are broken, or of other conditions, are ignored.
 ConditionStore condition_store(const std::filesystem::path& directory, bool may_load);
 
 }  // namespace rayloc

@@ -22,7 +22,7 @@ constexpr std::array kControlNames = std::to_array<ControlName>({
     {"oracle", "SpotFi's bearing at the true range and the nearest alias"},
 });
 
-// A place without any uncertainty.
+// An estimate at a place without any uncertainty.
 LocationEstimate at(const Vec3d& place) {
   LocationEstimate estimate;
   estimate.position = place;
@@ -74,7 +74,7 @@ TrainingInput survey_of(std::shared_ptr<const RoomModel> room,
   return input;
 }
 
-// SpotFi whose bearings are all taken for wrong ones.
+// SpotFi with all bearings treated as outliers.
 Expected<Locate> level(std::shared_ptr<const RoomModel> room,
                        const StudyLayout& layout,
                        bool constant_power,
@@ -103,7 +103,7 @@ Expected<Locate> level(std::shared_ptr<const RoomModel> room,
   };
 }
 
-// Of the first access point. It reads the truth, and so bounds what a bearing can be worth.
+// The first access point's bearing, with range and ambiguity from the truth: its best case.
 Expected<Locate> oracle(std::shared_ptr<const RoomModel> room,
                         const StudyLayout& layout,
                         std::uint64_t seed) {

@@ -1,5 +1,5 @@
-// Controls of a study: what it takes nothing, or only the survey, to reach. They stand in a study
-// as methods do.
+// Controls of a study: baselines that use nothing, or
+// only the survey. They are used in a study like methods.
 #pragma once
 
 #include <cstdint>
@@ -22,12 +22,12 @@ struct ControlName {
 
 std::span<const ControlName> control_names();
 
-// An estimate for a spot and the number of the repeat. Of a walk a spot is a burst, at the place
-// where the walk begins.
+// An estimate for a spot and the number of the repeat. For a walk, a spot is a burst, at the
+// position where the walk begins.
 using Locate = std::function<LocationEstimate(const StudySpot& spot, std::size_t repeat)>;
 
-// An Error where the layout has not what the control needs, in words. `constant_power`: levels may
-// be learned. REQUIRES: a name of control_names(); `layout` outlives the result.
+// Returns an Error with a message if the layout lacks what the control needs. `constant_power`:
+// received power may be learned. REQUIRES: a name of control_names(); `layout` outlives the result.
 Expected<Locate> make_control(std::string_view name,
                               std::shared_ptr<const RoomModel> room,
                               const StudyLayout& layout,

@@ -14,7 +14,7 @@
 namespace rayloc {
 namespace {
 
-// One value of a key, as what it does to a condition.
+// One value of a key, as a function that sets it in a condition.
 using Value = std::function<void(Condition&)>;
 
 struct Stated {
@@ -23,7 +23,7 @@ struct Stated {
   std::vector<Value> values;
 };
 
-// Numbers that must be whole.
+// Checks that the numbers are whole.
 bool check_whole(const TomlTable& table, std::string_view key, const std::vector<double>& values) {
   const bool whole =
       std::all_of(values.begin(), values.end(), [](double x) { return x == std::trunc(x); });
@@ -85,7 +85,7 @@ std::vector<Value> read_values(const TomlTable& table, const PaperSetting& setti
   return values;
 }
 
-// All keys of a table that it states, in order of the tables of keys.
+// All keys stated in a table, in order of the tables of keys.
 std::vector<Stated> read_stated(const TomlTable& table) {
   std::vector<Stated> stated;
   for (const ConditionKey& key : condition_keys()) {
@@ -106,7 +106,7 @@ std::vector<Stated> read_stated(const TomlTable& table) {
   return stated;
 }
 
-// All combinations, the last key the fastest.
+// All combinations; the last key varies fastest.
 std::vector<Condition> combine(const Condition& base, const std::vector<Stated>& stated) {
   std::vector<Condition> conditions = {base};
   for (const Stated& one : stated) {
@@ -184,7 +184,7 @@ class ExperimentReader {
     return study;
   }
 
-  // What a condition cannot be; false when an error was noted.
+  // Checks for impossible conditions; false if an error was noted.
   static bool check(const TomlTable& table, const Condition& condition) {
     if (condition.room.empty()) {
       table.error(table.name() +
@@ -192,7 +192,7 @@ class ExperimentReader {
                   "\"rooms/office.toml\"");
       return false;
     }
-    const Method* method = find_method(condition.method);  // null: a control, of any kind
+    const Method* method = find_method(condition.method);  // null: a control, for any kind
     if (method != nullptr && (condition.kind == "person" ? method->create_person == nullptr
                                                          : method->create_device == nullptr)) {
       table.error(table.name() + ": method " + condition.method + " does not locate kind '" +

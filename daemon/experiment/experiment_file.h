@@ -6,13 +6,13 @@
 //   room = "rooms/office.toml"    # relative to this file
 //   [[study]]
 //   name = "boxes"
-//   claim = "errors grow slowly with clutter"   # optional: what is to be seen beside the figures
+//   claim = "errors grow slowly with clutter"   # optional: text shown beside the figures
 //   boxes = [2, 4, 6, 8, 10]      # a list: an axis
 //   method = ["rayloc", "paper"]
 //   paper.alpha = 0.5             # a value: held
 //   over = "boxes"                # optional: the axis that charts run over
 //
-// The keys are those of condition.h. Of several axes all combinations are run. Errors name
+// The keys are those of condition.h. For several axes all combinations are run. Errors name
 // file:line:column, all of them at once; unknown keys are errors.
 #pragma once
 
@@ -30,8 +30,8 @@ namespace rayloc {
 struct Study {
   std::string name;
   std::string claim;
-  std::vector<std::string> axes;  // keys that were given a list, in order of the tables
-  std::string over;               // an axis of numbers; empty: there is none
+  std::vector<std::string> axes;  // keys with a list of values, in order of the tables
+  std::string over;               // an axis of numbers; empty: none
   std::vector<Condition> conditions;
 };
 
@@ -41,13 +41,13 @@ struct Experiment {
   std::vector<Study> studies;
 };
 
-inline constexpr std::size_t kMostConditions = 10'000;  // of a study
+inline constexpr std::size_t kMostConditions = 10'000;  // per study
 
 Expected<Experiment> load_experiment(const std::filesystem::path& file);
-// `file` is for messages and for relative paths.
+// `file` is used in messages and for relative paths.
 Expected<Experiment> parse_experiment(std::string_view text, const std::filesystem::path& file);
 
-// Leaves the studies that are named; no names: all. An Error where there is no such study.
+// Keeps only the named studies; no names: all. Returns an Error for an unknown study.
 Expected<void> keep_studies(const std::vector<std::string>& names, Experiment& experiment);
 
 }  // namespace rayloc

@@ -19,7 +19,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Of all conditions, so that all rows of a report have the same columns.
+// Keys of all conditions, so that all rows of a report have the same columns.
 std::vector<std::string> keys_of(const std::vector<StudyResult>& results) {
   std::vector<const Condition*> conditions;
   for (const StudyResult& result : results) {
@@ -30,7 +30,7 @@ std::vector<std::string> keys_of(const std::vector<StudyResult>& results) {
   return reported_keys(conditions);
 }
 
-// The figures of the tables, by their names in the JSON.
+// Figures in the tables, by their names in the JSON.
 constexpr std::array<std::string_view, 12> kFigures = {"median_m",
                                                        "mean_m",
                                                        "rmse_m",
@@ -48,7 +48,7 @@ std::string csv_number(const Json& value) {
   return value.is_null() ? "" : fmt::format("{:.6g}", value.get<double>());
 }
 
-// A cell that a comma would split.
+// Quotes a cell that contains a comma.
 std::string csv_cell(std::string text) {
   for (char& c : text) {
     c = c == ',' ? ';' : c;
@@ -108,7 +108,7 @@ std::string study_table(const StudyResult& result) {
   return to_html(table);
 }
 
-// What all conditions of the study share and differs from the defaults.
+// Values that all conditions of the study share and that differ from the defaults.
 std::string held_text(const Study& study) {
   const Condition usual = default_condition();
   const Condition& first = study.conditions.front();

@@ -17,7 +17,7 @@ namespace rayloc {
 namespace {
 
 // The layout without the frames of other channels than the plan's, which a receiver rejects for a
-// method that does not use them; nothing where the method takes all frames.
+// method that does not use them; empty if the method takes all frames.
 std::optional<StudyLayout> own_channel(const Condition& condition, const StudyLayout& layout) {
   const Method* method = find_method(condition.method);
   if (condition.channels == "plan" || (method != nullptr && method->uses_every_channel)) {
@@ -37,7 +37,7 @@ std::optional<StudyLayout> own_channel(const Condition& condition, const StudyLa
   return own;
 }
 
-// Why no spot was located, where all say the same.
+// The reason why no spot was located, if it is the same for all.
 class CommonReason {
  public:
   void add(const LocationEstimate& estimate) {
@@ -141,8 +141,8 @@ void summarise(ConditionResult& result, std::uint64_t seed) {
   result.statistics = compute_statistics(result.points, {result.room_centre, {}}, options);
 }
 
-// The layouts of the last world: conditions that differ only in how they locate come one after the
-// other.
+// The layouts of the last world: conditions that
+// differ only in the method follow one another.
 class Worlds {
  public:
   Expected<const std::vector<StudyLayout>*> get(const Condition& condition, std::uint64_t seed) {

@@ -1,4 +1,4 @@
-// run_experiment: every condition of every study simulated, located and compared with the truth.
+// run_experiment: simulates and locates every condition of every study, compared with the truth.
 #pragma once
 
 #include <cstddef>
@@ -17,10 +17,10 @@ namespace rayloc {
 
 struct ConditionResult {
   Condition condition;
-  std::vector<PointResult> points;  // by layout, spot, repeat; of walks by layout, walk, instant
-  // Spots are drawn for the intervals, with all their repeats; walks with all their instants.
+  std::vector<PointResult> points;  // by layout, spot, repeat; for walks by layout, walk, instant
+  // Intervals resample spots with all their repeats, and walks with all their instants.
   ErrorStatistics statistics;
-  // Why the method locates nothing here, in its words: it is out of its domain. Empty: it is not.
+  // Reason why the method, outside its domain, gives no location; empty: it is in its domain.
   std::string refusal = {};
   std::vector<double> room_centre = {};  // [m], error of answering the room's centre, by point
 };
@@ -33,14 +33,14 @@ struct StudyResult {
 using StudyProgress =
     std::function<void(const Study& study, std::size_t done, const ConditionResult& result)>;
 
-// Keeps what was found, so that who is interrupted goes on. Both may be empty.
+// Keeps results, so that an interrupted run resumes. Both may be empty.
 struct ConditionStore {
   std::function<std::optional<ConditionResult>(const Condition&, std::uint64_t seed)> load;
   std::function<void(const ConditionResult&, std::uint64_t seed)> save;
 };
 
-// Depends on the experiment alone, whatever the number of threads. Pointers in the result are into
-// `experiment`. Errors: as of simulate_world(). A method that refuses is a result.
+// The result depends on the experiment alone, whatever the number of threads. Pointers in the
+// result are into `experiment`. Errors: as in simulate_world(). A method that refuses is a result.
 Expected<std::vector<StudyResult>> run_experiment(const Experiment& experiment,
                                                   const StudyProgress& progress,
                                                   const ConditionStore& store = {});

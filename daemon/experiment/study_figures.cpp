@@ -15,10 +15,10 @@ namespace {
 using draw::Chart;
 using draw::ChartCurve;
 
-constexpr std::size_t kMostWithIntervals = 4;  // curves: more bars are a thicket
-constexpr std::size_t kMostDistributions = 8;  // curves of a chart
+constexpr std::size_t kMostWithIntervals = 4;  // curves: more intervals overlap
+constexpr std::size_t kMostDistributions = 8;  // curves per chart
 
-// "method paper, alpha 0.5": the values of the axes but for `without`.
+// "method paper, alpha 0.5": the values of all axes except `without`.
 std::string label_of(const Study& study, const Condition& condition, const std::string& without) {
   std::string label;
   for (const std::string& axis : study.axes) {
@@ -36,7 +36,7 @@ draw::Drawing draw_over(const StudyResult& result,
                         const char* name,
                         StatisticsValue value) {
   const Study& study = *result.study;
-  std::vector<std::string> labels;  // in order of the study
+  std::vector<std::string> labels;  // in the order of the study
   std::map<std::string, std::vector<const ConditionResult*>> curves;
   for (const ConditionResult& condition : result.conditions) {
     const std::string label = label_of(study, condition.condition, study.over);

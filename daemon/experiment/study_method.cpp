@@ -101,7 +101,7 @@ tl::unexpected<Error> no_frames() {
   return make_error(ErrorKind::kConfiguration, "no frame is of the plan's channel");
 }
 
-// The room model that the method gets.
+// The room model given to the method.
 std::shared_ptr<const RoomModel> model_room(const Condition& condition, const StudyLayout& layout) {
   RoomModel model = layout.model;
   model.trace.max_depth = static_cast<int>(condition.model_depth);
@@ -113,7 +113,7 @@ std::shared_ptr<const RoomModel> model_room(const Condition& condition, const St
   return std::make_shared<const RoomModel>(std::move(model));
 }
 
-// A person method with all its inputs but the start.
+// Makes a person method from all its inputs but the start.
 struct PeopleMaker {
   const Method* method = nullptr;
   std::shared_ptr<const RoomModel> room;
@@ -167,7 +167,7 @@ Expected<Locate> locate_people(const Condition& condition,
   };
 }
 
-// The bursts that `rayloc replay` would give the method.
+// The bursts that `rayloc replay` would pass to the method.
 std::vector<Burst> bursts_of(const StudyWalk& walk, const CollectorOptions& options) {
   BurstCollector collector(options);
   std::vector<Burst> bursts;
@@ -184,8 +184,8 @@ PublishedEstimate published(LocationEstimate estimate, bool filtered) {
   return {true, filtered, "person-1", std::move(estimate)};
 }
 
-// The track of a method that has tracks; else, or where it tracks nobody, an estimate of each
-// burst.
+// The track of a method that has tracks; for other methods,
+// or without any track, an estimate of each burst.
 std::vector<PublishedEstimate> follow_by_method(PersonMethod& method,
                                                 const Method& row,
                                                 const StudyWalk& walk) {
@@ -198,7 +198,7 @@ std::vector<PublishedEstimate> follow_by_method(PersonMethod& method,
   if (method.track_number()) {
     std::vector<PersonUpdate> updates;
     method.restart("another walk", updates);
-    updates.clear();  // the end of the walk before
+    updates.clear();  // end of the previous walk
     for (const Burst& burst : bursts) {
       method.track(burst.frames, burst.heard_since, updates);
       method.advance(burst.last, updates);
@@ -212,7 +212,7 @@ std::vector<PublishedEstimate> follow_by_method(PersonMethod& method,
   }
   for (const Burst& burst : bursts) {
     for (LocationEstimate& estimate : method.locate(burst.frames, 0)) {
-      if (method.track_number()) {  // it states why there is no track
+      if (method.track_number()) {  // its reason why there is no track
         estimate.position.reset();
       }
       estimates.push_back(published(std::move(estimate), false));
@@ -233,7 +233,7 @@ std::vector<PublishedEstimate> follow_by_bursts(const Locate& locate, const Stud
 }
 
 // match() takes estimates at most 0.06 s from an instant, and a burst lasts 0.2 s: the estimate of
-// a burst counts at 0.05 s before and after its middle as well.
+// a burst is also used at 0.05 s before and after its middle.
 std::vector<PublishedEstimate> held(std::vector<PublishedEstimate> estimates) {
   constexpr Duration kStep = std::chrono::milliseconds(50);
   std::vector<PublishedEstimate> all;
@@ -305,7 +305,7 @@ Expected<Follow> make_follow(const Condition& condition,
     return tl::make_unexpected(std::move(prepared.error()));
   }
   const auto maker = std::make_shared<const PeopleMaker>(*std::move(prepared));
-  // Created once, or for each walk where the method takes its start.
+  // Created once, or once per walk if the method takes its start.
   auto made = std::make_shared<std::unique_ptr<PersonMethod>>();
   return [maker, made](const StudyWalk& walk) -> Expected<std::vector<PublishedEstimate>> {
     const Method& row = *maker->method;

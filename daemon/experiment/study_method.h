@@ -1,4 +1,4 @@
-// The method or the control of a condition, made for a layout of the study.
+// Makes the method or the control of a condition for a layout of the study.
 #pragma once
 
 #include <cstdint>
@@ -13,15 +13,15 @@
 
 namespace rayloc {
 
-// Locates a device, or a person who stands. An Error, in words, where the method is out of its
-// domain. REQUIRES: `layout` outlives the result.
+// Locates a device, or a person who stands still. Returns an Error with a message if the method is
+// outside its domain. REQUIRES: `layout` outlives the result.
 Expected<Locate> make_locate(const Condition& condition,
                              const StudyLayout& layout,
                              std::uint64_t seed);
 
-// Follows a person along a walk, burst by burst: the estimates of a method's track, or, of a method
-// without tracks, those of the bursts. Where there is no track: why not. An Error as of
-// make_locate().
+// Tracks a person along a walk, burst by burst: the estimates of a
+// method's track, or, for a method without tracks, those of the bursts.
+// Without a track: the reason. Returns an Error as make_locate() does.
 using Follow = std::function<Expected<std::vector<PublishedEstimate>>(const StudyWalk& walk)>;
 Expected<Follow> make_follow(const Condition& condition,
                              const StudyLayout& layout,

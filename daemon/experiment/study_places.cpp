@@ -13,11 +13,11 @@ namespace {
 constexpr double kClearOfWalls = 0.3;         // [m]
 constexpr double kClearOfBoxes = 0.05;        // [m]
 constexpr double kDistanceTolerance = 0.25;   // [m]
-constexpr double kClearOfDevices = 0.2;       // [m], of people
-constexpr double kClearOfAccessPoints = 1.0;  // [m], of fixed transmitters
+constexpr double kClearOfDevices = 0.2;       // [m], for people
+constexpr double kClearOfAccessPoints = 1.0;  // [m], for fixed transmitters
 
-// Heights of devices have a stream of their own: with another deviation they are held elsewhere at
-// the same places.
+// Device heights have a random stream of their own: another deviation changes only the heights, at
+// the same horizontal positions.
 class Heights {
  public:
   Heights(const StudyPlaces& places, std::uint64_t seed, std::size_t layout)
@@ -26,7 +26,7 @@ class Heights {
         upper_(places.plan.upper.z - kHeightMargin),
         random_(random_stream(seed, "heights", layout)) {}
 
-  // Raises or lowers the place; not out of the room.
+  // Raises or lowers the place within the room.
   void change(Vec3d& place) {
     if (sigma_ <= 0.0) {
       return;
@@ -67,7 +67,7 @@ bool StudyPlaces::is_clear(const Vec3d& place) const {
   if (condition.kind != "person") {
     return !is_in_box(plan, place, kClearOfBoxes);
   }
-  // A person is as high as furniture, and stands in nothing.
+  // A person is as high as furniture and does not overlap it.
   const double clear = condition.person_radius_m + kClearOfBoxes;
   const bool in_box = std::any_of(plan.boxes.begin(), plan.boxes.end(), [&](const PlanBox& box) {
     RoomPlan one;
@@ -138,7 +138,7 @@ Expected<std::vector<Vec3d>> draw_spots(const StudyPlaces& places,
   AnyPlace any(places);
   Heights heights(places, seed, layout);
   const auto count = static_cast<std::size_t>(condition.spots);
-  constexpr std::size_t kAttempts = 20'000;  // of each spot
+  constexpr std::size_t kAttempts = 20'000;  // per spot
   std::vector<Vec3d> spots;
   for (std::size_t attempt = 0; spots.size() < count; ++attempt) {
     if (attempt == count * kAttempts) {
@@ -164,7 +164,7 @@ std::vector<Vec3d> draw_survey(const StudyPlaces& places, std::uint64_t seed, st
   RandomStream random = random_stream(seed, "survey", layout);
   AnyPlace any(places);
   const auto count = static_cast<std::size_t>(places.condition.survey_points);
-  constexpr std::size_t kAttempts = 1000;  // of each point
+  constexpr std::size_t kAttempts = 1000;  // per point
   std::vector<Vec3d> points;
   for (std::size_t attempt = 0; points.size() < count && attempt < count * kAttempts; ++attempt) {
     const Vec3d at = any.draw(random);

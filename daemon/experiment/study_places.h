@@ -1,4 +1,4 @@
-// Places of a study: where spots, walks, the points of a survey and a fixed transmitter may be.
+// Places of a study: allowed positions of spots, walks, survey points and a fixed transmitter.
 #pragma once
 
 #include <cstddef>
@@ -19,17 +19,17 @@ namespace rayloc {
 
 struct StudyPlaces {
   const RoomPlan& plan;
-  const Scene& scene;  // as built
+  const Scene& scene;  // scene as built
   const Condition& condition;
-  std::optional<Vec3d> transmitter;     // of people
-  const SolidObjects* moved = nullptr;  // objects where they are on a second day
+  std::optional<Vec3d> transmitter;     // for people
+  const SolidObjects* moved = nullptr;  // positions of objects on a second day
 
-  // [m], from the walls; in a narrow room a quarter of its width.
+  // Distance from the walls [m]; in a narrow room a quarter of its width.
   double wall_margin() const;
-  // Of boxes and, for people, of devices.
+  // Clear of boxes and, for people, of devices.
   bool is_clear(const Vec3d& place) const;
   bool is_between_walls(const Vec3d& place) const;
-  // Clear, and of the distance and the sight that the condition asks of spots.
+  // Clear, with the distance and the line of sight that the condition requires of spots.
   bool suits(const Vec3d& spot) const;
 };
 
@@ -45,16 +45,16 @@ class AnyPlace {
   double height_;
 };
 
-// The place of a fixed transmitter of people: clear of boxes and not beside an access point. An
-// Error where the room has none.
+// The position of a fixed transmitter for people: clear of boxes and away from access points.
+// Returns an Error if the room has none.
 Expected<Vec3d> draw_transmitter(const StudyPlaces& places, std::uint64_t seed, std::size_t layout);
 
-// As many as Condition::spots. An Error where the room has hardly a place that suits.
+// Draws Condition::spots places. Returns an Error if the room has hardly any suitable place.
 Expected<std::vector<Vec3d>> draw_spots(const StudyPlaces& places,
                                         std::uint64_t seed,
                                         std::size_t layout);
 
-// Clear places anywhere in the room, as many as Condition::survey_points or as there are.
+// Clear places anywhere in the room: Condition::survey_points, or fewer if fewer are found.
 std::vector<Vec3d> draw_survey(const StudyPlaces& places, std::uint64_t seed, std::size_t layout);
 
 }  // namespace rayloc

@@ -1,5 +1,5 @@
-// The radios of a study's access points: their chains as the model has them, and frames of what
-// they recorded.
+// Radios of a study's access points: their chains in the
+// model, and the frames decoded from their recordings.
 #pragma once
 
 #include <complex>
@@ -14,16 +14,16 @@
 
 namespace rayloc {
 
-// Before each chain was multiplied by its change, if any was.
+// The gains before the multiplicative change of each chain, if there was one.
 ChainGains before_changes(ChainGains gains, const std::vector<std::complex<double>>& changes);
 
-// The gains on the tones of `grid`, all of which they have.
+// The gains on the tones of `grid`, which must include all of them.
 ChainGains gains_on_grid(const ChainGains& all, const OfdmGrid& grid);
 
-// Of rooms on several channels the position of that whose channel is nearest to the model's.
+// Among rooms on several channels, the index of the one with the channel nearest the model's.
 std::size_t nearest_channel(std::span<const RoomModel> rooms, const RoomModel& model);
 
-// As the product's receiver makes them, of any channel.
+// Frames of any channel, decoded by the product's receiver.
 std::vector<CsiFrame> decoded_frames(const SpotCapture& capture,
                                      const RoomAccessPoint& ap,
                                      int index);

@@ -19,13 +19,13 @@
 namespace rayloc {
 namespace {
 
-constexpr double kClear = 0.05;              // [m], between a box and what is beside it
+constexpr double kClear = 0.05;              // [m], between a box and its neighbours
 constexpr double kClearOfAccessPoint = 0.3;  // [m]
-constexpr double kLeastTolerance = 2e-3;     // [m]: as good as the best calibration
+constexpr double kLeastTolerance = 2e-3;     // [m]: tolerance of the best calibration
 constexpr const char* kWood = "clutter_wood";
 constexpr const char* kMetal = "clutter_metal";
 
-// Half the diagonal of its foot.
+// Half the diagonal of its base.
 double reach(const PlanBox& box) { return 0.5 * std::hypot(box.size.x, box.size.y); }
 
 double distance_in_plan(const Vec3d& a, const Vec3d& b) { return std::hypot(a.x - b.x, a.y - b.y); }
@@ -42,7 +42,7 @@ bool is_clear(const RoomPlan& plan, const PlanBox& box) {
              });
 }
 
-// Nothing when it would not fit into the room.
+// Returns empty if the box would not fit into the room.
 std::optional<PlanBox> draw_box(const RoomPlan& plan, RandomStream& random) {
   const auto between = [&random](double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(random);
@@ -99,7 +99,7 @@ Expected<Scene> make_scene(const RoomPlan& plan) {
   return Scene::create(std::move(input));
 }
 
-// Antennas about their middle, so that the two nearest ones are so far apart.
+// Scales the antennas about their centre so that the two nearest ones have that spacing.
 void set_spacing(double spacing, std::vector<Vec3d>& offsets) {
   double nearest = 0.0;
   Vec3d middle;
@@ -178,7 +178,7 @@ RoomPlan misplace(RoomPlan plan,
     box.centre.x += off();
     box.centre.y += off();
   }
-  // Openings end where their wall does.
+  // Openings end at the end of their wall.
   for (PlanOpening& opening : plan.openings) {
     const bool along_y = opening.wall == RoomSide::kWest || opening.wall == RoomSide::kEast;
     opening.lower[0] = std::max(opening.lower[0], along_y ? plan.lower.y : plan.lower.x);

@@ -1,4 +1,4 @@
-// The rooms of a study: a plan with clutter, as it is and as the model believes it to be.
+// The rooms of a study: a plan with clutter, as it is and as the model has it.
 #pragma once
 
 #include <cstddef>
@@ -13,15 +13,15 @@
 namespace rayloc {
 
 // The plan of a condition with access points at their height and the clutter of a layout: boxes of
-// wood and metal, 0.3 to 0.8 m wide and 0.5 to 1.5 m high, standing on the floor anywhere and any
-// way round, clear of each other, of what the plan states and of the access points. Errors name the
+// wood and metal, 0.3 to 0.8 m wide and 0.5 to 1.5 m high, standing on the floor at any position
+// and yaw, clear of each other, of the plan's objects and of the access points. Errors name the
 // plan: too few access points, no room for so many boxes.
 Expected<RoomPlan> furnish(const RoomPlan& plan,
                            const Condition& condition,
                            std::uint64_t seed,
                            std::size_t layout);
 
-// The plan with ceiling, walls and boxes off by Condition::plan_error_m.
+// The plan with ceiling, walls and boxes displaced by Condition::plan_error_m.
 RoomPlan misplace(RoomPlan plan,
                   const Condition& condition,
                   std::uint64_t seed,
@@ -31,10 +31,10 @@ RoomPlan misplace(RoomPlan plan,
 // name the plan: text that is no list of its channels, fewer frames than channels.
 Expected<std::vector<RoomPlan>> on_channels(const RoomPlan& plan, const Condition& condition);
 
-// Nothing calibrated: no chain gains. REQUIRES: a plan that was read without error.
+// The uncalibrated room: no chain gains. REQUIRES: a plan that was read without error.
 Expected<RoomModel> make_room(const RoomPlan& plan, const Condition& condition);
 
-// Whether a place is inside of a box of the plan, or closer than `margin` to it.
+// True if a place is inside a box of the plan, or closer than `margin` to it.
 bool is_in_box(const RoomPlan& plan, const Vec3d& place, double margin);
 
 }  // namespace rayloc

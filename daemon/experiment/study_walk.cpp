@@ -10,15 +10,15 @@ namespace {
 
 constexpr double kArcDuration = 0.25;    // [s]
 constexpr double kCheckInterval = 0.04;  // [m], along an arc
-constexpr int kPlaceAttempts = 2000;     // of the first place
-constexpr int kCurvatureAttempts = 30;   // of an arc, before the turn that is known to be free
+constexpr int kPlaceAttempts = 2000;     // for the first place
+constexpr int kCurvatureAttempts = 30;   // for an arc, before the turn that is known to be free
 
 struct Heading {
   Vec3d place;
   double angle = 0.0;  // [rad], from the x axis
 };
 
-// `length` [m] on, along an arc of `curvature` [1/m], to the left where it is positive.
+// The heading after `length` [m] along an arc of `curvature` [1/m], positive to the left.
 Heading along(const Heading& from, double curvature, double length) {
   const double turn = curvature * length;
   const double half = 0.5 * turn;
@@ -44,7 +44,7 @@ class Walker {
     return true;
   }
 
-  // The curvature of a full turn that is free; 0: there is none.
+  // The curvature of a full turn that is free; 0: none.
   double free_turn(const Heading& from) const {
     const double narrowest = 1.0 / shape_.turn_radius;
     for (const double curvature : {narrowest, -narrowest}) {
@@ -55,8 +55,8 @@ class Walker {
     return 0.0;
   }
 
-  // The next arc: free, with a free turn at its end. `turn`: the free turn at `from`, which is the
-  // arc where none that was drawn suits; becomes that at the end of the arc.
+  // The next arc: free, with a free turn at its end. `turn`: the free turn at `from`, used as the
+  // arc if no drawn arc is suitable; updated to the free turn at the end of the arc.
   double next_curvature(const Heading& from, double& turn, RandomStream& random) const {
     const double length = shape_.speed * kArcDuration;
     std::normal_distribution<double> draw(0.0, 0.5 / shape_.turn_radius);
@@ -127,8 +127,8 @@ Expected<std::vector<std::vector<Vec3d>>> draw_walks(const StudyPlaces& places,
   };
   std::vector<std::vector<Vec3d>> walks;
   for (std::size_t i = 0; i < static_cast<std::size_t>(condition.spots); ++i) {
-    // A stream each: with another rate or duration the walks are the same ways.
-    constexpr std::size_t kMostWalks = 10'000;  // of a layout: the limit of Condition::spots
+    // One random stream per walk: another rate or duration does not change the paths.
+    constexpr std::size_t kMostWalks = 10'000;  // per layout: the limit of Condition::spots
     RandomStream random = random_stream(seed, "walk", layout * kMostWalks + i);
     walks.push_back(draw_walk(shape, any_place, is_free, random));
     if (walks.back().empty()) {

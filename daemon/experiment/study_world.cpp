@@ -36,7 +36,7 @@ Transmission transmission(std::size_t spot,
                           Duration interval,
                           std::size_t channels,
                           RandomStream& traffic) {
-  constexpr std::uint16_t kFirstFragment = 16;  // numbers count from bit 4
+  constexpr std::uint16_t kFirstFragment = 16;  // sequence numbers start at bit 4
   const Timestamp begin =
       Timestamp(std::chrono::hours(1)) + static_cast<Duration::rep>(spot) * kSpotInterval;
   return {begin + static_cast<Duration::rep>(n) * interval,
@@ -64,13 +64,13 @@ void sort_by_time(std::vector<CsiFrame>& frames) {
   });
 }
 
-// What is simulated, all of it drawn.
+// Everything that is simulated, with all random draws made.
 struct Transmissions {
   LivedInRoom truth;
-  std::vector<RoomModel> rooms;                   // the same on each channel that devices hop over
-  SimulatedSpot empty;                            // of people
-  std::vector<SimulatedSpot> spots;               // of the layout
-  std::vector<std::vector<SimulatedSpot>> walks;  // of the layout; a spot is a frame
+  std::vector<RoomModel> rooms;                   // the same on each hop channel of devices
+  SimulatedSpot empty;                            // for people
+  std::vector<SimulatedSpot> spots;               // in the layout
+  std::vector<std::vector<SimulatedSpot>> walks;  // in the layout; a spot is a frame
   std::vector<SimulatedSpot> survey;
 };
 
@@ -117,7 +117,7 @@ Expected<void> hear(const Transmissions& sent, CaptureOptions options, StudyLayo
         }
       }
     }
-    // Last: without a survey all else is the same.
+    // Drawn last: without a survey all other draws are unchanged.
     for (std::size_t i = 0; i < sent.survey.size(); ++i) {
       if (auto heard = listen(simulator, sent.survey[i], layout.survey[i].frames); !heard) {
         return heard;
@@ -154,7 +154,7 @@ Expected<SecondDay> day_of(const Condition& condition) {
              : load_second_day(condition.room.parent_path() / condition.second_day);
 }
 
-// The room as it is when the spots are visited.
+// The room at the time when the spots are visited.
 Expected<LivedInRoom> make_truth(const RoomPlan& plan,
                                  const Condition& condition,
                                  std::uint64_t seed) {
@@ -166,7 +166,7 @@ Expected<LivedInRoom> make_truth(const RoomPlan& plan,
   return room ? live_in(*room, *day, seed) : tl::make_unexpected(room.error());
 }
 
-// The same on each channel.
+// The same room on each channel.
 Expected<void> make_rooms(const RoomPlan& plan,
                           const Condition& condition,
                           std::uint64_t seed,
@@ -203,7 +203,7 @@ Expected<void> add_spots(const StudyPlaces& places,
   return {};
 }
 
-// A frame at each place of a walk.
+// Adds a frame at each place of a walk.
 Expected<void> add_walks(const StudyPlaces& places,
                          std::uint64_t seed,
                          std::size_t layout,
@@ -227,14 +227,14 @@ Expected<void> add_walks(const StudyPlaces& places,
   return {};
 }
 
-// Where somebody is, and what is sent meanwhile.
+// Draws the positions of a device or person, and the transmissions meanwhile.
 Expected<void> draw_transmissions(const StudyPlaces& places,
                                   std::uint64_t seed,
                                   std::size_t number,
                                   Transmissions& sent) {
   const auto frames = static_cast<std::size_t>(places.condition.frames);
   RandomStream traffic = random_stream(seed, "traffic", number);
-  std::size_t after = 0;  // spots that came before
+  std::size_t after = 0;  // number of preceding spots
   if (places.transmitter) {
     sent.empty =
         transmissions(*places.transmitter, after++, kEmptyFrames, sent.rooms.size(), traffic);
@@ -275,7 +275,7 @@ CaptureOptions capture_options(const Condition& condition,
   return options;
 }
 
-// An instant each 0.1 s, at the frame that was sent next.
+// An instant each 0.1 s, at the position of the next frame.
 std::vector<TruthPoint> truth_of(const std::vector<SimulatedSpot>& walk) {
   constexpr Duration kInterval = std::chrono::milliseconds(100);
   std::vector<TruthPoint> truth;

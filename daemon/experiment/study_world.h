@@ -1,5 +1,5 @@
-// The simulated world of a condition: spots in a room, and what its access points hear of a device
-// there, or of a fixed transmitter while a person stands there.
+// The simulated world of a condition: spots in a room, and the frames that its access points
+// receive from a device there, or from a fixed transmitter while a person stands there.
 #pragma once
 
 #include <cstddef>
@@ -21,35 +21,35 @@ namespace rayloc {
 
 struct StudySpot {
   Vec3d position;                // [m]
-  std::vector<CsiFrame> frames;  // of all access points, by (time, access point)
+  std::vector<CsiFrame> frames;  // from all access points, by (time, access point)
 };
 
-// Somebody who walks.
+// A walking person.
 struct StudyWalk {
-  std::vector<TruthPoint> truth;  // an instant each 0.1 s
-  std::vector<CsiFrame> frames;   // of all access points, by (time, access point)
+  std::vector<TruthPoint> truth;  // one instant per 0.1 s
+  std::vector<CsiFrame> frames;   // from all access points, by (time, access point)
 };
 
 struct StudyLayout {
-  // What the method is told: the room as planned, with the chain gains as they are.
+  // Input of the method: the room as planned, with the true chain gains.
   RoomModel model;
-  // Of each access point, before a power cycle: what the model believes when nobody acts.
+  // By access point, before a power cycle: the model's gains if no action is taken.
   std::vector<ChainGains> first_day_chains;
-  std::vector<StudySpot> spots;   // none where people walk
-  std::vector<StudyWalk> walks;   // of people who walk
-  std::vector<StudySpot> survey;  // at places of their own
-  // Of people: who sends, at a random place, and what is heard of it while nobody is in the room.
+  std::vector<StudySpot> spots;   // empty for walks
+  std::vector<StudyWalk> walks;   // of walking people
+  std::vector<StudySpot> survey;  // at separate places
+  // For people: the transmitter, at a random place, and its frames in the empty room.
   std::optional<Transmitter> transmitter;
   std::vector<CsiFrame> empty;
 };
 
-// Its address.
+// The transmitter's address.
 inline constexpr MacAddress kStudyTransmitter = {{0x02, 0x52, 0x4c, 0x00, 0x00, 0x01}};
 
-// One a layout. Spots, clutter and radios depend on the seed and the number of the layout alone, so
-// conditions of one experiment are compared on the same draws. Errors: as of furnish(), a plan or
-// impairments or a day that cannot be read, a room without places of the wanted distance and sight
-// or without a way to walk, a device that would walk.
+// One result per layout. Spots, clutter and radios depend on the seed and the number of the layout
+// alone, so conditions of one experiment are compared on the same draws. Errors: as in furnish(), a
+// plan or impairments or a day that cannot be read, a room without places of the required distance
+// and sight or without space for a walk, a device that would walk.
 Expected<std::vector<StudyLayout>> simulate_world(const Condition& condition, std::uint64_t seed);
 
 }  // namespace rayloc

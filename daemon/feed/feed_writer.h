@@ -1,8 +1,8 @@
-// FeedWriter: messages as the lines that `rayloc sub` prints, in the format that is asked for.
+// FeedWriter: converts messages to the lines that `rayloc sub` prints, in the requested format.
 //
 // GeoJSON and omlox need the site's georeference, which the heartbeat states each second: until the
-// first one is heard, messages are held back (at most kMostHeld; beyond that the oldest are dropped
-// and counted). csv, geojson and omlox have a form for locations only; others are left out.
+// first one is received, messages are held (at most kMostHeld; beyond that the oldest are dropped
+// and counted). csv, geojson and omlox represent locations only; other messages are left out.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@ namespace rayloc::cli {
 
 enum class FeedFormat : std::uint8_t { kText, kJson, kCsv, kGeojson, kOmlox };
 
-// Their names, in the order of the enumerators: "text", "json", ...
+// Names of the formats, in the order of the enumerators: "text", "json", ...
 const std::vector<std::string>& feed_format_names();
 
 class FeedWriter {
@@ -31,16 +31,16 @@ class FeedWriter {
     return format_ == FeedFormat::kGeojson || format_ == FeedFormat::kOmlox;
   }
   bool is_of_locations_only() const { return needs_heartbeats() || format_ == FeedFormat::kCsv; }
-  // What comes before all messages; nothing but for csv.
+  // Line before all messages; nothing except for csv.
   std::optional<std::string> header() const;
 
-  // A heartbeat that is not to be printed. kConfiguration: the site states no georeference and the
-  // format cannot be without one.
+  // Takes a heartbeat that is not to be printed. kConfiguration:
+  // the site states no georeference and the format requires one.
   Expected<void> hear(const v1::Heartbeat& heartbeat);
 
-  // A message that is to be printed.
+  // Takes a message that is to be printed.
   void add(v1::Envelope envelope);
-  // The next line that is due.
+  // Returns the next line to print.
   std::optional<std::string> next();
 
   std::uint64_t without_form() const { return without_form_; }

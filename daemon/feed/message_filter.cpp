@@ -49,8 +49,8 @@ bool is_of_kind(const std::string& kind, const v1::Envelope& envelope) {
              (kind == "filtered" ? v1::LOCATION_KIND_FILTERED : v1::LOCATION_KIND_SNAPSHOT);
 }
 
-// Probability of the heaviest hypothesis and those of the same place: a hill that is stated as its
-// core and its foot. Below 0 where nothing is stated.
+// Probability of the heaviest hypothesis and those of the same place: a maximum
+// that is stated as its peak and its base. Below 0 where no hypothesis is stated.
 double confidence_of(const v1::Location& location) {
   constexpr double kSamePlace = 0.3;  // [m]
   if (location.hypotheses().empty()) {
@@ -78,7 +78,7 @@ bool MessageFilter::passes(const v1::Envelope& envelope) const {
   if (!zones.empty() && !is_in_zone(*this, envelope)) {
     return false;
   }
-  const v1::Location& location = envelope.location();  // an empty one of other messages
+  const v1::Location& location = envelope.location();  // empty for other messages
   if (max_accuracy && !(location.has_accuracy_m() && location.accuracy_m() <= *max_accuracy)) {
     return false;
   }

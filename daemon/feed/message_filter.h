@@ -1,8 +1,8 @@
-// MessageFilter: which messages `rayloc sub` prints.
+// MessageFilter: selects the messages that `rayloc sub` prints.
 //
-// Conditions of every kind must hold; of several targets or zones one suffices. A condition that a
-// message has nothing to say about does not hold: with any of them heartbeats are left out, with
-// one of locations (kind, accuracy, confidence) events are as well.
+// Conditions of every kind must hold; one of several targets or zones suffices. A
+// condition does not hold for a message without the tested field: any condition excludes
+// heartbeats, and one on locations (kind, accuracy, confidence) excludes events as well.
 #pragma once
 
 #include <optional>
@@ -19,7 +19,7 @@ struct MessageFilter {
   std::vector<std::string> targets = {};      // as in the topic, or the name in site.toml
   std::string kind = {};                      // "snapshot", "filtered"; empty: both
   std::vector<std::string> zones = {};        // names
-  double zone_probability = 0.5;              // that a location needs to be in a zone
+  double zone_probability = 0.5;              // minimum probability of a location in a zone
   std::optional<double> max_accuracy = {};    // [m]
   std::optional<double> min_confidence = {};  // of the heaviest hypothesis and those beside it
 

@@ -9,7 +9,7 @@ class Envelope;
 
 namespace rayloc::cli {
 
-// The time of day in UTC, the kind of message, and what it says in short. No newline.
+// The time of day in UTC, the kind of message, and a summary of its content. No newline.
 std::string message_line(const v1::Envelope& envelope);
 
 }  // namespace rayloc::cli

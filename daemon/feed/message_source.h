@@ -1,5 +1,5 @@
-// Where verbs take published messages from: a running raylocd's endpoint, from now on or with what
-// was last said.
+// Source of published messages for commands: the endpoint of a running
+// raylocd, from now on or with the last message of each topic.
 #pragma once
 
 #include <chrono>
@@ -16,7 +16,7 @@ namespace rayloc::cli {
 
 struct MessageSource {
   std::string endpoint = "tcp://127.0.0.1:5560";
-  std::string snapshot;  // endpoint; empty: begin with what comes
+  std::string snapshot;  // endpoint; empty: begin with live messages
   std::chrono::milliseconds patience = std::chrono::seconds(10);  // for the snapshot
   std::string server_key;  // file with the daemon's public key; empty: no CURVE
   std::string key;         // file with our secret key
@@ -25,10 +25,10 @@ struct MessageSource {
 // Adds --endpoint, --snapshot, --server-key and --key.
 void add_source_options(OptionParser& app, MessageSource& source);
 
-// The next message, nothing when none comes for the time given or a signal was caught.
+// Returns the next message, or nothing on a time-out or after a signal was caught.
 using Receive = std::function<std::optional<PublishedMessage>(std::chrono::milliseconds timeout)>;
 
-// `topics`: what they begin with.
+// `topics`: their prefixes.
 Expected<Receive> connect(const MessageSource& source, const std::vector<std::string>& topics);
 
 }  // namespace rayloc::cli

@@ -9,7 +9,7 @@
 namespace rayloc::cli {
 namespace {
 
-// Without the numbers that grow from burst to burst: it is one reason all the time.
+// Removes the numbers that grow from burst to burst, so that they form one reason.
 std::string without_progress(std::string reason) {
   constexpr std::string_view kBegin = "learning the chains of ";
   for (std::size_t at = reason.find(kBegin); at != std::string::npos;

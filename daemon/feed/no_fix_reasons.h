@@ -1,4 +1,4 @@
-// NoFixReasons: why snapshots have no position, and how many each: for the end of a run.
+// NoFixReasons: counts the reasons for snapshots without a position, for the summary of a run.
 #pragma once
 
 #include <cstddef>
@@ -12,15 +12,15 @@ namespace rayloc::cli {
 
 class NoFixReasons {
  public:
-  // Of any location; what is filtered, or has a position, counts for nothing.
+  // Takes any location; filtered ones and those with a position are ignored.
   void count(const Location& location);
 
-  // "30 without a fix: no chain gains, calibrate the site (30)", the most frequent reason first;
-  // empty when none is without.
+  // Returns "30 without a fix: no chain gains, calibrate the site (30)", the
+  // most frequent reason first; empty when every snapshot has a position.
   std::string text() const;
 
  private:
-  // As many as anybody reads; a snapshot with yet another reason is one of the others.
+  // Number of reasons shown; a snapshot with another reason is counted with the others.
   static constexpr std::size_t kReasons = 8;
   std::map<std::string, std::uint64_t> counts_;
   std::uint64_t all_ = 0;

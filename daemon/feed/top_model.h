@@ -1,11 +1,11 @@
-// TopModel: what `rayloc top` shows, kept from the messages that came.
+// TopModel: the data that `rayloc top` shows, collected from received messages.
 //
-// Two clocks: the steady one of this machine, passed in, for rates and for how long ago something
-// came; and the daemon's, read off the messages, for how old what they say is. The two machines
-// need not agree on the time of day.
+// Two clocks: the steady one of this machine, passed in, for rates and for the
+// time since an arrival; and the daemon's, read from the messages, for the age
+// of their content. The two machines need not agree on the time of day.
 //
-// Memory is bounded: a target is forgotten after kForgetAfter without a message, and of more than
-// kMostTargets the one longest silent.
+// Memory is bounded: a target is removed after kForgetAfter without a
+// message, and beyond kMostTargets the one that has been silent longest.
 #pragma once
 
 #include <chrono>
@@ -29,49 +29,49 @@ class TopModel {
   static constexpr std::size_t kMostTargets = 1024;
   static constexpr auto kRateWindow = std::chrono::seconds(5);
 
-  // In order of arrival. `from_snapshot`: it was said before, so that it is no part of a rate.
+  // In order of arrival. `from_snapshot`: an earlier message, which does not count for rates.
   void add(const std::string& topic,
            const v1::Envelope& envelope,
            Clock::time_point now,
            bool from_snapshot = false);
 
-  // One kind of location of a target.
+  // Locations of one kind for a target.
   struct Stream {
     v1::Location last;
     Timestamp sent;                      // of the last, by the daemon's clock
-    std::deque<Clock::time_point> came;  // within kRateWindow of the last
+    std::deque<Clock::time_point> came;  // arrivals, within kRateWindow of the last
   };
   struct Target {
     std::optional<Stream> snapshot;
     std::optional<Stream> filtered;
     Clock::time_point heard;
   };
-  // What is shown of it: filtered, unless snapshots have gone on for 5 s without.
+  // Stream that is shown: filtered, unless only snapshots came for 5 s.
   static const Stream& shown(const Target& target);
 
   const std::map<std::string, Target>& targets() const { return targets_; }  // by topic component
   const std::map<std::string, v1::ZoneEvent>& zones() const {
     return zones_;
   }  // last event of each
-  // The zones that a target is in, by their last events: the probabilities that its own message
-  // states have not gone through the hysteresis, and would contradict them.
+  // Zones of a target, by their last events: the probabilities in its own
+  // message have not passed through the hysteresis, and would contradict them.
   std::vector<std::string> zones_of(const std::string& component) const;
   const std::map<std::string, v1::SourceState>& sources() const {
     return sources_;
   }  // last message of each; the heartbeat's counters are newer
   const std::optional<v1::Heartbeat>& heartbeat() const { return heartbeat_; }
-  const std::optional<v1::Goodbye>& goodbye() const { return goodbye_; }  // until it is heard again
+  const std::optional<v1::Goodbye>& goodbye() const { return goodbye_; }  // until it is back
   std::uint64_t heartbeats() const { return heartbeats_; }
-  std::uint64_t lost() const { return gaps_.lost(); }  // messages on the way to us
+  std::uint64_t lost() const { return gaps_.lost(); }  // messages in transit to us
   std::uint64_t restarts() const { return gaps_.restarts(); }
 
-  // Of the daemon's clock now, as far as the messages tell.
+  // Present time of the daemon's clock, as far as the messages state it.
   Timestamp daemon_time(Clock::time_point now) const;
-  // Since the last heartbeat; nothing before the first.
+  // Time since the last heartbeat; nothing before the first.
   std::optional<Clock::duration> silence(Clock::time_point now) const;
-  // Messages a second.
+  // Messages per second.
   static double rate(const Stream& stream, Clock::time_point now);
-  // Datagrams a second between the last two heartbeats; nothing before there are two.
+  // Datagrams per second between the last two heartbeats; nothing before there are two.
   std::optional<double> datagram_rate(const std::string& access_point) const;
 
  private:

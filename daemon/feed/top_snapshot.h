@@ -1,4 +1,4 @@
-// Where `rayloc top` asks for what was last said, where it is not told where.
+// Default snapshot endpoint of `rayloc top`, used when none is given.
 #pragma once
 
 #include <optional>
@@ -6,8 +6,8 @@
 
 namespace rayloc::cli {
 
-// Of a raylocd that publishes at the usual port, 5560, the usual port of snapshots on the same
-// machine, 5561; nothing for other endpoints, of which it is not known what answers beside them.
+// For a raylocd that publishes at the usual port, 5560, returns the usual snapshot port
+// on the same machine, 5561; nothing for other endpoints, whose snapshot port is unknown.
 std::optional<std::string> usual_snapshot(const std::string& endpoint);
 
 }  // namespace rayloc::cli

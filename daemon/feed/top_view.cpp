@@ -138,7 +138,7 @@ void add_targets(const TopModel& model, Now now, std::size_t width, Lines& lines
   append(table, width, lines);
 }
 
-// What a person should know of the places shown, and why a source brings nothing.
+// Adds warnings for the positions shown, and reasons why a source delivers no data.
 void add_reasons(const TopModel& model, Lines& lines) {
   Lines reasons;
   for (const auto& [component, target] : model.targets()) {
@@ -178,8 +178,8 @@ void add_zones(const TopModel& model, std::size_t width, Lines& lines) {
   append(table, width, lines);
 }
 
-// Datagrams and frames that came, or were on their way, and are in no estimate, as on the live map
-// (daemon/http/ROUTES.md). Rejected datagrams and partial frames count by themselves.
+// Datagrams and frames that were received or in transit and are in no estimate, as on the live
+// map (daemon/http/ROUTES.md). Rejected datagrams and partial frames are counted separately.
 std::uint64_t lost_of(const v1::SourceCounters& counters) {
   return counters.kernel_drops() + counters.ring_dropped() + counters.late() +
          counters.frames_dropped();
@@ -259,7 +259,7 @@ void add_counters(const v1::Heartbeat& heartbeat, Lines& lines) {
 }  // namespace
 
 std::vector<std::string> top_lines(const TopModel& model, Now now, std::size_t width) {
-  constexpr std::size_t kIndent = 12;  // as the words of the counters
+  constexpr std::size_t kIndent = 12;  // as in the text of the counters
   Lines sentences;
   add_daemon(model, now, sentences);
   Lines counters;

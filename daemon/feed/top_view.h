@@ -10,9 +10,9 @@
 
 namespace rayloc::cli {
 
-// One string a line, without control characters; the daemon first, then targets, zones, access
-// points, counters. Parts that have nothing to show are left out. Where a table is wider than
-// `width` characters, columns are left out, those that matter least first.
+// One string per line, without control characters; the daemon first, then targets,
+// zones, access points, counters. Parts without content are left out. Where a table
+// is wider than `width` characters, the least important columns are left out first.
 std::vector<std::string> top_lines(const TopModel& model,
                                    TopModel::Clock::time_point now,
                                    std::size_t width = kAnyWidth);

@@ -1,4 +1,4 @@
-// What is known of receive chains, as a message.
+// The learned state of receive chains, as a message.
 #pragma once
 
 #include "engine/chains/chain_learner.h"

@@ -1,5 +1,5 @@
-// LossWatch: says in the log that something is being lost, from the counters of the heartbeat: the
-// first loss of a kind at once, further ones by LimitedLog. Thread safety: one thread.
+// LossWatch: logs losses, from the counters of the heartbeat: the first loss of a kind immediately,
+// further ones by LimitedLog. Thread safety: one thread.
 #pragma once
 
 #include <cstdint>
@@ -15,19 +15,19 @@ namespace rayloc {
 
 class LossWatch {
  public:
-  // `label`: how lines begin, "site 'office': ", where there are several sites.
+  // `label`: prefix of the lines, "site 'office': ", where there are several sites.
   explicit LossWatch(std::shared_ptr<LimitedLog> log, std::string label = {})
       : log_(std::move(log)), label_(std::move(label)) {}
 
-  // Of a site; to be called every second or so with the counters as they are.
+  // For a site; to be called about every second with the current counters.
   void look(const v1::Heartbeat& heartbeat);
-  // The same of what all sites share (shared_counters() in status.h), and of the log itself.
+  // The same for the counters that all sites share (shared_counters() in status.h), and the log's.
   void look_at_shared(const v1::Heartbeat& shared, std::uint64_t log_dropped);
 
  private:
   struct Loss {
     std::string kind;  // "kernel_drops"
-    std::string what;  // words
+    std::string what;  // description in words
     std::string source = {};
   };
   void compare(const Loss& loss, std::uint64_t count);

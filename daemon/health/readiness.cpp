@@ -47,7 +47,7 @@ const char* word(ClockState clock) {
   return "unknown";
 }
 
-// Nothing where asking is denied.
+// Empty if the call is denied.
 std::optional<bool> synchronized_by_kernel() {
   timex clock{};
   const int state = adjtimex(&clock);
@@ -114,7 +114,7 @@ std::string to_json(const Readiness& readiness) {
                                        {"reasons", readiness.reasons},
                                        {"warnings", readiness.warnings},
                                        {"clock", word(readiness.clock)}};
-  // Names of devices and files may be no UTF-8.
+  // Names of devices and files may not be valid UTF-8.
   return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 

@@ -1,5 +1,5 @@
-// Readiness: whether raylocd does what it is there for, and if not, why. What /readyz, `rayloc
-// status` and `rayloc wait-ready` say.
+// Readiness: shows if raylocd fulfils its purpose, and if not, why. Content of /readyz, `rayloc
+// status` and `rayloc wait-ready`.
 #pragma once
 
 #include <optional>
@@ -12,21 +12,21 @@
 
 namespace rayloc {
 
-// Whether somebody (chrony, timesyncd) keeps this machine's clock right.
+// State of the synchronisation of this machine's clock (by chrony, timesyncd).
 enum class ClockState { kSynchronized, kNotSynchronized, kUnknown };
 
 struct Readiness {
   std::vector<std::string> reasons;   // against being ready; empty: ready
-  std::vector<std::string> warnings;  // worth a look, but positions are right
+  std::vector<std::string> warnings;  // worth checking, but positions are correct
   ClockState clock = ClockState::kUnknown;
   bool ready() const { return reasons.empty(); }
 };
 
-// What a daemon with that configuration, which listens to some access points or to all, lacks to
-// locate; nothing where it is not to locate. REQUIRES: `room` was loaded of its site.
+// Missing data of a site that a daemon with that configuration, which receives some access points
+// or all, needs to locate; empty if it is not to locate. REQUIRES: `room` was loaded of its site.
 SiteLacks lacks_of(const SiteSetup& setup, const RoomModel& room);
 
-// What is known besides the counters.
+// Health data besides the counters.
 struct ServiceHealth {
   SiteLacks lacks;  // lacks_of()
   std::vector<std::string> stuck_stages;
@@ -37,20 +37,20 @@ struct ServiceHealth {
   ClockState clock = ClockState::kUnknown;
 };
 
-// Of these, what nothing else that is published says: Heartbeat.warnings.
+// The part of these that is not published in another message: Heartbeat.warnings.
 std::vector<std::string> warnings_for_everybody(const ServiceHealth& health);
 
-// Sources that are silent, have failed or count wrongly; and what `health` says.
+// Sources that are silent, have failed or count wrongly; and the content of `health`.
 Readiness readiness(const StatusMessages& status, const ServiceHealth& health);
 
 // {"ready":false,"reasons":["source ap1: ..."],"warnings":[],"clock":"unknown"}
 // The clock is "synchronised", "not synchronised" or "unknown".
 std::string to_json(const Readiness& readiness);
 
-// By what the kernel says (adjtimex(2)), which a service with ProtectClock= is not told; then by
-// the mark that systemd-timesyncd leaves. Others leave none: without it nothing is known.
+// From the kernel's state (adjtimex(2)), which a service with ProtectClock= cannot read; then from
+// the mark that systemd-timesyncd leaves. Others leave none: without it the state is unknown.
 ClockState clock_state();
-// `kernel_says`: that it is synchronised; nothing where it does not answer.
+// `kernel_says`: synchronised according to the kernel; empty if it gives no answer.
 ClockState clock_state(std::optional<bool> kernel_says, bool marked);
 
 }  // namespace rayloc

@@ -73,7 +73,7 @@ void Saturation::look(const v1::Heartbeat& heartbeat, Time now) {
   }
 }
 
-// Of the bursts that ended lately.
+// Share of the recently ended bursts.
 double Saturation::explained_share() const {
   const std::uint64_t explained = looks_.back().explained - looks_.front().explained;
   const std::uint64_t all = explained + looks_.back().lost - looks_.front().lost;

@@ -1,6 +1,6 @@
-// Saturation: which queues have overflowed lately, as a reason against being ready: what is
-// published then is late or made of less than what came. And, as a warning, that more bursts come
-// than can be explained: positions are right then, and fewer. From the counters of the heartbeat.
+// Saturation: queues that have overflowed lately, as a reason against readiness: published data are
+// then late or use only part of the input. Also, as a warning, more bursts than can be processed:
+// positions are then correct, but fewer. From the counters of the heartbeat.
 //
 // Thread safety: one thread.
 #pragma once
@@ -16,20 +16,20 @@
 
 namespace rayloc {
 
-// "more bursts come than this machine can explain: CONSEQUENCE; ...": and what to do.
+// "more bursts come than this machine can explain: CONSEQUENCE; ...": and the remedy.
 std::string overload_text(const std::string& consequence);
 
 class Saturation {
  public:
   using Time = std::chrono::steady_clock::time_point;
-  // How long an overflow speaks against being ready.
+  // Time for which an overflow counts against readiness.
   static constexpr std::chrono::seconds kLately{10};
 
-  // To be called every second or so with the counters as they are.
+  // To be called about every second with the current counters.
   void look(const v1::Heartbeat& heartbeat, Time now);
-  // "source ap1: frames were dropped in the last 10 s: ..."; as of the last look.
+  // "source ap1: frames were dropped in the last 10 s: ..."; as of the last call of look().
   std::vector<std::string> reasons() const;
-  // The same of bursts: what happens to them, to how many, and what to do.
+  // The same for bursts: the consequence, the share of bursts, and the remedy.
   std::vector<std::string> warnings() const;
 
  private:
@@ -38,11 +38,11 @@ class Saturation {
     Time last_loss;
     bool lately = false;
   };
-  using Queues = std::map<std::string, Queue>;  // by what is said of them
+  using Queues = std::map<std::string, Queue>;  // by their text
   static void compare(const std::string& reason, std::uint64_t lost, Time now, Queues& queues);
   static std::vector<std::string> lately(const Queues& queues);
 
-  // Counters of bursts at one look.
+  // Counters of bursts at one call of look().
   struct Bursts {
     Time time;
     std::uint64_t explained = 0;

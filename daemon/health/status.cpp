@@ -40,7 +40,7 @@ v1::SourceCounters source_counters(const SourceReport& report, const MailboxCoun
   return counters;
 }
 
-// Since the last datagram; by a clock that nobody can set.
+// Time since the last datagram, by the monotonic clock.
 Duration silence(const SourceReport& report) {
   return std::chrono::steady_clock::now() - report.last_arrival;
 }
@@ -117,7 +117,7 @@ void fill_estimation(const StatusSources& sources, v1::EstimationCounters* count
   counters->set_events_dropped(publishing.events_dropped);
 }
 
-// What is published goes out with the publisher's own, newer numbers; these are for HTTP.
+// Published messages contain the publisher's own, newer numbers; these are for HTTP.
 void fill_publisher(const PublishedCounters& published, v1::PublisherCounters* counters) {
   counters->set_published(published.published);
   counters->set_slow_episodes(published.slow_episodes);
@@ -219,7 +219,7 @@ v1::Georeference georeference_proto(const Georeference& georeference) {
   return message;
 }
 
-// Which site it is, and by what.
+// Fills in the identity of the daemon and the site.
 void fill_who(const StatusSources& sources, Timestamp now, v1::Heartbeat& heartbeat) {
   *heartbeat.mutable_time() = to_proto(now);
   *heartbeat.mutable_started() = to_proto(sources.started);
@@ -290,8 +290,8 @@ StatusMessages status_messages(const StatusSources& sources, Timestamp now) {
   for (const ComparedMethod* method : sources.compared) {
     fill_compared(*method, heartbeat.add_compared());
   }
-  // The mailbox first: a receiving thread reports its frames before it puts them there, so that
-  // what it reports afterwards contains whatever the mailbox had.
+  // The mailbox first: a receiving thread reports its frames before it puts them there, so that its
+  // later report contains all frames of the mailbox.
   const std::vector<MailboxCounters> mailbox = sources.pipeline->mailbox_counters();
   const std::vector<SourceReport> reports = sources.pipeline->source_reports();
   const Duration clock_ahead = sources.clock ? sources.clock->now() : Duration::zero();

@@ -22,18 +22,18 @@
 
 namespace rayloc {
 
-// Where the numbers come from; everything outlives the calls of status_messages().
+// Sources of the numbers; all outlive the calls of status_messages().
 struct StatusSources {
   const Pipeline* pipeline = nullptr;
   const SiteOutput* output = nullptr;
-  const DeviceEstimator* estimator = nullptr;   // none: nothing is located
-  const PersonEstimator* people = nullptr;      // none: nobody is looked for
-  std::vector<const ComparedMethod*> compared;  // none with one method
+  const DeviceEstimator* estimator = nullptr;   // null: no target is located
+  const PersonEstimator* people = nullptr;      // null: no people are located
+  std::vector<const ComparedMethod*> compared;  // empty with one method
   std::vector<const RecorderStage*> recorders;
   std::uint64_t recordings_repaired = 0;          // at the start
   const SnapshotServer* snapshots = nullptr;      // of last messages
-  const RingSnapshots* ring_snapshots = nullptr;  // none: nothing is kept for them
-  const HttpServer* http = nullptr;               // none: nobody is answered
+  const RingSnapshots* ring_snapshots = nullptr;  // null: no rings are kept
+  const HttpServer* http = nullptr;               // null: no HTTP server
   std::shared_ptr<ClockOffset> clock;
   std::shared_ptr<const Playback> playback;  // null unless recordings are played
   struct Source {
@@ -50,13 +50,13 @@ struct StatusSources {
   std::function<std::vector<std::string>()> warnings;  // of Heartbeat; may be empty
 };
 
-// As the heartbeat and /api/v1/playback say it.
+// As in the heartbeat and in /api/v1/playback.
 v1::Playback playback_message(const Playback::State& state);
 
 StatusMessages status_messages(const StatusSources& sources, Timestamp now);
 
-// The counters of what all sites share, and nothing else: of the publisher, of late subscribers and
-// of HTTP. Of `sources` only these are looked at.
+// The counters that all sites share, and no others: of the publisher, of late subscribers and of
+// HTTP. Only these members of `sources` are read.
 v1::Heartbeat shared_counters(const PublishedCounters& published, const StatusSources& sources);
 
 }  // namespace rayloc

@@ -1,9 +1,9 @@
-// Watchdog: whether every stage still makes progress, and which one does not.
+// Watchdog: checks that every stage makes progress, and names those that do not.
 //
 //   Watchdog watchdog(stages, patience);
 //   if (watchdog.check(now).empty()) { ... WATCHDOG=1 ... }
 //
-// A stage is stuck when it has neither beaten nor rested for `patience`. Reads no clock.
+// A stage is stuck when it has neither called beat() nor rested for `patience`. Reads no clock.
 // Thread safety: one thread.
 #pragma once
 
@@ -23,9 +23,9 @@ class Watchdog {
 
   struct Stuck {
     std::string stage;
-    std::chrono::milliseconds since{};  // it last made progress
+    std::chrono::milliseconds since{};  // since its last progress
   };
-  // The stages that are stuck now; to be called several times within `patience`.
+  // The currently stuck stages; to be called several times within `patience`.
   std::vector<Stuck> check(Time now);
 
  private:

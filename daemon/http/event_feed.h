@@ -1,4 +1,4 @@
-// EventFeed: where a stream of server-sent events comes from (HTML standard, 9.2).
+// EventFeed: the source of a stream of server-sent events (HTML standard, 9.2).
 #pragma once
 
 #include <cstdint>
@@ -6,23 +6,23 @@
 
 namespace rayloc {
 
-// How far one viewer is.
+// The progress of one viewer.
 struct EventCursor {
-  bool begun = false;          // it has been given its first event
-  std::string last_event_id;   // what it says it had before it lost its connection; else empty
-  std::uint64_t revision = 0;  // the feed's own
+  bool begun = false;          // its first event has been sent
+  std::string last_event_id;   // last id, as the viewer states it after a lost connection; or empty
+  std::uint64_t revision = 0;  // value defined by the feed
   std::uint64_t joined = 0;    // revision at its first event
 };
 
 struct EventBatch {
-  std::string text;             // whole events; empty: nothing is new
-  std::uint64_t coalesced = 0;  // messages that newer ones replaced before this viewer was asked
+  std::string text;             // whole events; empty: no new messages
+  std::uint64_t coalesced = 0;  // messages that newer ones replaced before this viewer was served
 };
 
 class EventFeed {
  public:
   virtual ~EventFeed() = default;
-  // What is new for that viewer; moves its cursor on. Called on the server's thread.
+  // Returns new events for that viewer and advances its cursor. Called on the server's thread.
   virtual EventBatch take(EventCursor& cursor) = 0;
 };
 

@@ -1,4 +1,4 @@
-// One request to a raylocd, for the verbs of `rayloc` that ask how it is.
+// One request to a raylocd, for the verbs of `rayloc` that query its state.
 #pragma once
 
 #include <string>
@@ -17,10 +17,10 @@ struct HttpResult {
   std::string body;
 };
 
-// Both wait for some seconds at most. kUsage for an address that is none, kUnavailable when nobody
-// answers.
+// Both wait for some seconds at most. kUsage for an invalid address, kUnavailable if there is no
+// answer.
 Expected<HttpResult> http_get(const HttpQuery& query, const std::string& path);
-// Without a body.
+// Sends no body.
 Expected<HttpResult> http_post(const HttpQuery& query, const std::string& path);
 
 }  // namespace rayloc

@@ -29,27 +29,27 @@ using Clock = std::chrono::steady_clock;
 using PollEvents = decltype(pollfd::events);
 
 constexpr std::string_view kEndOfHead = "\r\n\r\n";
-// After which it is tried again to accept what could not be for want of descriptors or memory.
+// Delay before accept() is retried after it failed for lack of descriptors or memory.
 constexpr std::chrono::milliseconds kRest{100};
 
 }  // namespace
 
-// In no unnamed namespace: a member of HttpServer::Impl.
+// Not in an unnamed namespace: a member of HttpServer::Impl.
 struct HttpConnection {
   FileDescriptor socket;
-  Clock::time_point since;  // it is connected
+  Clock::time_point since;  // time of the connection
   Clock::time_point deadline;
-  std::string head;        // while it is read
-  std::string answer;      // while it is written
+  std::string head;        // head being read
+  std::string answer;      // answer being written
   std::size_t awaits = 0;  // bytes of a body, which follows `head`
   std::string body;
-  std::size_t sent = 0;   // of the answer
-  bool finished = false;  // the answer is out: what the client still says is thrown away
-  // Of a viewer.
+  std::size_t sent = 0;   // sent bytes of the answer
+  bool finished = false;  // the answer is sent: further input of the client is discarded
+  // The feed of a viewer.
   std::shared_ptr<EventFeed> events;  // null: none
   EventCursor cursor;
   Clock::time_point next_look;
-  Clock::time_point next_word;  // when something has to be said, be it nothing
+  Clock::time_point next_word;  // time of the next write, a comment if there are no events
 
   bool writing() const { return !answer.empty() && !finished; }
 };
@@ -125,7 +125,7 @@ class HttpServer::Impl {
   void accept_all();
   bool somebody_waits() const;
   bool make_room(bool heard);
-  // False when the connection is over.
+  // Returns false when the connection is over.
   bool advance(HttpConnection& connection, PollEvents events);
   bool read_request(HttpConnection& connection);
   void hear_head(HttpConnection& connection);
@@ -148,10 +148,10 @@ class HttpServer::Impl {
   RequestHandler handler_;
   const std::function<void()> on_round_;
   std::uint16_t port_ = 0;
-  std::list<HttpConnection> connections_;  // oldest first; of the thread
+  std::list<HttpConnection> connections_;  // oldest first; used by the thread only
   mutable std::mutex mutex_;
   HttpCounters counters_;            // guarded by mutex_
-  Clock::time_point accepts_again_;  // until then nobody is accepted; of the thread
+  Clock::time_point accepts_again_;  // no client is accepted until then; used by the thread only
   std::thread thread_;
 };
 
@@ -169,7 +169,7 @@ void HttpServer::Impl::run() {
       const int writing = connection.writing() ? POLLOUT : 0;
       waiting.push_back({connection.socket.get(), static_cast<PollEvents>(reading | writing), 0});
     }
-    // Deadlines and viewers are looked at ten times a second while there are connections.
+    // Deadlines and viewers are checked ten times a second while there are connections.
     poll(waiting.data(), waiting.size(), connections_.empty() && !rests ? kIdleMs : 100);
     if (waiting[0].revents != 0) {
       return;
@@ -198,13 +198,13 @@ void HttpServer::Impl::run() {
 void HttpServer::Impl::accept_all() {
   for (bool heard = true; somebody_waits(); heard = false) {
     if (!make_room(heard)) {
-      // Those who have just come are heard first; if that makes no room, it takes a while.
+      // New connections are read first; if that frees no place, accepting pauses.
       accepts_again_ = heard ? Clock::now() + kRest : accepts_again_;
       return;
     }
     const int fd = accept4(listener_.get(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
     if (fd < 0) {
-      // Whoever waits keeps waiting, and would be reported again at once.
+      // Waiting clients keep waiting, and poll() would report them again at once.
       const bool lacks = errno == EMFILE || errno == ENFILE || errno == ENOBUFS || errno == ENOMEM;
       accepts_again_ = lacks ? Clock::now() + kRest : accepts_again_;
       return;
@@ -231,7 +231,7 @@ bool HttpServer::Impl::somebody_waits() const {
   return poll(&listener, 1, 0) > 0;
 }
 
-// `heard`: whatever those who are here have said. False while they still have their chance.
+// `heard`: the input of all current clients was read. Returns false while none may be closed.
 bool HttpServer::Impl::make_room(bool heard) {
   if (connections_.size() < limits_.connections) {
     return true;
@@ -262,7 +262,7 @@ bool HttpServer::Impl::advance(HttpConnection& connection, PollEvents events) {
   return connection.events || read_request(connection);
 }
 
-// A viewer has nothing more to say; what matters is that it is still there.
+// A viewer sends no further requests; only the end of its connection matters.
 bool HttpServer::Impl::hear_viewer(HttpConnection& connection) {
   std::array<char, 4096> buffer;
   const ssize_t got = recv(connection.socket.get(), buffer.data(), buffer.size(), 0);
@@ -293,7 +293,7 @@ bool HttpServer::Impl::read_request(HttpConnection& connection) {
   return !connection.writing() || write_answer(connection);
 }
 
-// Answers it where it is all there; else it awaits a body, or the rest of the head.
+// Answers a complete request; otherwise it awaits a body, or the rest of the head.
 void HttpServer::Impl::hear_head(HttpConnection& connection) {
   const std::size_t end = connection.head.find(kEndOfHead);
   if (end == std::string::npos && connection.head.size() <= limits_.head_bytes) {
@@ -334,14 +334,14 @@ void HttpServer::Impl::make_viewer(HttpConnection& connection, HttpAnswer answer
   connection.next_look = Clock::now();
   connection.next_word = Clock::now() + limits_.event_silence;
   connection.deadline = Clock::now() + limits_.event_patience;
-  // What the kernel holds for a viewer that has gone away is bounded as well, in bytes and in time.
+  // The kernel's buffer for a viewer that has disconnected is also bounded, in bytes and in time.
   constexpr int kQueuedBytes = 128 * 1024;
   const auto patience = static_cast<unsigned>(limits_.event_patience.count());
   setsockopt(connection.socket.get(), SOL_SOCKET, SO_SNDBUF, &kQueuedBytes, sizeof kQueuedBytes);
   setsockopt(connection.socket.get(), IPPROTO_TCP, TCP_USER_TIMEOUT, &patience, sizeof patience);
 }
 
-// Asks the feed for each viewer that has taken everything it was given.
+// Queries the feed for each viewer that has read all data sent to it.
 void HttpServer::Impl::show_viewers(Clock::time_point now) {
   for (auto connection = connections_.begin(); connection != connections_.end();) {
     if (!connection->events || connection->writing() || now < connection->next_look) {
@@ -356,7 +356,7 @@ void HttpServer::Impl::show_viewers(Clock::time_point now) {
     });
     connection->answer = std::move(batch.text);
     if (connection->answer.empty() && now >= connection->next_word) {
-      connection->answer = ":\n\n";  // a comment: browsers do nothing with it
+      connection->answer = ":\n\n";  // a comment: browsers ignore it
     }
     if (!connection->answer.empty()) {
       connection->next_word = now + limits_.event_silence;
@@ -398,8 +398,8 @@ bool HttpServer::Impl::write_answer(HttpConnection& connection) {
     connection.sent = 0;
     return true;
   }
-  // Closing while something is unread would reset the connection and take the answer away. So the
-  // client is told that this is all, and is heard out until it closes or the time is up.
+  // Closing with unread input would reset the connection and discard the answer. So the sending
+  // side is shut down, and input is read until the client closes or the time is up.
   shutdown(connection.socket.get(), SHUT_WR);
   connection.finished = true;
   return true;

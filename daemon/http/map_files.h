@@ -1,10 +1,10 @@
-// The live map: the files of map/, which are part of the program, and the paths they stand at.
+// The live map: the files of map/, which are part of the program, and their paths.
 //
 //   /               index.html
 //   /map/NAME       the others
 //
-// They load nothing from elsewhere: what a browser may fetch is bounded by the policy that every
-// answer carries (request_handler.cpp).
+// They load no external resources: every answer carries a policy that limits the requests of a
+// browser (request_handler.cpp).
 #pragma once
 
 #include <map>

@@ -24,10 +24,10 @@ bool ends_with(const std::string& text, std::string_view end) {
   return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
 }
 
-// What the publisher counts for each site by itself.
+// The publisher's counter that is kept for each site.
 constexpr std::string_view kOfSites = "csi_dropped";
 
-// Fields that go up and down.
+// Fields that can decrease.
 bool is_gauge(const std::string& field) {
   constexpr std::array kGauges = std::to_array<std::string_view>({"tracks",
                                                                   "subscriptions",
@@ -58,8 +58,8 @@ class Families {
     family.metric.push_back(std::move(metric));
   }
 
-  // The numbers of a message of counters, without the field `but`; maps from a reason to a number
-  // get the label "reason".
+  // Adds the numbers of a message of counters, without the field `but`; maps from a reason to a
+  // number get the label "reason".
   void add_counters(const std::string& prefix,
                     const Message& message,
                     const Labels& labels,
@@ -106,7 +106,7 @@ class Families {
   std::map<std::string, MetricFamily> families_;
 };
 
-// With the site first, where there is one.
+// Labels with the site first, if there is one.
 Labels with(Labels labels, const ClientMetric::Label& more) {
   labels.push_back(more);
   return labels;

@@ -2,7 +2,7 @@
 //
 // Every counter of the message becomes a metric by its place and name: estimation.fixes is
 // rayloc_estimation_fixes_total, a source's counters carry the label access_point. A field that is
-// added to the message appears by itself.
+// added to the message becomes a metric automatically.
 #pragma once
 
 #include <string>
@@ -12,11 +12,11 @@
 
 namespace rayloc {
 
-// A number that no message holds.
+// A number that is not part of a message.
 struct ExtraMetric {
   std::string name;  // whole: "rayloc_http_requests_total"
   std::string help;
-  bool counter = false;  // else a gauge
+  bool counter = false;  // otherwise a gauge
   struct Sample {
     std::string label_name = {};  // empty: no label
     std::string label_value = {};
@@ -30,7 +30,7 @@ struct SiteHeartbeat {
   std::string site;  // empty: the only one, without the label
   v1::Heartbeat heartbeat;
 };
-// `publisher`: of all sites together, but for csi_dropped, which is each site's own.
+// `publisher`: sum over all sites, except csi_dropped, which is kept for each site.
 std::string metrics_text(const std::vector<SiteHeartbeat>& sites,
                          const v1::PublisherCounters& publisher,
                          const std::vector<ExtraMetric>& extra);

@@ -16,7 +16,7 @@
 namespace rayloc {
 namespace {
 
-// A request that is in memory, and the answer as it is written.
+// A request in memory, and the answer being written.
 class MemoryStream : public httplib::Stream {
  public:
   explicit MemoryStream(const std::string& request) : request_(request) {}
@@ -45,7 +45,7 @@ class MemoryStream : public httplib::Stream {
   std::string answer_;
 };
 
-// Equal in a time that does not tell how far they agree.
+// Compares in a time that does not depend on the number of equal characters.
 bool same_secret(const std::string& a, const std::string& b) {
   unsigned difference = a.size() == b.size() ? 0U : 1U;
   for (std::size_t i = 0; i < a.size(); ++i) {
@@ -56,7 +56,7 @@ bool same_secret(const std::string& a, const std::string& b) {
   return difference == 0;
 }
 
-// "127.0.0.1:8480", "[::1]", "localhost": not a name that somebody else's server gave an address.
+// "127.0.0.1:8480", "[::1]", "localhost": not a domain that a foreign server gave an address.
 bool names_no_domain(const std::string& host) {
   std::string name = host_name(host);
   if (name.size() > 2 && name.front() == '[' && name.back() == ']') {
@@ -89,7 +89,7 @@ std::string frame_ancestors(const HttpFront& front) {
 
 constexpr const char* kPolicy = "Content-Security-Policy";
 
-// Sent with every answer. The policy is that of the map (map_files.h), and no answer needs more.
+// Sent with every answer. The policy is the map's (map_files.h), and suffices for all answers.
 httplib::Headers headers_of(const HttpFront& front) {
   return {{"Cache-Control", "no-store"},
           {"X-Content-Type-Options", "nosniff"},
@@ -101,7 +101,7 @@ httplib::Headers headers_of(const HttpFront& front) {
                frame_ancestors(front)}};
 }
 
-// Of a page with styles of its own: it runs nothing and asks for nothing.
+// Policy of a page with its own styles: it may neither run scripts nor send requests.
 std::string policy_of_report(const HttpFront& front) {
   return "default-src 'none'; style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'; "
          "frame-ancestors" +
@@ -116,8 +116,8 @@ std::string lines_of(const httplib::Headers& headers) {
   return lines;
 }
 
-// Servers between us and the viewer would keep events until there are enough of them to be worth
-// sending, or compressing.
+// Servers between us and the viewer would otherwise buffer events until there are enough of them to
+// send or compress.
 std::string head_of_stream(httplib::Headers headers) {
   headers.erase("Cache-Control");
   headers.insert({{"Cache-Control", "no-store, no-transform"}, {"X-Accel-Buffering", "no"}});
@@ -152,7 +152,7 @@ class RequestHandler::Parser : public httplib::Server {
       route(request, response);
       return HandlerResponse::Handled;
     });
-    // Answers to what was wrong before a route was looked for.
+    // Answers to errors found before a route was searched.
     set_error_handler([](const httplib::Request&, httplib::Response& response) {
       if (response.body.empty()) {
         set_json(response, response.status, "refused");
@@ -247,7 +247,7 @@ class RequestHandler::Parser : public httplib::Server {
 
   static bool changes_by_page(const HttpRoute& route) { return route.control || route.receive; }
 
-  // Asks for the body, or gives it to who takes it.
+  // Requests the body, or passes it to the route's receiver.
   void receive(const HttpRoute& route,
                const httplib::Request& request,
                httplib::Response& response) {
@@ -275,7 +275,7 @@ class RequestHandler::Parser : public httplib::Server {
     response.set_content(reply.body, reply.content_type);
   }
 
-  // As it stands there, for who asks this server itself, and below the base path.
+  // The route at the path itself, for direct clients, and below the base path.
   const HttpRoute* route_at(const Routes& routes, const std::string& path) const {
     auto found = routes.find(path);
     if (found == routes.end() && !base_path_.empty() && path.rfind(base_path_ + "/", 0) == 0) {
@@ -284,7 +284,7 @@ class RequestHandler::Parser : public httplib::Server {
     return found == routes.end() ? nullptr : &found->second;
   }
 
-  // The addresses within the page are relative, so that it has to be asked for with a '/' at the
+  // The addresses within the page are relative, so it must be requested with a '/' at the
   // end.
   void at_no_route(const httplib::Request& request, httplib::Response& response) const {
     if (base_path_.empty() || request.path != base_path_ || request.method == "POST") {
@@ -303,8 +303,8 @@ class RequestHandler::Parser : public httplib::Server {
            });
   }
 
-  // Of a page that we sent, by whatever name the browser knows us. A server before us may have
-  // written a `Host` of its own.
+  // True for a page that we sent, under any name that the browser uses for us. A server before us
+  // may have written its own `Host`.
   bool is_from_our_page(const httplib::Request& request) const {
     const std::string text = request.get_header_value("Origin");
     const std::string host = request.get_header_value("Host");
@@ -316,7 +316,7 @@ class RequestHandler::Parser : public httplib::Server {
                       std::find(origins_.begin(), origins_.end(), *origin) != origins_.end());
   }
 
-  // A page of another server cannot do it in the name of who looks at it.
+  // A page of another server must not change state on behalf of the person who views it.
   bool may_change(const HttpRoute& route,
                   const httplib::Request& request,
                   httplib::Response& response) const {
@@ -336,7 +336,7 @@ class RequestHandler::Parser : public httplib::Server {
     return true;
   }
 
-  // A browser has no way to send a bearer token with what a page loads, but asks for a password.
+  // A browser cannot send a bearer token with a page's requests, but asks for a password.
   bool is_authorized(const httplib::Request& request) const {
     const std::string given = request.get_header_value("Authorization");
     const bool bearer = same_secret(given, "Bearer " + token_);
@@ -358,7 +358,7 @@ class RequestHandler::Parser : public httplib::Server {
   const httplib::Headers headers_;
   const std::string policy_of_report_;
   int status_ = 0;
-  // Of the answer that is being made.
+  // Body of the request being answered.
   const std::string* body_ = nullptr;  // null: it has not been read
   std::size_t awaits_ = 0;
   std::shared_ptr<EventFeed> events_;

@@ -1,4 +1,4 @@
-// Coverage: which part of a plane the triangles of a scan cover. Only planes.cpp uses this.
+// Coverage: the part of a plane that the triangles of a scan cover. Only planes.cpp uses this.
 #pragma once
 
 #include <algorithm>
@@ -8,10 +8,10 @@
 
 namespace rayloc {
 
-inline constexpr double kCell = 0.05;   // [m], chosen: to which outlines are known
-inline constexpr double kFilled = 0.5;  // of a cell, chosen
+inline constexpr double kCell = 0.05;   // [m], chosen: resolution of the outlines
+inline constexpr double kFilled = 0.5;  // share of a cell, chosen
 
-// How much of each cell of a plane its triangles cover.
+// Covered area of each cell of a plane.
 class Coverage {
  public:
   Coverage(double low_u, double high_u, double low_v, double high_v)
@@ -33,7 +33,7 @@ class Coverage {
   struct Rectangle {
     double low_u, low_v, high_u, high_v;
   };
-  // The covered cells, each in one rectangle: as wide as it can be, then as high.
+  // The covered cells, each in one rectangle of maximum width, then height.
   std::vector<Rectangle> rectangles() {
     close_gaps();
     std::vector<Rectangle> found;
@@ -48,7 +48,7 @@ class Coverage {
   }
 
  private:
-  // Small triangles leave cells empty by chance: one is filled where most around it are.
+  // Small triangles leave cells empty by chance: a cell with mostly covered neighbours is filled.
   void close_gaps() {
     filled_.resize(covered_.size());
     for (std::size_t row = 0; row < rows_; ++row) {

@@ -10,7 +10,7 @@
 
 namespace rayloc {
 
-inline constexpr std::size_t kMostDrawnPoints = 2'000'000;  // chosen: a drawing of a city
+inline constexpr std::size_t kMostDrawnPoints = 2'000'000;  // chosen: drawing of a city
 
 struct DrawnLine {
   std::string layer;
@@ -21,8 +21,8 @@ struct DrawnLine {
 struct Drawing {
   std::vector<DrawnLine> lines;
   std::set<std::string> empty_layers;
-  double metres = 0.0;               // of a unit, as the file states it; 0: it does not
-  std::vector<std::string> remarks;  // what was left out, for a person
+  double metres = 0.0;               // per unit, as the file states; 0: not stated
+  std::vector<std::string> remarks;  // omitted content, as messages for a person
 };
 
 }  // namespace rayloc

@@ -66,8 +66,8 @@ std::vector<WallLine> pieces_of(const DrawnLine& line) {
   return pieces;
 }
 
-// Without points at the place of the one before: a line that is drawn back to its beginning ends
-// beside it, by rounding, and would cross its first side there.
+// Removes points equal to the previous one: a line that is drawn back to its beginning ends beside
+// it, by rounding, and would cross its first side there.
 std::vector<FloorPoint> without_repeated(const std::vector<FloorPoint>& points) {
   const auto is_same = [](const FloorPoint& a, const FloorPoint& b) {
     return std::hypot(a[0] - b[0], a[1] - b[1]) < kMillimetre;
@@ -81,7 +81,7 @@ std::vector<FloorPoint> without_repeated(const std::vector<FloorPoint>& points) 
   return kept;
 }
 
-// An edge of a closed line that another one crosses.
+// An edge of a closed line that crosses another edge of it.
 std::optional<WallLine> own_crossing(const std::vector<FloorPoint>& drawn) {
   const std::vector<FloorPoint> points = without_repeated(drawn);
   const std::size_t n = points.size();
@@ -96,7 +96,7 @@ std::optional<WallLine> own_crossing(const std::vector<FloorPoint>& drawn) {
 }
 
 std::string listed(const std::set<std::string>& names) {
-  constexpr std::size_t kMost = 20;  // a count, chosen: what one reads
+  constexpr std::size_t kMost = 20;  // count, chosen: as many as a person reads
   std::vector<std::string> first(
       names.begin(),
       std::next(names.begin(), static_cast<std::ptrdiff_t>(std::min(kMost, names.size()))));
@@ -105,7 +105,7 @@ std::string listed(const std::set<std::string>& names) {
       "{}{}", fmt::join(first, ", "), more > 0 ? fmt::format(" and {} more", more) : "");
 }
 
-// The rectangle around a closed line that has the direction of its first side.
+// The rectangle around a closed line, aligned with its first side.
 Mesh top_of(const DrawnLine& line) {
   const FloorPoint& origin = line.points[0];
   const double x = line.points[1][0] - origin[0];
@@ -132,7 +132,7 @@ class PlanMaker {
  public:
   PlanMaker(const MaterialTable& table, double height) : table_(table), height_(height) {}
 
-  // An Error of an outline that crosses itself: nobody can tell which side of it is inside.
+  // Returns an Error for an outline that crosses itself: its inside is ambiguous.
   Expected<void> add(const DrawnLine& line) {
     const std::string kind = table_.layer(line.layer);
     const std::size_t before = kind == "wall" ? walls_.size() : windows_.size();
@@ -205,7 +205,7 @@ class PlanMaker {
   Model& model() { return model_; }
 
  private:
-  // One line a window: of panes and frames that are drawn side by side the longest.
+  // One line per window: the longest of the adjacent lines of panes and frames.
   std::vector<WallLine> panes() const {
     std::vector<WallLine> all = wall_lines(windows_);
     std::stable_sort(all.begin(), all.end(), [](const WallLine& a, const WallLine& b) {

@@ -22,14 +22,14 @@ constexpr int kMaxBlockDepth = 16;  // blocks within blocks, chosen
 constexpr const char* kArc = "arcs of polylines, of which the chords were taken";
 constexpr double kMostFlags = 65536.0;
 
-// $INSUNITS, by number; 0: not stated here.
+// Metres per $INSUNITS number; 0: not stated here.
 constexpr std::array<double, 8> kDxfUnits = {0.0, 0.0254, 0.3048, 0.0, 0.001, 0.01, 1.0, 1000.0};
 
-// A line with a number, and the one behind it, which is what the number says.
+// A line with a group code, and the next line with its value.
 struct Group {
   int code = -1;
   std::string value;
-  std::size_t line = 0;  // of the code
+  std::size_t line = 0;  // line number of the code
 };
 
 std::string trimmed(const std::string& text) {
@@ -78,7 +78,7 @@ class Groups {
     }
     ended_ = true;
   }
-  // Of flags.
+  // For flags.
   bool is_odd() {
     const double flags = number();
     return std::abs(flags) < kMostFlags && (static_cast<int>(flags) & 1) != 0;
@@ -115,7 +115,7 @@ struct Block {
   FloorPoint base{};
   std::vector<DrawnLine> lines;
   std::vector<Insert> inserts;
-  std::map<std::string, std::size_t> left_out;  // how many of each kind
+  std::map<std::string, std::size_t> left_out;  // count by kind
 };
 
 class DxfReader {
@@ -247,7 +247,7 @@ class DxfReader {
     keep(to, std::move(line));
   }
 
-  // Points one behind the other, of an LWPOLYLINE.
+  // Consecutive points of an LWPOLYLINE.
   void read_points(Block& to) {
     DrawnLine line;
     for (; !is_end(); groups_.next()) {
@@ -276,7 +276,7 @@ class DxfReader {
     keep(to, std::move(line));
   }
 
-  // Of a POLYLINE, whose points are entities of their own.
+  // Points of a POLYLINE, which are separate entities.
   void read_polyline(Block& to) {
     DrawnLine line;
     for (; !is_end(); groups_.next()) {
@@ -338,7 +338,7 @@ class DxfReader {
     }
   }
 
-  // A block's lines where it was inserted; those of its layer "0" are on the layer of the insert.
+  // Lines of an inserted block; those of its layer "0" are on the layer of the insert.
   void place(const Block& block, const Placing& placing, const std::string& layer, int depth) {
     for (const DrawnLine& line : block.lines) {
       points_ += line.points.size();

@@ -1,5 +1,5 @@
 // Reads flat drawings of the Drawing Exchange Format (DXF, as text; Autodesk's DXF Reference for
-// R12 to 2018): LINE, LWPOLYLINE, POLYLINE and the blocks that hold them, by layer.
+// R12 to 2018): LINE, LWPOLYLINE, POLYLINE and the blocks that contain them, by layer.
 #pragma once
 
 #include <filesystem>
@@ -9,7 +9,7 @@
 
 namespace rayloc {
 
-// An Error with the file's name and line where it is no DXF, or holds no line.
+// Returns an Error with file name and line if the file is no DXF or contains no line.
 Expected<Drawing> read_dxf(const std::filesystem::path& file);
 
 }  // namespace rayloc

@@ -18,14 +18,14 @@
 namespace rayloc {
 namespace {
 
-constexpr double kLevelCosine = 0.8;    // chosen: 37 degrees, of a floor or ceiling
-constexpr double kUprightCosine = 0.3;  // chosen: 17 degrees, of a wall
-constexpr double kNearEnd = 0.4;        // [m], chosen: from the lowest or highest point
-constexpr double kWallHeight = 1.5;     // [m], chosen: lower is furniture
+constexpr double kLevelCosine = 0.8;    // chosen: 37 degrees, for a floor or ceiling
+constexpr double kUprightCosine = 0.3;  // chosen: 17 degrees, for a wall
+constexpr double kNearEnd = 0.4;        // [m], chosen: to the lowest or highest point
+constexpr double kWallHeight = 1.5;     // [m], chosen: lower objects are furniture
 constexpr double kLargestRead = 250.0;  // [m], chosen: scenes are rooms and storeys
-constexpr double kPoorShare = 0.7;      // of a scan's area, chosen: less has holes, or is no room
+constexpr double kPoorShare = 0.7;      // of a scan's area, chosen: less has holes or is no room
 
-// Letters, digits, '-' and '_' of a name; no second time.
+// The letters, digits, '-' and '_' of a name, made unique.
 std::string object_name(const std::string& name, std::set<std::string>& names) {
   std::string base;
   for (const char c : name) {
@@ -40,7 +40,7 @@ std::string object_name(const std::string& name, std::set<std::string>& names) {
   return unique;
 }
 
-// What a face or a flat part is by where it is.
+// Kind of a face or a flat part, from its position.
 std::string part_by_place(double normal_z, const Bounds& own, const Bounds& whole) {
   if (std::abs(normal_z) > kLevelCosine) {
     if (own.upper.z < whole.lower.z + kNearEnd) {
@@ -51,7 +51,7 @@ std::string part_by_place(double normal_z, const Bounds& own, const Bounds& whol
   return std::abs(normal_z) < kUprightCosine && own.size().z > kWallHeight ? "wall" : "other";
 }
 
-// Of a part that was drawn: along its shortest extent.
+// Normal of a drawn part: along its shortest extent.
 double flat_normal_z(const Bounds& bounds) {
   const Vec3d size = bounds.size();
   return size.z <= std::min(size.x, size.y) ? 1.0 : 0.0;
@@ -129,7 +129,7 @@ class SceneMaker {
  private:
   void add_object(const std::string& name, const StatedMaterial& material, const Mesh& mesh) {
     auto& materials = result_.scene.materials;
-    // Two thicknesses of one kind are two materials.
+    // The same material with two thicknesses is two materials.
     std::string material_name = material.name;
     const auto same = [&](const StatedMaterial& other) {
       return other.itu == material.itu && other.thickness == material.thickness &&
@@ -186,7 +186,7 @@ class SceneMaker {
   std::size_t planes_ = 0;
   double scan_area_ = 0.0;  // [m^2]
   double kept_area_ = 0.0;
-  double squares_ = 0.0;  // [m^4]: of the errors, by area
+  double squares_ = 0.0;  // [m^4]: squared errors, weighted by area
   double tolerance_ = 0.0;
 };
 

@@ -1,4 +1,4 @@
-// import_scene: a drawing or a scan of another program as a scene with radio materials.
+// import_scene: converts a drawing or a scan of another program to a scene with radio materials.
 #pragma once
 
 #include <filesystem>
@@ -15,17 +15,17 @@ namespace rayloc {
 
 struct ImportOptions {
   ModelUnits units;
-  double tolerance = 0.0;  // [m], of the planes of a scan; 0: of the scan itself
+  double tolerance = 0.0;  // [m], for the planes of a scan; 0: from the scan itself
 };
 
 struct ImportedScene {
   StatedScene scene;
   Bounds bounds;
-  std::vector<std::string> remarks;  // what was recognised, assumed and left out
+  std::vector<std::string> remarks;  // recognised, assumed and omitted content
 };
 
-// The scene of a model that was read: parts that are dense become planes; each part, or each plane
-// of a scan without names, is an object with the material that the table has for it.
+// The scene of a model: dense parts become planes; each part, or each plane of a scan without
+// names, is an object with the material that the table has for it.
 Expected<ImportedScene> scene_of(const Model& model,
                                  const MaterialTable& table,
                                  const ImportOptions& options);

@@ -11,7 +11,7 @@
 
 namespace rayloc {
 
-// Thicknesses are of common boards and panes.
+// Thicknesses are those of common boards and panes.
 const char* const kDefaultMaterialTable =
     R"(# Names of layers, materials and objects, and what they are for radio waves.
 # The first row one of whose words is in a name counts; letters of any case. A name's words end where
@@ -65,19 +65,19 @@ furniture = ["furn*", "desk", "table", "moebel*", "möbel*", "mobilier", "equip*
 
 namespace {
 
-constexpr double kCheckedAt = 5.19e9;  // [Hz]: the band where rooms are measured
+constexpr double kCheckedAt = 5.19e9;  // [Hz]: in the band of the measurements
 
-// In this order: a layer of windows may be of walls as well ("A-WALL-WINDOW").
+// In this order: a layer of windows may match walls as well ("A-WALL-WINDOW").
 constexpr std::array<std::string_view, 4> kLayers = {"window", "door", "wall", "furniture"};
 constexpr std::array<std::string_view, 4> kParts = {"floor", "ceiling", "wall", "other"};
 
-// Its words in small letters, a space before and behind each.
+// Its words in lower case, with a space before and after each.
 std::string words_of(std::string_view name) {
   std::string words = " ";
   bool was_small = false;
   for (const char c : name) {
     const auto letter = static_cast<unsigned char>(c);
-    // What is no letter of ASCII may be one of another alphabet.
+    // A non-ASCII byte may belong to a letter of another alphabet.
     const bool is_letter = std::isalpha(letter) != 0 || letter >= 0x80;
     const bool is_capital = std::isupper(letter) != 0;
     if ((!is_letter || (is_capital && was_small)) && words.back() != ' ') {
@@ -175,7 +175,7 @@ Expected<MaterialTable> MaterialTable::of(TomlDocument& document) {
     const std::string itu =
         otherwise ? otherwise->string(part).value_or("wood") : std::string("wood");
     StatedMaterial material;
-    // A row with that material states how thick it is.
+    // A row with that material states its thickness.
     const auto row = std::find_if(table.rows_.begin(), table.rows_.end(), [&](const Row& one) {
       return one.material.name == itu;
     });

@@ -1,18 +1,18 @@
-// MaterialTable: which radio material a layer, a material or an object of a drawing is of, by name.
+// MaterialTable: maps names of layers, materials and objects of a drawing to radio materials.
 //
-//   [[material]]                      # the first that matches counts
-//   match = ["glass", "window*"]      # words of a name, of any case; `*`: whatever follows
+//   [[material]]                      # the first match is used
+//   match = ["glass", "window*"]      # words of a name, in any case; `*`: any ending
 //   itu = "glass"                     # or relative_permittivity and conductivity
 //   thickness_m = 0.004
 //
-//   [otherwise]                       # of what no name tells
+//   [otherwise]                       # for parts without a match
 //   floor = "concrete"
 //   ceiling = "ceiling_board"
 //   wall = "plasterboard"
 //   other = "wood"
 //
-//   [layers]                          # of a flat drawing: what the lines of a layer are
-//   wall = ["wall*"]                  # and window, door, furniture; what is in none is left out
+//   [layers]                          # for a flat drawing: kind of the lines of a layer
+//   wall = ["wall*"]                  # and window, door, furniture; other layers are left out
 #pragma once
 
 #include <filesystem>
@@ -29,24 +29,24 @@ namespace rayloc {
 
 class TomlDocument;
 
-// The table that is used where a person names no other.
+// The default table, used without a table of the user's.
 extern const char* const kDefaultMaterialTable;
 
 class MaterialTable {
  public:
   struct Row {
-    std::vector<std::string> words;  // in small letters
+    std::vector<std::string> words;  // in lower case
     StatedMaterial material;
   };
 
   static Expected<MaterialTable> read(const std::filesystem::path& file);
   static Expected<MaterialTable> parse(std::string_view text, const std::filesystem::path& file);
 
-  // By the name of the material, then of the object; nothing where no word is in either.
+  // By the name of the material, then of the object; empty if neither contains a word of the table.
   std::optional<StatedMaterial> find(std::string_view material, std::string_view object) const;
   // part: "floor", "ceiling", "wall" or "other".
   StatedMaterial otherwise(std::string_view part) const;
-  // "wall", "window", "door" or "furniture"; empty: none of them.
+  // "wall", "window", "door" or "furniture"; empty: none of these.
   std::string layer(std::string_view name) const;
 
  private:

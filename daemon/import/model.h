@@ -1,4 +1,4 @@
-// Model: what a file of another program says of a place, in metres and with z up.
+// Model: content of another program's file, in metres and with z up.
 #pragma once
 
 #include <string>
@@ -10,28 +10,28 @@
 namespace rayloc {
 
 struct ModelPart {
-  std::string name;      // of the object or layer, as the file has it; may be empty
-  std::string material;  // as much
+  std::string name;      // of the object or layer, as in the file; may be empty
+  std::string material;  // same
   Mesh mesh;
-  double thickness = 0.0;  // [m], where the file tells it
+  double thickness = 0.0;  // [m], if the file states it
 };
 
 struct Model {
   std::vector<ModelPart> parts;
-  std::vector<std::string> remarks;  // what was assumed, for a person: units, axes
+  std::vector<std::string> remarks;  // assumptions, as messages for a person: units, axes
 };
 
-// [m], chosen: of a storey, which numbers beyond it state in a smaller unit.
+// [m], chosen: size of a storey; larger numbers are in a smaller unit.
 inline constexpr double kLargestStorey = 90.0;
 
 Bounds bounds_of(const Model& model);
 
-// What a person says of a file that does not tell; empty: recognised.
+// Units that a person states for a file without units; empty: recognised.
 struct ModelUnits {
-  double metres = 0.0;  // of a unit of the file; 0: recognised
+  double metres = 0.0;  // per unit of the file; 0: recognised
   char up = '\0';       // 'y' or 'z'; 0: recognised
-  double height = 0.0;  // [m], of floor to ceiling, of a flat drawing; 0: a usual one
-  double scale = 0.0;   // of a drawing on paper: 50 for 1:50; 0: as it is drawn
+  double height = 0.0;  // [m], floor to ceiling, for a flat drawing; 0: a usual one
+  double scale = 0.0;   // for a drawing on paper: 50 for 1:50; 0: as drawn
 };
 
 }  // namespace rayloc

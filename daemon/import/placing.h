@@ -1,4 +1,4 @@
-// Placing: turned, scaled, sheared and moved in the plane, as drawings say of what they hold.
+// Placing: rotation, scale, shear and translation in the plane, as in drawings.
 #pragma once
 
 #include <cmath>
@@ -14,7 +14,7 @@ struct Placing {
   FloorPoint operator()(const FloorPoint& p) const {
     return {xx * p[0] + xy * p[1] + x, yx * p[0] + yy * p[1] + y};
   }
-  // First as `inner` says, then as this.
+  // Applies `inner` first, then this.
   Placing after(const Placing& inner) const {
     const FloorPoint at = (*this)({inner.x, inner.y});
     return {xx * inner.xx + xy * inner.yx,

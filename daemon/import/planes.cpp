@@ -18,29 +18,29 @@
 namespace rayloc {
 namespace {
 
-constexpr std::size_t kDenseTriangles = 1000;  // chosen; nobody draws that many by hand
+constexpr std::size_t kDenseTriangles = 1000;  // chosen; more than are drawn by hand
 constexpr std::size_t kDenseInScan = 48;       // chosen: four times a box
-constexpr double kDenseArea = 0.01;            // [m^2] a triangle, chosen
+constexpr double kDenseArea = 0.01;            // [m^2] per triangle, chosen
 constexpr double kSmoothing = 0.12;        // [m], chosen: ten times the roughness of a phone's scan
-constexpr double kLeastCosine = 0.85;      // of neighbourhoods in one plane, chosen: 32 degrees
-constexpr double kSeedCoherence = 0.85;    // of the median, chosen: across a right angle 0.71
+constexpr double kLeastCosine = 0.85;      // in neighbourhoods of one plane, chosen: 32 degrees
+constexpr double kSeedCoherence = 0.85;    // share of the median, chosen: across a right angle 0.71
 constexpr double kLeastTolerance = 0.004;  // [m], chosen
-constexpr double kMostTolerance = 0.05;    // [m], chosen; more joins a wall and what stands at it
-constexpr double kLeastRegion = 0.03;      // [m^2], chosen; smaller reflects little
-constexpr double kSnap = 0.08;             // [m], chosen: an edge that is meant to end at a plane
-constexpr double kLeastWidth = 0.01;  // [m], chosen; what is narrower is rounding of the outline
+constexpr double kMostTolerance = 0.05;    // [m], chosen; more joins a wall and objects at it
+constexpr double kLeastRegion = 0.03;      // [m^2], chosen; smaller areas reflect little
+constexpr double kSnap = 0.08;             // [m], chosen: an edge this close ends at the plane
+constexpr double kLeastWidth = 0.01;  // [m], chosen; narrower strips are rounding of the outline
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
 struct Triangle {
   Vec3d middle;
   Vec3d area_vector;  // [m^2]
   double area = 0.0;
-  Vec3d facing;            // of the neighbourhood
-  double coherence = 0.0;  // share of the neighbourhood's area that faces that way
+  Vec3d facing;            // normal of the neighbourhood
+  double coherence = 0.0;  // share of the neighbourhood's area with that normal
   std::array<std::uint32_t, 3> neighbours{kNone, kNone, kNone};
 };
 
-// Sums of weighted points, from which the plane through them follows.
+// Weighted sums of points, for the fit of a plane through them.
 class PlaneFit {
  public:
   void add(const Vec3d& p, double weight) {
@@ -96,8 +96,8 @@ std::vector<Triangle> triangles_of(const Mesh& mesh) {
   return triangles;
 }
 
-// Which way the neighbourhood of each triangle faces: noise tilts a small triangle by tens of
-// degrees, and its neighbours the other way.
+// Normal of the neighbourhood of each triangle: noise tilts a small triangle by tens of degrees,
+// and its neighbours in the opposite direction.
 void smooth(std::vector<Triangle>& triangles) {
   std::vector<std::uint32_t> seen(triangles.size(), kNone);
   std::vector<std::uint32_t> queue;
@@ -124,8 +124,8 @@ void smooth(std::vector<Triangle>& triangles) {
   }
 }
 
-// Three times how far middles of triangles lie off the plane of their neighbourhood: the median of
-// some hundred neighbourhoods, most of which are in the midst of a plane.
+// Three times the distance of triangle centres from the plane of their neighbourhood: the median
+// over some hundred neighbourhoods, most of which are well inside a plane.
 double roughness(const std::vector<Triangle>& triangles) {
   std::vector<double> errors;
   const std::size_t step = std::max<std::size_t>(1, triangles.size() / 400);
@@ -177,7 +177,7 @@ Region grow(std::uint32_t seed,
     const std::uint32_t i = queue.front();
     queue.pop_front();
     const Triangle& one = triangles[i];
-    // Until the region is as wide as a neighbourhood its plane is that of the seed: a loose one.
+    // A region smaller than a neighbourhood uses the plane of its seed, with a larger tolerance.
     const double reach = region.area < kLeastRegion ? 2.0 * tolerance : tolerance;
     if (std::abs(dot(region.plane.normal, one.middle - region.plane.middle)) > reach ||
         dot(region.plane.normal, one.facing) < kLeastCosine) {
@@ -212,13 +212,13 @@ Region grow(std::uint32_t seed,
   return region;
 }
 
-// Pieces of one plane that noise has parted.
+// Merges pieces of one plane that were separated by noise.
 void merge(double tolerance, const std::vector<Triangle>& triangles, std::vector<Region>& regions) {
   for (std::size_t i = 0; i < regions.size(); ++i) {
     for (std::size_t j = i + 1; j < regions.size();) {
       const PlaneFit::Result& a = regions[i].plane;
       const PlaneFit::Result& b = regions[j].plane;
-      constexpr double kParallel = 0.985;  // cosine, chosen: 10 degrees, of small regions
+      constexpr double kParallel = 0.985;  // cosine, chosen: 10 degrees, for small regions
       if (dot(a.normal, b.normal) < kParallel ||
           std::abs(dot(a.normal, b.middle - a.middle)) > tolerance) {
         ++j;
@@ -246,11 +246,11 @@ struct PlaneAxes {
   Vec3d u, v;
 };
 
-// Along the sides of the narrowest rectangle around the region, upright where the plane is.
+// Along the sides of the narrowest rectangle around the region; upright planes stay upright.
 PlaneAxes axes_of(const Region& region, const std::vector<Triangle>& triangles) {
   const Vec3d& normal = region.plane.normal;
   const Vec3d up{0, 0, 1};
-  constexpr double kUpright = 0.3;  // chosen: of the normal along z, below which a wall is a wall
+  constexpr double kUpright = 0.3;  // chosen: |z| of the normal below which a surface is a wall
   if (std::abs(normal.z) < kUpright) {
     const Vec3d u = normalized(cross(up, normal));
     return {u, cross(normal, u)};
@@ -306,7 +306,7 @@ void add_rectangle(const Coverage::Rectangle& r,
   mesh.triangles.push_back({first, first + 2, first + 3});
 }
 
-// Where another plane crosses this one, parallel to an axis and near `at`: there the edge ends.
+// Snaps an edge near `at` to another plane that crosses this one parallel to an axis.
 double snapped(double at,
                const Vec3d& across,
                const Vec3d& point,
@@ -361,7 +361,7 @@ ScanPlane plane_of(const Region& region,
 
   ScanPlane plane{normal, region.plane.middle, region.area, region.plane.error, {}};
   const double whole = (around.high_u - around.low_u) * (around.high_v - around.low_v);
-  constexpr double kWhole = 0.85;  // chosen: of a rectangle whose gaps are of the scan
+  constexpr double kWhole = 0.85;  // chosen: for a rectangle whose gaps come from the scan
   if (region.area >= kWhole * whole ||
       std::min(around.high_u - around.low_u, around.high_v - around.low_v) < 2.0 * kCell) {
     add_rectangle(around, region, axes, plane.mesh);
@@ -410,7 +410,7 @@ ScanPlanes find_planes(const Mesh& mesh, double tolerance) {
   for (const Triangle& triangle : triangles) {
     found.area += triangle.area;
   }
-  // Across an edge of a box a neighbourhood faces between its faces, and begins no plane.
+  // Across the edge of a box a neighbourhood has an intermediate normal, and is no seed of a plane.
   const double least_coherence =
       seeds.empty() ? 0.0 : kSeedCoherence * triangles[seeds[seeds.size() / 2]].coherence;
   for (const std::uint32_t seed : seeds) {

@@ -28,7 +28,7 @@ constexpr std::size_t kMostTriangles = 5'000'000;  // chosen: 2 GiB in memory
 constexpr double kLowRoom = 1.9;
 constexpr double kHighRoom = 4.5;
 
-// Only what lies beside the file, or below: a glTF may name any file of the machine.
+// Only files in the same folder or below: a glTF may name any file of the machine.
 class FilesBeside final : public Assimp::DefaultIOSystem {
  public:
   explicit FilesBeside(const std::filesystem::path& file)
@@ -79,7 +79,7 @@ class Collector {
       const Vec3d p = point_of(here * mesh.mVertices[i]);
       is_finite_ = is_finite_ && std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
       if (!is_finite_) {
-        return;  // no map has an order for it; the file is refused
+        return;  // a map cannot order it; the file is refused
       }
       const auto next = static_cast<std::uint32_t>(part.mesh.vertices.size());
       const auto [found, added] = known.try_emplace({p.x, p.y, p.z}, next);
@@ -115,8 +115,8 @@ struct RecognisedUnit {
   std::string why;
 };
 
-// The one in which something is as high as rooms are; else the largest in which all is no larger
-// than a storey.
+// The unit in which an object has the height of a room; else
+// the largest in which the whole is no larger than a storey.
 RecognisedUnit recognised_unit(const Bounds& bounds) {
   const std::array<RecognisedUnit, 3> all = {
       {{1.0, "metres", ""}, {0.01, "centimetres", ""}, {0.001, "millimetres", ""}}};
@@ -153,7 +153,7 @@ bool is_named(const ModelPart& part, std::string_view word) {
   return name.find(word) != std::string::npos;
 }
 
-// Which axis a floor or ceiling is thin along, else which is as long as rooms are high.
+// The axis along which a floor or ceiling is thin, else the one with the extent of a room's height.
 std::pair<char, std::string> recognised_up(const Model& model,
                                            const Bounds& bounds,
                                            double metres) {
@@ -205,7 +205,7 @@ void set_units(ModelFormat format, const ModelUnits& units, Model& model) {
   } else {
     auto [axis, why] = recognised_up(model, bounds, metres);
     if (axis == '\0') {
-      // The reader of IFC has turned what it read.
+      // The IFC reader has already rotated the model.
       axis = format == ModelFormat::kObj || format == ModelFormat::kIfc ? 'y' : 'z';
       why = std::string("as programs write ") + name_of(format) + " by default";
     }
@@ -215,7 +215,7 @@ void set_units(ModelFormat format, const ModelUnits& units, Model& model) {
   apply(metres, up == 'y', model);
 }
 
-// assimp takes a vertex without z for one at 0, and does not look for what follows the counts.
+// assimp reads a missing z as 0 and ignores numbers beyond the counts.
 Expected<void> check_counts(const std::filesystem::path& file, Model& model) {
   std::ifstream in(file, std::ios::binary);
   const std::string bytes((std::istreambuf_iterator<char>(in)), {});
@@ -239,8 +239,8 @@ Expected<Model> read_model(const std::filesystem::path& file,
     }
   }
   Assimp::Importer importer;
-  importer.SetIOHandler(new FilesBeside(file));  // which the importer owns
-  // Only shapes: what else a file holds would keep corners at one place apart.
+  importer.SetIOHandler(new FilesBeside(file));  // owned by the importer
+  // Reads only shapes: other attributes would keep corners at one place apart.
   importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS,
                               aiComponent_NORMALS | aiComponent_TANGENTS_AND_BITANGENTS |
                                   aiComponent_COLORS | aiComponent_TEXCOORDS |

@@ -76,12 +76,12 @@ Expected<ModelFormat> recognise(const std::filesystem::path& file) {
   if (head.empty()) {
     return refuse("is empty, or cannot be read");
   }
-  // IFC is a kind of STEP: its header says which.
+  // IFC is a kind of STEP: its header contains the schema.
   if (head.starts_with("ISO-10303-21") && head.find("FILE_SCHEMA") != std::string::npos &&
       head.find("IFC") != std::string::npos) {
     return ModelFormat::kIfc;
   }
-  // Behind a declaration and remarks; a scene of Mitsuba begins with <scene>.
+  // After a declaration and comments; a scene of Mitsuba begins with <scene>.
   if (head.find("<svg") != std::string::npos && head.find("<scene") == std::string::npos) {
     return ModelFormat::kSvg;
   }
@@ -98,12 +98,12 @@ Expected<ModelFormat> recognise(const std::filesystem::path& file) {
   }
   const std::size_t text = head.find_first_not_of(" \t\r\n");
   if (text != std::string::npos && head[text] == '{') {
-    // Of a scan anything may come first: its reader tells what it is not.
+    // A room scan has no fixed beginning: its reader rejects other files.
     return head.find("\"asset\"") != std::string::npos || file.extension() == ".gltf"
                ? ModelFormat::kGltf
                : ModelFormat::kRoomScan;
   }
-  // Pairs of lines, the first of which begin a section; a comment (999) may stand before them.
+  // Pairs of lines, the first of which begin a section; a comment (999) may precede them.
   if (const std::size_t section = head.find("SECTION"); section != std::string::npos) {
     const std::size_t zero =
         head.find_last_not_of(" \t\r\n", section - std::min<std::size_t>(section, 1));

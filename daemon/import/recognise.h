@@ -1,4 +1,4 @@
-// Which format a file is of, by its first bytes and not by its name.
+// Recognises the format of a file by its first bytes, not by its name.
 #pragma once
 
 #include <cstdint>
@@ -8,8 +8,8 @@
 
 namespace rayloc {
 
-// [bytes], chosen: a scan of a floor. Larger ones would not fit into the memory of a small machine,
-// whether they are uploaded or lie on its disk.
+// [bytes], chosen: a scan of a floor. Larger files would not fit into the memory of a small
+// machine, uploaded or on its disk.
 inline constexpr std::uintmax_t kLargestImport = std::uintmax_t{256} << 20U;
 
 // The formats for people: "DXF, SVG, OBJ, ...".
@@ -17,8 +17,8 @@ extern const char* const kFormats;
 
 enum class ModelFormat { kObj, kGlb, kGltf, kPly, kIfc, kDxf, kSvg, kRoomScan };
 
-// An Error for what cannot be imported, with what to do: another format to export, or that the file
-// is empty, too large, or of no format that is known.
+// Returns an Error with a remedy for a file that cannot be imported: another format to export, or
+// that the file is empty, too large, or of an unknown format.
 Expected<ModelFormat> recognise(const std::filesystem::path& file);
 
 // "GLB (glTF, binary)"

@@ -22,10 +22,10 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr std::array<int, 2> kVersions = {1, 2};
-constexpr double kRigid = 0.01;           // chosen: of axes, from one long and from square
-constexpr double kFarthest = 1000.0;      // [m], chosen: of a place from where the scan began
-constexpr std::size_t kMostParts = 5000;  // a count, chosen: of each list
-// What is read, and what says nothing of the shape of the room.
+constexpr double kRigid = 0.01;           // chosen: axes, deviation from unit length and square
+constexpr double kFarthest = 1000.0;      // [m], chosen: distance from the start of the scan
+constexpr std::size_t kMostParts = 5000;  // count, chosen: per list
+// Keys that are read, and keys without information on the shape of the room.
 constexpr std::array<std::string_view, 6> kLists = {
     "walls", "doors", "windows", "openings", "floors", "objects"};
 constexpr std::array<std::string_view, 8> kNoShape = {"identifier",
@@ -37,7 +37,7 @@ constexpr std::array<std::string_view, 8> kNoShape = {"identifier",
                                                       "rooms",
                                                       "confidence"};
 
-// y of the scan points up.
+// In the scan y points up.
 Vec3d upright_point(double x, double y, double z) { return {x, -z, y}; }
 
 std::string text_of(const Json& json, const char* key) {
@@ -139,7 +139,7 @@ class RoomScanReader {
     }
   }
 
-  // The largest counts: of a structure, whose rooms have one each, the ceiling is one as well.
+  // Uses the largest: in a structure each room has one, and the ceiling is one as well.
   void read_floor(const Json& item, const ScannedBox& box) {
     const auto corners = item.find("polygonCorners");
     std::vector<FloorPoint> outline;

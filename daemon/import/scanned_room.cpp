@@ -15,11 +15,11 @@
 namespace rayloc {
 namespace {
 
-constexpr double kInWall = 0.3;  // [m], chosen: of an opening from the wall that it is in
-constexpr double kMinUprightCosine = 0.98;  // a cosine, chosen: 11 degrees
-constexpr double kLeast = 0.01;             // [m], chosen: less of a wall or an opening is none
+constexpr double kInWall = 0.3;             // [m], chosen: of an opening from its wall
+constexpr double kMinUprightCosine = 0.98;  // cosine, chosen: 11 degrees
+constexpr double kLeast = 0.01;             // [m], chosen: smaller walls and openings are ignored
 
-// What a turn about the vertical axis and a move make of a point.
+// Rotation about the vertical axis and translation.
 class Turn {
  public:
   Turn(double angle, const Vec3d& origin)
@@ -64,7 +64,7 @@ Bounds bounds_of(const std::vector<ScannedBox>& walls) {
   return bounds;
 }
 
-// The longest wall along x, the lower left corner at the origin.
+// Aligns the longest wall with x, the lower left corner with the origin.
 void put_straight(ScannedRoom& room, Model& model) {
   const ScannedBox& longest = *std::max_element(
       room.walls.begin(), room.walls.end(), [](const ScannedBox& a, const ScannedBox& b) {
@@ -84,13 +84,13 @@ SheetFrame frame_of(const ScannedBox& wall) {
       wall.centre - 0.5 * wall.size.x * wall.x - 0.5 * wall.size.y * wall.y, wall.x, wall.y, false};
 }
 
-// Of the opening's middle: along the wall, up it, and out of it.
+// Centre of the opening: along the wall, up it, and out of it.
 Vec3d place_on_wall(const ScannedBox& wall, const ScannedBox& opening) {
   const Vec3d from = opening.centre - frame_of(wall).origin;
   return {dot(from, wall.x), dot(from, wall.y), dot(from, wall.z)};
 }
 
-// The wall that an opening names, else the nearest that it lies in; no wall: the number of walls.
+// The wall that an opening names, else the nearest one around it; none: the number of walls.
 std::size_t wall_of(const ScannedRoom& room, const ScannedBox& opening) {
   std::size_t found = room.walls.size();
   double nearest = kInWall;
@@ -232,7 +232,7 @@ class RoomMaker {
 
   ScannedRoom& room_;
   Model model_;
-  std::vector<std::vector<PlanHole>> holes_;  // of each wall
+  std::vector<std::vector<PlanHole>> holes_;  // by wall
   std::vector<ModelPart> panes_;
   int astray_ = 0;
   int open_ = 0;

@@ -1,4 +1,4 @@
-// scanned_room: walls, openings and furniture that a scanner saw as boxes, as a model.
+// scanned_room: converts scanned boxes of walls, openings and furniture to a model.
 #pragma once
 
 #include <string>
@@ -11,13 +11,13 @@
 
 namespace rayloc {
 
-// Of a wall x is along it, y up and z across it.
+// For a wall x is along it, y up and z across it.
 struct ScannedBox {
-  std::string name;  // what it is: "wall", "window", "table"
+  std::string name;  // kind: "wall", "window", "table"
   std::string id;
-  std::string parent;  // id of the wall that an opening is in
+  std::string parent;  // id of the wall that contains an opening
   Vec3d centre;        // [m], z up
-  Vec3d x, y, z;       // its axes, of length 1
+  Vec3d x, y, z;       // unit vectors of its axes
   Vec3d size;          // [m] along these
   bool is_open = false;
 };
@@ -29,7 +29,7 @@ struct ScannedRoom {
   std::vector<FloorPoint> floor;  // [m], an outline; empty: the rectangle around the walls
 };
 
-// An Error where there is no wall. What could not be placed is said in the remarks.
+// Returns an Error if there is no wall. Parts that could not be placed are in the remarks.
 Expected<Model> scanned_room(ScannedRoom room);
 
 }  // namespace rayloc

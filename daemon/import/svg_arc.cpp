@@ -9,7 +9,7 @@
 namespace rayloc {
 namespace {
 
-constexpr int kChordsOfATurn = 32;  // a count, chosen: half a percent off, as curves are
+constexpr int kChordsOfATurn = 32;  // count, chosen: half a percent off, as for curves
 
 }  // namespace
 

@@ -10,14 +10,14 @@ namespace rayloc {
 struct SvgArc {
   FloorPoint from;
   FloorPoint to;
-  FloorPoint radii;           // scaled up where the ends are too far apart for them
-  double turned = 0.0;        // [rad], of the ellipse, from +x to +y of the drawing
-  bool is_large = false;      // of the two arcs on an ellipse the longer one
+  FloorPoint radii;           // scaled up if the ends are too far apart for them
+  double turned = 0.0;        // [rad], rotation of the ellipse, from +x to +y of the drawing
+  bool is_large = false;      // the longer of the two arcs on an ellipse
   bool is_clockwise = false;  // "sweep", y pointing down
 };
 
-// Corners of its chords without the first, at most a 32nd of a turn each; the last is `to`. One
-// chord where a radius is 0.
+// Corners of its chords without the first, at most a 32nd of
+// a turn each; the last is `to`. One chord if a radius is 0.
 std::vector<FloorPoint> chords_of(const SvgArc& arc);
 
 }  // namespace rayloc

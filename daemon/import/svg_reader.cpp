@@ -24,14 +24,14 @@ namespace rayloc {
 namespace {
 
 constexpr int kMaxGroupDepth = 64;      // groups within groups, chosen
-constexpr int kCorners = 16;            // of a circle, chosen
+constexpr int kCorners = 16;            // for a circle, chosen
 constexpr double kLeastRoom = 1.5;      // [m], chosen: the longer side of a plan of rooms
 constexpr double kPixel = 0.0254 / 96;  // [m] on paper; CSS 2.1, 4.3.2
 
 constexpr std::array<std::string_view, 4> kGroups = {"g", "svg", "a", "switch"};
 constexpr std::array<std::string_view, 7> kShapes = {
     "path", "line", "polyline", "polygon", "rect", "circle", "ellipse"};
-// What a person would miss in the room; definitions and descriptions are no part of the drawing.
+// Elements that a person would miss; definitions and descriptions are no part of the drawing.
 constexpr std::array<std::string_view, 4> kMissed = {"text", "image", "flowRoot", "foreignObject"};
 
 bool is_one_of(std::span<const std::string_view> names, std::string_view name) {
@@ -51,7 +51,7 @@ bool is_inkscape_layer(const pugi::xml_node& node) {
   return std::string_view(node.attribute("inkscape:groupmode").value()) == "layer";
 }
 
-// The first of these attributes that it has.
+// The first of these attributes that is present.
 std::string first_of(const pugi::xml_node& node, std::initializer_list<const char*> names) {
   for (const char* name : names) {
     if (const pugi::xml_attribute found = node.attribute(name); found && *found.value() != '\0') {
@@ -76,7 +76,7 @@ class SvgReader {
       return tl::make_unexpected(root.error());
     }
     collect(*root);
-    // y points down on paper.
+    // On paper y points down.
     walk(*root, {1.0, 0.0, 0.0, -1.0}, "", 0);
     if (auto read = xml_.check(); !read) {
       return tl::make_unexpected(std::move(read.error()));
@@ -103,7 +103,7 @@ class SvgReader {
     return bad_input(xml_.name() + ": " + what);
   }
 
-  // Every element that <use> may name, and whether Inkscape wrote layers.
+  // Collects all elements that <use> may name, and detects layers written by Inkscape.
   void collect(const pugi::xml_node& root) {
     struct ShapeCollector final : pugi::xml_tree_walker {
       explicit ShapeCollector(SvgReader& reader) : reader_(reader) {}
@@ -207,9 +207,9 @@ class SvgReader {
     return {1.0, 0.0, 0.0, 1.0, length(node, "x", 0.0), length(node, "y", 0.0)};
   }
 
-  // How the viewBox of a symbol or of a drawing within the drawing lies in the width and height
-  // that `sized` states (SVG 1.1, 7.7 and 7.8). Without these, or where they are shares of what is
-  // around, a unit within is one without.
+  // Transform from the viewBox of a symbol or of a nested drawing to the width and height that
+  // `sized` states (SVG 1.1, 7.7 and 7.8). Without these, or with percentages of the parent, the
+  // units inside and outside are equal.
   Placing viewport(const pugi::xml_node& node, const pugi::xml_node& sized) {
     const auto box = svg_numbers(node.attribute("viewBox").value());
     if (!box || box->size() != 4 || (*box)[2] <= 0.0 || (*box)[3] <= 0.0) {
@@ -241,7 +241,7 @@ class SvgReader {
             share("YMin", "YMax") * (height - sy * (*box)[3]) - sy * (*box)[1]};
   }
 
-  // Of an attribute in units of the drawing; NaN and a complaint where it is no such length.
+  // An attribute in units of the drawing; NaN and a remark if it is no such length.
   double length(const pugi::xml_node& node, const char* name, double otherwise) {
     const pugi::xml_attribute told = node.attribute(name);
     if (!told) {
@@ -337,7 +337,7 @@ class SvgReader {
     }
   }
 
-  // [m] of paper to a unit; 0: the file says nothing of paper.
+  // [m] of paper per unit; 0: the file states no paper size.
   double paper_unit(const pugi::xml_node& root) {
     const auto box = svg_numbers(root.attribute("viewBox").value());
     for (const auto& [name, side] : {std::pair{"width", 2U}, {"height", 3U}}) {
@@ -365,7 +365,7 @@ class SvgReader {
 
   Expected<Drawing> scaled(const pugi::xml_node& root) {
     if (units_.metres > 0.0) {
-      return std::move(drawing_);  // as told
+      return std::move(drawing_);  // as stated by the user
     }
     const double paper = paper_unit(root);
     if (units_.scale > 0.0) {
@@ -390,10 +390,10 @@ class SvgReader {
   const ModelUnits& units_;
   Drawing drawing_;
   std::map<std::string, pugi::xml_node> by_id_;
-  std::map<std::string, int> left_out_;  // how many of each
+  std::map<std::string, int> left_out_;  // count by kind
   std::set<std::string> layers_;
   std::set<std::string> used_;
-  std::size_t points_ = 0;  // and elements that were placed
+  std::size_t points_ = 0;  // and placed elements
   bool has_layers_ = false;
 };
 

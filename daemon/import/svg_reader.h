@@ -1,4 +1,4 @@
-// Reads flat drawings in SVG (W3C, SVG 1.1), as Inkscape and people write them: paths, lines,
+// Reads flat drawings in SVG (W3C, SVG 1.1), as written by Inkscape and by hand: paths, lines,
 // polylines, rectangles and circles with all their transforms, by layer.
 #pragma once
 
@@ -10,12 +10,12 @@
 
 namespace rayloc {
 
-// A layer is one of Inkscape by its name; in a file without those, a group by its id or class.
-// Names of layers within layers are joined: "ground floor/walls". What is hidden is left out.
+// A layer is an Inkscape layer, by its name; in a file without these, a group by its id or class.
+// Names of nested layers are joined: "ground floor/walls". Hidden elements are left out.
 //
-// How long a unit is: units.metres, else what width and viewBox state, times units.scale. An Error
-// where they state nothing, or a drawing that is smaller than a room is: it was drawn for paper, at
-// a scale that only a person knows.
+// Length of a unit: units.metres, else as stated by width and viewBox, times
+// units.scale. Returns an Error without either, or for a drawing smaller
+// than a room: it was drawn for paper, and a person must state the scale.
 Expected<Drawing> read_svg(const std::filesystem::path& file, const ModelUnits& units);
 
 }  // namespace rayloc

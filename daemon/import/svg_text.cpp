@@ -25,7 +25,7 @@ class Scanner {
     const std::size_t next = text_.find_first_not_of(kSpace);
     text_.remove_prefix(next == std::string_view::npos ? text_.size() : next);
   }
-  // Spaces with one comma among them.
+  // Spaces with at most one comma.
   void skip_separator() {
     skip_space();
     if (text_.starts_with(',')) {
@@ -66,7 +66,7 @@ class Scanner {
     text_ = text_.substr(static_cast<std::size_t>(end - text_.data()));
     return value;
   }
-  // Of an arc: one digit, with nothing behind it that would be needed.
+  // Flag of an arc: one digit, which needs no separator behind it.
   std::optional<bool> flag() {
     skip_separator();
     const bool is_set = take('1');
@@ -117,7 +117,7 @@ class PathReader {
     switch (kind) {
       case 'M':
         end_line();
-        command_ = relative ? 'l' : 'L';  // what follows a move without a letter
+        command_ = relative ? 'l' : 'L';  // implicit command after a move
         return move_to(from);
       case 'L':
         return line_to(from);
@@ -150,7 +150,7 @@ class PathReader {
     return to.has_value();
   }
   void go(const FloorPoint& to) {
-    if (count_ <= kMostDrawnPoints) {  // one more is too many, which the reader says
+    if (count_ <= kMostDrawnPoints) {  // one more exceeds the limit, which the reader reports
       if (line_.points.empty()) {
         line_.points.push_back(at_);
       }
@@ -230,7 +230,7 @@ class PathReader {
   }
   void end_line() {
     if (line_.is_closed && line_.points.back() == line_.points.front()) {
-      line_.points.pop_back();  // drawn back to the beginning before it was closed
+      line_.points.pop_back();  // was drawn back to the beginning before closing
     }
     if (line_.points.size() > 1) {
       lines_.push_back(std::move(line_));
@@ -239,17 +239,17 @@ class PathReader {
   }
 
   Scanner text_;
-  std::size_t count_ = 0;  // of points
+  std::size_t count_ = 0;  // number of points
   std::vector<DrawnLine> lines_;
   DrawnLine line_;
   FloorPoint at_{};
   FloorPoint start_{};
-  FloorPoint control_{};  // the last of a curve
+  FloorPoint control_{};  // last control point of a curve
   char command_ = '\0';
-  char before_ = '\0';  // the kind of the one before
+  char before_ = '\0';  // kind of the previous command
 };
 
-// One of a list of transforms; nothing where it is none, or has another count of numbers.
+// One element of a list of transforms; empty if it is none, or has a wrong count of numbers.
 std::optional<Placing> placing_of(std::string_view name, const std::vector<double>& v) {
   const std::size_t n = v.size();
   if (name == "matrix" && n == 6) {

@@ -7,8 +7,8 @@
 namespace rayloc {
 namespace {
 
-constexpr double kMaxParallelSine = 0.02;  // a sine, chosen: one degree
-constexpr double kSideBySide = 0.1;        // [m], chosen: shorter is where two walls meet
+constexpr double kMaxParallelSine = 0.02;  // sine, chosen: one degree
+constexpr double kSideBySide = 0.1;        // [m], chosen: shorter is at a corner of two walls
 
 struct Interval {
   double begin = 0.0;  // [m] along a line
@@ -21,7 +21,7 @@ FloorPoint along(const WallLine& line, double at) {
           line.from[1] + share * (line.to[1] - line.from[1])};
 }
 
-// Of a point: how far along a line, and how far to its left [m].
+// Coordinates of a point: distance along a line, and to its left [m].
 std::pair<double, double> place_on_line(const WallLine& line, const FloorPoint& p) {
   const double length = length_of(line);
   const double ux = (line.to[0] - line.from[0]) / length;
@@ -37,7 +37,7 @@ bool is_parallel(const WallLine& a, const WallLine& b) {
   return std::abs(cross) < kMaxParallelSine * length_of(a) * length_of(b);
 }
 
-// Where `other` runs beside `line`, along `line`.
+// The interval of `line` that is beside `other`.
 Interval beside(const WallLine& line, const WallLine& other) {
   const double from = place_on_line(line, other.from).first;
   const double to = place_on_line(line, other.to).first;
@@ -65,10 +65,10 @@ std::vector<Interval> without(const std::vector<Interval>& all, const Interval& 
 struct Pair {
   std::size_t one = 0;
   std::size_t other = 0;
-  double apart = 0.0;  // [m], of `other` to the left of `one`
+  double apart = 0.0;  // [m], distance of `other` to the left of `one`
 };
 
-// Nearest first.
+// Sorted by distance, nearest first.
 std::vector<Pair> pairs_of(const std::vector<WallLine>& lines) {
   std::vector<Pair> pairs;
   for (std::size_t i = 0; i < lines.size(); ++i) {
@@ -102,7 +102,7 @@ std::vector<WallLine> wall_lines(const std::vector<WallLine>& drawn) {
   std::copy_if(drawn.begin(), drawn.end(), std::back_inserter(lines), [](const WallLine& line) {
     return length_of(line) > 1e-6;
   });
-  std::vector<std::vector<Interval>> left;  // of each line, what is no part of a pair yet
+  std::vector<std::vector<Interval>> left;  // by line, the parts not yet in a pair
   left.reserve(lines.size());
   for (const WallLine& line : lines) {
     left.push_back({{0.0, length_of(line)}});

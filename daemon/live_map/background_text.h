@@ -1,8 +1,8 @@
-// BackgroundText: a text that takes long to make, for a thread that must not wait: made by a thread
-// of its own when somebody asks, and given to who asks next.
+// BackgroundText: a text that takes long to compute, for a thread that must not wait: computed by
+// its own thread on a request, and returned to the next request.
 //
-// One is made at a time, however many ask; nobody asks, and there is no thread. Thread safety:
-// ask() from any thread.
+// One text is computed at a time, for any number of requests; without requests there is no thread.
+// Thread safety: ask() from any thread.
 #pragma once
 
 #include <condition_variable>
@@ -16,17 +16,17 @@ namespace rayloc {
 
 class BackgroundText {
  public:
-  // `make`: called on the thread, while nobody else calls it. `first`: what there is before.
+  // `make`: called on the thread, never concurrently. `first`: the text before the first result.
   BackgroundText(std::function<std::string()> make, std::string first)
       : make_(std::move(make)), text_(std::move(first)) {}
-  // Waits for what is being made.
+  // Waits for the computation in progress.
   ~BackgroundText();
   BackgroundText(const BackgroundText&) = delete;
   BackgroundText& operator=(const BackgroundText&) = delete;
 
-  // The last one, at once; the next is made meanwhile.
+  // Returns the last text at once; the next one is computed meanwhile.
   std::string ask();
-  // Whether nothing is being made, nor asked for: the destructor would not wait.
+  // True if no text is being computed or requested: the destructor would not wait.
   bool idle() const;
 
  private:
@@ -39,7 +39,7 @@ class BackgroundText {
   bool wanted_ = false;  // guarded by mutex_
   bool making_ = false;  // guarded by mutex_
   bool ending_ = false;  // guarded by mutex_
-  std::thread thread_;   // from the first question on; last: it uses the others
+  std::thread thread_;   // started by the first request; last: it uses the others
 };
 
 }  // namespace rayloc

@@ -28,10 +28,10 @@ Json amplitudes(std::span<const std::complex<double>> row, double scale) {
   return list;
 }
 
-constexpr std::size_t kMostPaths = 6;   // of one access point: more is a tangle
+constexpr std::size_t kMostPaths = 6;   // for one access point: more would be unreadable
 constexpr double kWeakestPath = -20.0;  // [dB] below the strongest
 
-// Where the wave goes, from the device to the access point, the strongest first.
+// Paths of the wave from the device to the access point, the strongest first.
 Json paths_json(const Paths& paths, const Vec3d& device, const Vec3d& access_point) {
   std::vector<const Path*> strongest_first;
   strongest_first.reserve(paths.size());
@@ -57,7 +57,7 @@ Json paths_json(const Paths& paths, const Vec3d& device, const Vec3d& access_poi
   return list;
 }
 
-// [antenna][tone], every ray as it was traced: the likelihood believes less of the reflections.
+// [antenna][tone], every ray as it was traced: the likelihood weights reflections less.
 std::vector<std::complex<double>> simulate(const Paths& paths,
                                            const RoomModel& room,
                                            const RoomAccessPoint& access_point,
@@ -78,7 +78,7 @@ Json array_json(const HeardArray& heard,
   for (const std::complex<double>& value : heard.h) {
     power += std::norm(value);
   }
-  // 1: root mean square of what was measured, over antennas and tones.
+  // 1: root mean square of the measured values, over antennas and tones.
   const double scale = std::sqrt(static_cast<double>(heard.h.size()) / power);
   const Aligner aligner(grid);
   const Alignment alignment = aligner.align(heard.h, simulated);
@@ -118,7 +118,7 @@ std::string MapChannel::sight_json(const ChannelWatch::Sight& sight) {
     const Paths paths = tracer_at(sight, at).trace(
         Transmitter{{sight.position, {}, device.pattern, device.polarization}});
     auto simulated = simulate(paths, sight.localizer->room(), at, sight.position);
-    if (simulated.size() != heard.h.size()) {  // it is heard without a chain that is dead
+    if (simulated.size() != heard.h.size()) {  // the measured channel lacks a dead chain
       simulated = heard.map->expected(heard.map->rays_to(sight.position));
     }
     arrays.push_back(array_json(heard, std::move(simulated), grid));

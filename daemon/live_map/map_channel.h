@@ -1,5 +1,5 @@
-// MapChannel: how well the channel of a located device agrees with the one that the tracer expects
-// at its position, as JSON for the map (daemon/http/ROUTES.md, "/api/v1/channel").
+// MapChannel: the agreement of a located device's channel with the one that the tracer expects at
+// its position, as JSON for the map (daemon/http/ROUTES.md, "/api/v1/channel").
 //
 // Thread safety: one thread.
 #pragma once
@@ -16,9 +16,9 @@ namespace rayloc {
 
 class MapChannel {
  public:
-  explicit MapChannel(ChannelWatch& watch) : watch_(watch) {}  // outlives this
+  explicit MapChannel(ChannelWatch& watch) : watch_(watch) {}  // must outlive this object
 
-  // Milliseconds for each burst that it has not seen before; more where a room is traced first.
+  // Takes milliseconds for each new burst; more if a room is traced first.
   std::string json();
 
  private:
@@ -27,7 +27,7 @@ class MapChannel {
 
   ChannelWatch& watch_;
   std::map<std::shared_ptr<const ChannelWatch::Sight>, std::string> made_;
-  // Of the rooms of the daemon, which are few and stay.
+  // Tracers of the daemon's rooms, which are few and permanent.
   std::map<std::pair<std::shared_ptr<const Localizer>, std::string>, ReceiverTracer> tracers_;
 };
 

@@ -13,7 +13,7 @@
 namespace rayloc {
 namespace {
 
-constexpr std::size_t kMessagesAtOnce = 256;  // in one event; the rest comes with the next
+constexpr std::size_t kMessagesAtOnce = 256;  // maximum in one event; the rest follows in the next
 constexpr std::size_t kJsonKept = 2048;       // messages
 
 }  // namespace
@@ -31,7 +31,7 @@ EventBatch MapEvents::take(EventCursor& cursor) {
     return {};
   }
   std::string list;
-  std::uint64_t new_ones = 0;  // put since it joined: what was before then it has not missed
+  std::uint64_t new_ones = 0;  // messages published since it joined: earlier ones were not missed
   for (const MessageBoard::Message& message : messages) {
     const std::string& json = json_of(message);
     if (!json.empty()) {
@@ -55,7 +55,7 @@ EventBatch MapEvents::take(EventCursor& cursor) {
   return batch;
 }
 
-// 0 for an id of another start, of the future, or that we never gave.
+// 0 for an id of another start, of the future, or that was never sent.
 std::uint64_t MapEvents::revision_of(const std::string& last_event_id) const {
   const std::string prefix = std::to_string(epoch_) + "-";
   std::uint64_t revision = 0;
@@ -67,7 +67,7 @@ std::uint64_t MapEvents::revision_of(const std::string& last_event_id) const {
   return read.ec == std::errc() && read.ptr == end && revision <= board_->revision() ? revision : 0;
 }
 
-// Empty for what JSON has no form for.
+// Empty for a message that JSON cannot represent.
 const std::string& MapEvents::json_of(const MessageBoard::Message& message) {
   const auto [json, is_new] = json_.try_emplace(message.revision);
   if (is_new) {
@@ -75,7 +75,7 @@ const std::string& MapEvents::json_of(const MessageBoard::Message& message) {
     if (envelope.ParseFromString(*message.envelope)) {
       json->second = to_json(envelope).value_or(std::string());
     }
-    // The oldest go; what is asked for again is made again.
+    // The oldest are removed; they are generated again on demand.
     while (json_.size() > kJsonKept && json_.begin() != json) {
       json_.erase(json_.begin());
     }

@@ -1,15 +1,15 @@
-// MapEvents: what raylocd publishes, as the server-sent events of the map.
+// MapEvents: the messages that raylocd publishes, as the server-sent events of the map.
 //
-//   event: snapshot      the first one: everything that was last said
-//   id: EPOCH-REVISION   comes back as Last-Event-ID: then a snapshot holds only what is newer
+//   event: snapshot      the first one: the latest message on each subject
+//   id: EPOCH-REVISION   returned as Last-Event-ID: the snapshot then has only newer messages
 //   data: {"now": TIME, "epoch": "...", "resumed": false, "messages": [v1::Envelope, ...]}
 //
-//   event: update        what has changed since, the latest of each subject
+//   event: update        the changes since, the latest message on each subject
 //   data: {"now": TIME, "messages": [...]}
 //
-// A new epoch means that the daemon was started again, and that what was known is void. `now` is by
-// the clock that `sent` of the envelopes is by, so that a viewer can tell the age of each message
-// whatever its own clock says.
+// A new epoch means that the daemon was restarted and that earlier state is void. `now` and `sent`
+// of the envelopes use the same clock, so a viewer can compute the age of each message
+// independently of its own clock.
 //
 // Thread safety: one thread.
 #pragma once
@@ -42,7 +42,7 @@ class MapEvents : public EventFeed {
   const std::shared_ptr<const MessageBoard> board_;
   const std::uint64_t epoch_;
   const std::function<Timestamp()> now_;
-  // By revision: several viewers get the same.
+  // Texts by revision: several viewers receive the same.
   std::map<std::uint64_t, std::string> json_;
 };
 

@@ -20,7 +20,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Of a scene with more faces than a browser draws with ease, furniture is shown by its outline.
+// In a scene with more faces than a browser draws smoothly, furniture is shown by its outline.
 constexpr std::size_t kMostFaces = 20'000;
 
 Json flat(const Vec3d& point) { return {to_millimetre(point.x), to_millimetre(point.y)}; }
@@ -60,7 +60,7 @@ std::vector<Vec3d> outline(const Bounds& bounds) {
   return {low, {high.x, low.y, low.z}, high, {low.x, high.y, low.z}};
 }
 
-// Walls apart from what stands before them and reaches as high.
+// Adds walls separately from objects in front of them that are as high.
 void add_cut(const draw::ScenePart& part, const draw::MeshSection& section, Json& shapes) {
   const char* const kind = part.kind == draw::PartKind::kWall ? "cut" : "cut furniture";
   for (const auto& loop : section.loops) {
@@ -71,7 +71,7 @@ void add_cut(const draw::ScenePart& part, const draw::MeshSection& section, Json
   }
 }
 
-// In the order in which they are painted.
+// Shapes in the order in which they are painted.
 Json plan_json(const Scene& scene) {
   const std::vector<draw::ScenePart> parts = draw::scene_parts(scene);
   const draw::FloorPlan plan = draw::floor_plan(scene, parts);
@@ -149,7 +149,7 @@ Json zones_json(const Site& site) {
 
 Json unavailable(const std::string& reason) { return {{"available", false}, {"reason", reason}}; }
 
-// Names and reasons come from files that may hold any bytes.
+// Names and reasons come from files that may contain any bytes.
 std::string text_of(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
 }

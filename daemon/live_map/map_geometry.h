@@ -1,4 +1,4 @@
-// What the map draws that does not move, as JSON (the keys: daemon/http/ROUTES.md, "/api/v1/map").
+// The static part of the map, as JSON (the keys: daemon/http/ROUTES.md, "/api/v1/map").
 #pragma once
 
 #include <string>
@@ -10,21 +10,21 @@
 
 namespace rayloc {
 
-// `room`: with its scene. `methods`: by name, the site's own before those that are compared with
-// it. `addresses`: of fixed transmitters, else empty.
+// `room`: with its scene. `methods`: by name, the site's own before the compared ones. `addresses`:
+// of fixed transmitters, otherwise empty.
 std::string map_geometry_json(const Site& site,
                               const RoomModel& room,
                               const std::vector<std::string>& methods,
                               bool addresses = true);
 
-// The "plan" of it alone: what the scene looks like from above.
+// Only its "plan": the scene as seen from above.
 std::string map_plan_json(const Scene& scene);
 
-// Of a site where nothing is located: {"site": ..., "available": false, "reason": ...}.
+// For a site without localization: {"site": ..., "available": false, "reason": ...}.
 std::string map_without_room_json(const Site& site, const std::string& reason);
 
-// What the report beside the calibration in use says of it: what moved, and how well each surveyed
-// point fits. {"available": false, "reason": ...} where there is none that belongs to it.
+// The content of the report beside the calibration in use: the moved antennas and the fit of each
+// surveyed point. {"available": false, "reason": ...} if no report belongs to it.
 std::string map_calibration_json(const Site& site, const RoomModel& room);
 std::string map_without_calibration_json(const std::string& reason);
 

@@ -1,4 +1,4 @@
-// Where somebody was today, as JSON for the map (daemon/http/ROUTES.md, "/api/v1/presence").
+// Recent places of all targets, as JSON for the map (daemon/http/ROUTES.md, "/api/v1/presence").
 #pragma once
 
 #include <string>

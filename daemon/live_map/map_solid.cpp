@@ -65,7 +65,7 @@ std::vector<draw::Face> few_faces(const Scene& scene, const std::vector<draw::Sc
   return all;
 }
 
-// Corners, and which edges of the outline are no seams.
+// The corners, and the edges of the outline that are no seams.
 Json face_json(const draw::Face& face) {
   Json corners = Json::array();
   Json edges = Json::array();

@@ -7,8 +7,8 @@
 
 namespace rayloc {
 
-// Of an object with more faces than kMostFacesOfOne its box is drawn: a scan is drawn as what it is
-// of.
+// An object with more faces than kMostFacesOfOne is drawn as its box: a scanned object is drawn as
+// the thing it represents.
 std::string map_solid_json(const Scene& scene);
 
 }  // namespace rayloc

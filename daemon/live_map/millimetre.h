@@ -1,4 +1,4 @@
-// Lengths as the page gets them: what is finer nobody sees, and it would be sent all the same.
+// Lengths as sent to the page: finer resolution would be invisible and cost bandwidth.
 #pragma once
 
 #include <cmath>

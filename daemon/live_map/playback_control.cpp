@@ -14,7 +14,7 @@ constexpr double kFastest = 1e6;
 
 tl::unexpected<Error> wrong(const std::string& what) { return make_error(ErrorKind::kUsage, what); }
 
-// Nothing for what is no number from `least` to `most`, NaN among it.
+// Empty if the text is no number from `least` to `most`, or is NaN.
 std::optional<double> number(const std::string& text, double least, double most) {
   double value = 0.0;
   const char* const end = text.data() + text.size();
@@ -45,7 +45,7 @@ Expected<Playback::Change> playback_change(const HttpParameters& parameters,
       }
       change.speed = speed;
     } else if (key == "position") {
-      // Who counts in milliseconds may come out behind the end.
+      // A position counted in milliseconds may round to a value after the end.
       const std::optional<double> seconds = number(value, 0.0, std::numeric_limits<double>::max());
       if (!seconds) {
         return wrong("'position' is '" + value + "'; write seconds after the beginning, 0 or more");

@@ -1,7 +1,7 @@
-// What is asked of the playback of recordings over HTTP: POST /api/v1/playback?KEY=VALUE&...
+// Requests for the playback of recordings over HTTP: POST /api/v1/playback?KEY=VALUE&...
 //
-//   state=playing|paused   playing at the end begins anew
-//   speed=N|max            recorded seconds per second, from 0.001 on; max: as fast as it goes
+//   state=playing|paused   playing at the end restarts from the beginning
+//   speed=N|max            recorded seconds per second, from 0.001 on; max: unlimited
 //   position=SECONDS       after the beginning of the recordings; past their end: the end
 #pragma once
 
@@ -11,8 +11,8 @@
 
 namespace rayloc {
 
-// kUsage, with what to write instead, for an unknown key, a value that is none, a key that is there
-// twice, or when nothing is asked for. `now`: before the change.
+// kUsage, with the valid values, for an unknown key, an invalid value, a repeated key, or an empty
+// request. `now`: state before the change.
 Expected<Playback::Change> playback_change(const HttpParameters& parameters,
                                            const Playback::State& now);
 

@@ -18,11 +18,11 @@ constexpr std::array<std::string_view, 4> kDoors = {"door", "tuer", "tür", "por
 constexpr std::array<std::string_view, 4> kWindows = {"window", "fenster", "fenetre", "fenêtre"};
 constexpr double kNarrowest = 0.3;   // [m]
 constexpr double kThickest = 0.4;    // [m]
-constexpr double kSill = 0.3;        // [m] from which a pane of glass is no wall
+constexpr double kSill = 0.3;        // [m], above it a pane of glass is no wall
 constexpr double kBeside = 0.06;     // [m] between an opening and its wall
-constexpr double kShallowest = 0.1;  // [m] that is drawn of a pane without a wall
+constexpr double kShallowest = 0.1;  // [m], drawn depth of a pane without a wall
 
-// Whether a word of the name begins so. Letters beyond ASCII are part of a word.
+// True if a word of the name begins with it. Letters beyond ASCII are part of a word.
 template <std::size_t N>
 bool is_called(const std::string& name, const std::array<std::string_view, N>& words) {
   std::string lower;
@@ -43,7 +43,7 @@ bool is_called(const std::string& name, const std::array<std::string_view, N>& w
   });
 }
 
-// Along an opening and across it.
+// The axes along an opening and across it.
 struct Axes {
   Vec3d along;
   Vec3d across;
@@ -74,7 +74,7 @@ std::vector<Points> pieces(const draw::MeshSection& section) {
   return all;
 }
 
-// By the longest edge; none where everything is one point.
+// Determined by the longest edge; empty if all points coincide.
 std::optional<Axes> axes_of(const std::vector<Points>& all) {
   Vec3d longest{};
   for (const Points& points : all) {
@@ -90,7 +90,7 @@ std::optional<Axes> axes_of(const std::vector<Points>& all) {
   return Axes{along, {-along.y, along.x, 0.0}};
 }
 
-// The walls that are parallel to it and meet it make the gap as deep as they are.
+// Walls that are parallel to the gap and meet it extend its depth to their own.
 void widen(Extent& across, const Extent& along, const Axes& axes, const Points& wall) {
   const Extent wall_across = extent(wall, axes.across);
   if (wall_across.size() <= kThickest && meet(extent(wall, axes.along), along) &&

@@ -1,7 +1,7 @@
-// Doors and windows of a scene, for a plan that draws them as architects do: a gap in the wall.
+// Doors and windows of a scene, for a plan with architects' symbols: a gap in the wall.
 //
-// An opening is upright, thin, cut at breast height, and called a door or a window; or it is of
-// glass and does not reach the floor. The gap goes through the walls beside it or behind it.
+// An opening is upright, thin, cut at breast height, and named a door or a window; or it is of
+// glass and does not reach the floor. The gap extends through the walls beside it or behind it.
 #pragma once
 
 #include <array>
@@ -15,9 +15,9 @@
 namespace rayloc {
 
 struct WallOpening {
-  bool is_door = false;  // else a window
+  bool is_door = false;  // otherwise a window
   std::uint32_t object = 0;
-  // Of the gap, from the hinge along the side of the wall where the room is.
+  // Corners of the gap, from the hinge along the side of the wall that faces the room.
   std::array<Vec3d, 4> corners;
 };
 

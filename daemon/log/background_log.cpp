@@ -81,7 +81,7 @@ void BackgroundLog::run(const std::shared_ptr<Shared>& shared) {
     lock.unlock();
     try {
       shared->write(entry);
-    } catch (const std::exception&) {  // nobody is left to tell
+    } catch (const std::exception&) {  // no output is left to report it
     }
     lock.lock();
     ++shared->written;

@@ -1,9 +1,9 @@
-// BackgroundLog: writes the log on a thread of its own, so that a journal or a terminal that takes
-// nothing holds up nobody who logs: not the main thread, which feeds the watchdog, nor the
+// BackgroundLog: writes the log on a separate thread, so that a blocked journal or terminal
+// delays no thread that logs: neither the main thread, which feeds the watchdog, nor the
 // pipeline.
 //
-// What waits is bounded; past that the oldest entry gives way and is counted. A writer that does
-// not come back is left behind when the log ends. Thread safety: any thread.
+// The queue is bounded; beyond the limit the oldest entry is dropped and counted. A writer that
+// does not return is abandoned when the log ends. Thread safety: any thread.
 #pragma once
 
 #include <chrono>
@@ -34,19 +34,19 @@ class BackgroundLog {
   static constexpr std::size_t kWaiting = 8192;
   static constexpr std::chrono::milliseconds kPatience{1000};
 
-  // `write`: called on the thread, one entry after another; what it throws is dropped.
+  // `write`: called on the thread, one entry after another; its exceptions are dropped.
   explicit BackgroundLog(Write write,
                          std::size_t max_waiting = kWaiting,
                          std::chrono::milliseconds patience = kPatience);
-  // Waits until everything is written, as flush() does.
+  // Waits until all entries are written, as flush() does.
   ~BackgroundLog();
   BackgroundLog(const BackgroundLog&) = delete;
   BackgroundLog& operator=(const BackgroundLog&) = delete;
 
   void put(LogEntry entry);
-  // Waits until everything that was put before is written, for `patience` at most; whether it is.
+  // Waits at most `patience` until all earlier entries are written; returns true if they are.
   bool flush() const;
-  // Entries that gave way to newer ones.
+  // Entries that were dropped for newer ones.
   std::uint64_t dropped() const;
 
  private:

@@ -1,5 +1,5 @@
-// LimitedLog: what can happen thousands of times a second, said at once and then once every 30 s
-// with how often it happened meanwhile.
+// LimitedLog: logs events that may occur thousands of times a second: immediately, and then once
+// every 30 s with their number meanwhile.
 //
 //   LimitedLog log(log_event);
 //   log.say("denied", {LogLevel::kWarning, "a client was turned away", {{"address", "10.0.0.7"}}});
@@ -26,14 +26,14 @@ class LimitedLog {
   explicit LimitedLog(Write write, std::chrono::seconds period = std::chrono::seconds(30))
       : write_(std::move(write)), period_(period) {}
 
-  // `site`: what is counted together, "denied", "kernel_drops ap1". `times`: that it happened.
+  // `site`: counter key, "denied", "kernel_drops ap1". `times`: number of occurrences.
   void say(const std::string& site,
            LogEvent event,
            std::uint64_t times = 1,
            Time now = std::chrono::steady_clock::now());
-  // Says what was held back and is due, even when nothing follows; to be called now and then.
+  // Logs held-back events that are due, without a new event; to be called periodically.
   void flush(Time now = std::chrono::steady_clock::now());
-  // Says all that was held back, due or not: what is said when nothing will follow.
+  // Logs all held-back events, due or not: for the end of the log.
   void finish();
 
  private:

@@ -10,7 +10,7 @@
 #include <memory>
 #include <string>
 
-// Every entry would have the place in log_event() as its own otherwise.
+// Otherwise every entry would have its place in log_event().
 #define SD_JOURNAL_SUPPRESS_LOCATION
 #include <systemd/sd-journal.h>
 
@@ -40,8 +40,8 @@ spdlog::level::level_enum spdlog_level(LogLevel level) {
   return spdlog::level::info;
 }
 
-// systemd.exec(5): $JOURNAL_STREAM is the device and inode of the stream to the journal. A program
-// that hands it on and connects standard error to something else wants the log there.
+// systemd.exec(5): $JOURNAL_STREAM is the device and inode of the stream to the journal. If a
+// parent process passes it on but redirects standard error, the log is to go to standard error.
 bool is_journal_stream(int fd) {
   const char* const stream = std::getenv("JOURNAL_STREAM");
   struct stat status {};
@@ -49,7 +49,7 @@ bool is_journal_stream(int fd) {
          stream == std::to_string(status.st_dev) + ":" + std::to_string(status.st_ino);
 }
 
-// As syslog(3) counts them.
+// Numbers of syslog(3).
 const char* priority(spdlog::level::level_enum level) {
   switch (level) {
     case spdlog::level::trace:
@@ -66,8 +66,8 @@ const char* priority(spdlog::level::level_enum level) {
   }
 }
 
-// What entries quote of files and of the network may not control a terminal. The lines of an entry
-// are those that we write ourselves; log_event() takes one line.
+// Text that entries quote from files and from the network must not control a terminal. Line breaks
+// of an entry come from our own code; log_event() takes one line.
 std::string line_of(const LogEntry& entry) {
   std::string line = printable(entry.message, '\n');
   for (const LogField& field : entry.fields) {
@@ -92,7 +92,7 @@ void write_to_journal(const LogEntry& entry) {
   for (std::string& part : entries) {
     parts.push_back({part.data(), part.size()});
   }
-  // The journal may be away while it is restarted; its stream is kept for it by systemd.
+  // The journal may be absent during a restart; systemd keeps its stream open.
   if (sd_journal_sendv(parts.data(), static_cast<int>(parts.size())) != 0) {
     std::fprintf(stderr, "%s\n", line_of(entry).c_str());
   }
@@ -108,7 +108,7 @@ BackgroundLog::Write to_stderr() {
   };
 }
 
-// Where everything that spdlog is told goes into the background.
+// Passes all spdlog messages to the background log.
 class BackgroundSink final : public spdlog::sinks::sink {
  public:
   explicit BackgroundSink(BackgroundLog::Write write) : log_(std::move(write)) {}

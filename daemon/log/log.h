@@ -1,6 +1,6 @@
 // The log of raylocd: to the journal with its levels and fields where standard error is the
-// journal's, else to standard error, a line each, with time (UTC) and level. It is written in the
-// background (background_log.h): spdlog's flush() waits for that, a second at most.
+// journal's, otherwise to standard error, one line each, with time (UTC) and level. It is written
+// in the background (background_log.h): spdlog's flush() waits for that, a second at most.
 #pragma once
 
 #include <cstdint>
@@ -15,9 +15,9 @@ namespace rayloc {
 void set_up_log(const LogConfig& config);
 void set_log_level(const LogConfig& config);
 
-// Something with figures that a program may want: the journal keeps them as fields of their own
-// (RAYLOC_SOURCE=ap1, for `journalctl RAYLOC_SOURCE=ap1`), a line of text has them at its end
-// ("... source=ap1").
+// A figure of an event that a program may need: the journal stores it as a separate field
+// (RAYLOC_SOURCE=ap1, for `journalctl RAYLOC_SOURCE=ap1`), a line of text has it at its end ("...
+// source=ap1").
 struct LogField {
   std::string name;  // lower case, digits and '_'
   std::string value;
@@ -31,7 +31,7 @@ void log_event(const LogEvent& event);
 // A line without figures.
 inline void log_line(LogLevel level, const std::string& text) { log_event({level, text}); }
 
-// What nobody will read, because it was not taken in time.
+// Number of entries that were dropped because they were not written in time.
 std::uint64_t log_entries_dropped();
 
 }  // namespace rayloc

@@ -1,4 +1,4 @@
-// A process that ends with the one that made it, however that went.
+// Makes a process end with its parent, however the parent ended.
 #pragma once
 
 #include <sys/prctl.h>
@@ -8,9 +8,9 @@
 
 namespace rayloc {
 
-// The kernel kills this process when the thread that made it is gone (prctl(2)). Between fork() and
-// exec() as well: async-signal-safe. False where that parent has gone already, or the kernel denies
-// it.
+// The kernel kills this process when the thread that created it has ended (prctl(2)). To be called
+// between fork() and exec() as well: async-signal-safe. False if that parent has already ended, or
+// the kernel denies it.
 inline bool end_with_parent(pid_t parent) {
   return prctl(PR_SET_PDEATHSIG, SIGKILL) == 0 && getppid() == parent;
 }

@@ -25,7 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 using Kind = Finding::Kind;
 
-// What UdpSource asks for; below it datagrams are lost in bursts.
+// Size that UdpSource requests; below it datagrams are lost in bursts.
 constexpr std::int64_t kReceiveBuffer = std::int64_t{8} << 20U;
 constexpr std::uintmax_t kFewBytes = std::uintmax_t{1} << 30U;
 
@@ -86,7 +86,7 @@ Finding check_disk(const std::string& what_for, const fs::path& directory, std::
                                      : Finding{Kind::kOk, what, ""};
 }
 
-// Null when the port can be had, else why not. `host`: an address or a name of this machine.
+// Null when the port is available, otherwise the reason. `host`: address or name of this machine.
 std::optional<std::string> refusal(int type, const std::string& host, const std::string& port) {
   addrinfo hints{};
   hints.ai_socktype = type;
@@ -127,7 +127,7 @@ std::string address_text(const std::string& host, std::uint16_t port) {
   return host + ":" + std::to_string(port);
 }
 
-// Secrets are the user's that raylocd runs as; who asks may be another.
+// Secrets belong to the user that raylocd runs as; the caller may be another user.
 Finding check_secret(const std::string& key, const fs::path& file) {
   const std::string what = key + " " + file.string();
   if (const auto checked = check_private(file, {"secret", ""}); !checked) {
@@ -198,7 +198,7 @@ Finding check_source(const SourceConfig& source, bool running) {
   return {Kind::kOk, "source " + source.access_point + ": " + names, ""};
 }
 
-// The TCP port of a ZeroMQ endpoint.
+// Checks the TCP port of a ZeroMQ endpoint.
 void check_endpoint(const std::string& name,
                     const std::string& endpoint,
                     bool running,
@@ -208,7 +208,7 @@ void check_endpoint(const std::string& name,
   std::string address = endpoint;
   if (endpoint.rfind(kTcp, 0) != 0 || endpoint.size() <= kTcp.size() + kAnyPort.size() ||
       endpoint.compare(endpoint.size() - kAnyPort.size(), kAnyPort.size(), kAnyPort) == 0) {
-    return;  // a path, or whatever port is free
+    return;  // a path, or any free port
   }
   address.erase(0, kTcp.size());
   if (address.front() == '*') {
@@ -221,7 +221,7 @@ void check_endpoint(const std::string& name,
   findings.push_back(check_port(name, address, SOCK_STREAM, running));
 }
 
-// The credential shows where systemd passes it; here it would be `secret_file` by now.
+// systemd passes the credential to its unit only; here it would already be in `secret_file`.
 Finding check_curve(const CurveConfig& curve, bool running) {
   if (curve.secret_file.empty()) {
     return running

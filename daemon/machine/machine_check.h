@@ -1,4 +1,4 @@
-// What of this machine stands in the way of a daemon: what `rayloc doctor` looks at.
+// Conditions of this machine that prevent a daemon from working: checks of `rayloc doctor`.
 #pragma once
 
 #include <string>
@@ -12,12 +12,12 @@ struct Finding {
   enum class Kind { kOk, kWarning, kProblem };
   Kind kind = Kind::kOk;
   std::string what;
-  std::string advice;  // what to do; empty when all is well
+  std::string advice;  // remedy; empty when there is no fault
 };
 
-// Receive buffers, clock, disk, capabilities, interfaces, ports and secrets. `running`:
-// the daemon runs, so its ports are taken as they should be. Changes nothing; ports are bound for
-// an instant.
+// Receive buffers, clock, disk, capabilities, interfaces, ports and secrets. `running`: the daemon
+// runs, so it is correct that its ports are in use. Changes nothing; ports are bound for an
+// instant.
 std::vector<Finding> check_machine(const DaemonConfig& config, bool running);
 
 }  // namespace rayloc

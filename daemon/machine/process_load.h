@@ -1,4 +1,4 @@
-// ProcessLoad: how much of the time of the processors that this process may use it has used.
+// ProcessLoad: the share of the available processor time that this process has used.
 //
 // Thread safety: one thread.
 #pragma once
@@ -11,7 +11,7 @@ class ProcessLoad {
  public:
   ProcessLoad();
 
-  // Since the look before, 0 to 1; a look within kEvery of it says the same again.
+  // Since the last call, 0 to 1; a call within kEvery of it returns the same value.
   double look();
   static constexpr std::chrono::seconds kEvery{5};  // chosen: longer than a burst of work
 

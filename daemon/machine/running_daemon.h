@@ -1,5 +1,5 @@
-// Whether a raylocd runs with a configuration, whatever it has come to: one that is starting
-// answers nobody yet, and has its ports or will have them.
+// Checks if a raylocd runs with a configuration, in any state: one that is starting sends no
+// responses yet, but has bound its ports or will bind them.
 #pragma once
 
 #include <sys/types.h>
@@ -9,7 +9,7 @@
 
 namespace rayloc {
 
-// Its process, by what /proc tells this user; nothing when none is seen.
+// Its process, as visible to this user in /proc; empty when none is found.
 std::optional<pid_t> running_daemon(const std::filesystem::path& configuration);
 
 }  // namespace rayloc

@@ -14,18 +14,18 @@ namespace {
 
 using Kind = Finding::Kind;
 
-// Judged only after so many frames: the first ones are often torn.
+// Minimum number of frames for a verdict: the first ones are often incomplete.
 constexpr std::uint64_t kEnoughFrames = 50;
 // An antenna in a fade is 10 to 20 dB below another one for a frame, not on the average of a
-// hundred; without its cable a chain hears the others' leakage, 25 dB and more below.
+// hundred; without its cable a chain receives the others' leakage, 25 dB and more below.
 constexpr double kDeafDb = 20.0;
-// Reasons of UdpSource to reject what the configuration keeps out.
+// Reasons of UdpSource for datagrams that the configuration excludes.
 constexpr std::string_view kSenderNotAllowed = "sender_not_allowed";
 constexpr std::string_view kInterfaceNotAllowed = "interface_not_allowed";
 // Reasons of CsiReceiver to reject datagrams of a known format.
 constexpr std::string_view kOtherChannel = "other_channel";
 constexpr std::string_view kSeveralAccessPoints = "several_access_points";
-// What says nothing of the format: stamps and marks of a recording.
+// Reasons unrelated to the format: stamps and marks of a recording.
 constexpr std::array<std::string_view, 10> kNotOfTheFormat = {kSenderNotAllowed,
                                                               kOtherChannel,
                                                               kSeveralAccessPoints,
@@ -80,7 +80,7 @@ class Hints {
     }
   }
 
-  // Beside frames that come it is what the operator wants.
+  // If frames arrive as well, the rejections are intended by the operator.
   void kept_out(std::string_view reason, const char* what, const char* key) {
     const auto found = source_.counters().rejected().find(std::string(reason));
     if (frames_ == 0 && found != source_.counters().rejected().end()) {
@@ -91,7 +91,7 @@ class Hints {
     }
   }
 
-  // A problem while it goes on, a warning once it is over.
+  // A problem while it lasts, a warning once it has ended.
   void rejected_as_a_whole(std::string_view reason) {
     const auto found = source_.counters().rejected().find(std::string(reason));
     if (found == source_.counters().rejected().end()) {

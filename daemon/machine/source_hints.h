@@ -1,5 +1,5 @@
-// What is wrong with an access point's configuration, by what comes from it: what `rayloc doctor`
-// says of a running daemon's sources.
+// Faults in an access point's configuration, detected from its frames: messages of `rayloc doctor`
+// about a running daemon's sources.
 #pragma once
 
 #include <vector>
@@ -11,7 +11,7 @@
 namespace rayloc {
 
 // Silence; another format than the site states; datagrams that are no CSI; chains that are missing,
-// deaf, or unknown to the site; another bandwidth than the site's. Empty when all is well.
+// have low power, or are not in the site; another bandwidth than the site's. Empty without faults.
 std::vector<Finding> source_hints(const v1::SourceState& source, const Site& site);
 
 }  // namespace rayloc

@@ -6,15 +6,15 @@
 namespace rayloc {
 namespace {
 
-// [bytes] that may be free at the end of a heap. Left unset it is twice the largest mapped block
-// that was ever freed, up to 64 MiB: a file of path grids that has been read lifts it to that.
+// [bytes] that may be free at the end of a heap. If unset it is twice the largest mapped block that
+// was ever freed, up to 64 MiB: reading a file of path grids raises it to that.
 constexpr int kFreeEnd = 1 << 20;
 // [bytes] from which on a block is mapped, and unmapped when it is freed. With the one above unset
-// it grows in the same way; set alone, that would leave it at 128 KiB, and the vectors of each fix
-// would be mapped anew.
+// it grows in the same manner; with the one above set alone, it would stay at 128 KiB, and the
+// vectors of each fix would be mapped anew.
 constexpr int kMappedBlock = 4 << 20;
-// Heaps under a limit of address space (ulimit -v), of which each takes 64 MiB at once: what the
-// stacks of further threads would need.
+// Heaps under a limit of address space (ulimit -v); each takes 64 MiB at once, which the stacks of
+// further threads would need.
 constexpr int kHeapsUnderALimit = 2;
 
 bool address_space_is_limited() {

@@ -1,10 +1,10 @@
-// What the allocator keeps of memory that nothing uses any more, for the next time.
+// Unused memory that the allocator keeps for later allocations.
 //
-// Whenever a stage is behind (the machine was busy, a disk or a subscriber slow), its queue holds
-// for a moment what it holds at no other time. Left alone, glibc keeps nearly all of that for ever:
-// what a busy minute once needed would look like a leak. So there are two rules, and each needs the
-// other: the end of a heap goes at once when it is free, and what is free in between every few
-// seconds.
+// Whenever a stage is behind (the machine was busy, a disk or a subscriber slow), its queue is
+// temporarily larger than at any other time. By default, glibc keeps nearly all of that memory for
+// ever: the demand of a busy minute would appear as a leak. There are therefore two rules, and each
+// needs the other: the free end of a heap is returned immediately, and free memory in between every
+// few seconds.
 #pragma once
 
 #include <chrono>
@@ -14,8 +14,8 @@ namespace rayloc {
 // The first rule. To be called before there is a second thread.
 void bound_spare_memory();
 
-// The second one: to be called every kSpareInterval. It takes some milliseconds, during which
-// other threads may wait to allocate.
+// The second one: to be called every kSpareInterval. It takes some milliseconds, during which other
+// threads may wait to allocate.
 void give_spare_memory_back();
 constexpr std::chrono::seconds kSpareInterval{10};
 

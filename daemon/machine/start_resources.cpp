@@ -23,7 +23,7 @@
 namespace rayloc {
 namespace {
 
-// Queues, batches and what libraries map beyond the stacks of threads and their heaps.
+// Queues, batches and mappings of libraries, beyond the stacks of threads and their heaps.
 constexpr std::size_t kSpareBytes = std::size_t{32} << 20U;
 
 const char* const kMemoryAdvice =
@@ -36,7 +36,7 @@ tl::unexpected<Error> lack(const std::string& of, int number, const char* advice
                     "cannot start: no " + of + ": " + std::strerror(number) + advice);
 }
 
-// Threads that have each begun a heap of their own and wait to be let go.
+// Threads that have each begun a separate heap and wait to be released.
 class TrialThreads {
  public:
   explicit TrialThreads(std::size_t count) { threads_.reserve(count); }
@@ -53,7 +53,7 @@ class TrialThreads {
   TrialThreads(const TrialThreads&) = delete;
   TrialThreads& operator=(const TrialThreads&) = delete;
 
-  // Returns when it has; throws std::system_error or std::bad_alloc.
+  // Returns when the thread has begun; throws std::system_error or std::bad_alloc.
   void add() {
     threads_.emplace_back([this] { wait(); });
     std::unique_lock lock(mutex_);

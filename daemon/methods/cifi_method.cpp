@@ -1,5 +1,5 @@
-// The row `cifi`: images of phase differences, as a network has seen them at surveyed places. It
-// has no tracks.
+// The row `cifi`: images of phase differences, compared by a
+// network with those of surveyed places. It has no tracks.
 #include <memory>
 #include <utility>
 

@@ -1,9 +1,9 @@
-// DeviceMethod: a method at work in one room, on devices of one height and antenna.
+// DeviceMethod: a method instance in one room, for devices of one height and antenna.
 //
-// locate() is all that a method must have. Tracks, a watch on the chains and a model of the channel
-// are of methods that have them; the others leave these members as they are.
+// Every method must implement locate(). Tracks, monitoring of the chains and a channel model are
+// optional; methods without them keep the defaults of these members.
 //
-// Thread safety: for one thread.
+// Thread safety: single-threaded.
 #pragma once
 
 #include <cstdint>
@@ -29,17 +29,17 @@ struct Training;
 struct DeviceMethodInput {
   std::shared_ptr<const RoomModel> room;
   MethodOptions options;
-  std::set<MacAddress> listed = {};  // devices that the site names: never refused a track
-  std::shared_ptr<const Training> training = nullptr;  // of this method; null: nothing was learned
+  std::set<MacAddress> listed = {};  // devices listed in the site: never refused a track
+  std::shared_ptr<const Training> training = nullptr;  // for this method; null: untrained
 };
 
-// What a method thought of the chains of a burst's frames when they were heard.
+// A method's assessment of the chains of a burst's frames at the time of reception.
 struct ChainTrust {
   FrameDoubt doubt;
   std::uint64_t withdrawals = 0;  // ChainLearner::withdrawals()
 };
 
-// A burst for a track, doubted as its frames were when they were heard.
+// A burst for a track, with the chain assessment made at the reception of its frames.
 struct HeardBurst {
   DeviceBurst burst;
   std::uint64_t withdrawals = 0;  // ChainTrust::withdrawals
@@ -51,32 +51,32 @@ class DeviceMethod {
 
   virtual const RoomModel& room() const = 0;
 
-  // `frames`: of one device, any access points, in order of time. `repeat`: another number, other
-  // random draws, for studies; a method that draws nothing leaves it alone.
+  // `frames`: from one device, any access points, in order of time. `repeat`: another number gives
+  // other random draws, for studies; a method without random draws ignores it.
   virtual LocationEstimate locate(std::span<const CsiFrame> frames, std::uint64_t repeat) const = 0;
 
-  // Whether its devices get tracks.
+  // True if its devices get tracks.
   virtual bool has_tracks() const { return false; }
-  // Tracks, as DeviceTracker has them: [burst]. REQUIRES: every burst is of another device.
+  // Tracks, as in DeviceTracker: [burst]. REQUIRES: every burst is from another device.
   virtual std::vector<std::vector<DeviceUpdate>> track(std::span<const HeardBurst> bursts) {
     return std::vector<std::vector<DeviceUpdate>>(bursts.size());
   }
   virtual void advance(Timestamp /*now*/, std::vector<DeviceUpdate>& /*updates*/) {}
   virtual void restart(const std::string& /*reason*/, std::vector<DeviceUpdate>& /*updates*/) {}
-  // Whether the device has a track, and one that was confirmed.
+  // True if the device has a track; follows(): if the track is confirmed.
   virtual bool knows(const MacAddress& /*device*/) const { return false; }
   virtual bool follows(const MacAddress& /*device*/) const { return false; }
-  // When the device that has been silent longest of those with a track was heard; `now` without
-  // any.
+  // Last reception from the longest silent device
+  // that has a track; `now` if no device has one.
   virtual Timestamp heard_until(Timestamp now) const { return now; }
   virtual TrackerCounters tracker_counters() const { return {}; }
 
-  // Receive chains learned from devices; null: frames are taken as they come.
+  // Receive chains learned from devices; null: frames are used unchanged.
   virtual ChainLearner* chains() { return nullptr; }
-  // To be asked when `believed` frames have been heard, before those of anybody else are.
+  // Must be called after `believed` frames were received, before other frames are processed.
   virtual ChainTrust trust(std::span<const CsiFrame> /*believed*/) const { return {}; }
 
-  // What explains the channel behind a position to those who look at it; null: nothing does.
+  // The channel model behind a position, for viewers; null: the method has none.
   virtual std::shared_ptr<const Localizer> localizer() const { return nullptr; }
 
  protected:

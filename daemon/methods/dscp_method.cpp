@@ -1,5 +1,5 @@
-// The row `dscp`: images of amplitude differences, as a network has seen them while somebody stood
-// at known places. It has no tracks.
+// The row `dscp`: images of amplitude differences, compared by a network with those of a person at
+// known places. It has no tracks.
 #include <memory>
 #include <string>
 #include <utility>

@@ -1,4 +1,4 @@
-// The row `m3`: the direct path and its reflections at walls that are known. It has no tracks.
+// The row `m3`: the direct path and its reflections at known walls. It has no tracks.
 #include <utility>
 
 #include "daemon/methods/device_method.h"

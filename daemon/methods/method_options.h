@@ -1,5 +1,5 @@
-// MethodOptions: what a method is told when it is made. All methods are told the same; of `values`
-// each takes those that its row lists.
+// MethodOptions: options for the construction of a method. All methods get the same options; each
+// uses those of `values` that its row lists.
 #pragma once
 
 #include <cstdint>
@@ -16,20 +16,20 @@ namespace rayloc {
 
 class PathGridStore;
 
-// By MethodSetting::key. A key that is not there has the method's default.
+// By MethodSetting::key. A missing key has the method's default.
 using MethodValues = std::map<std::string, std::variant<double, std::string>, std::less<>>;
 
 struct MethodOptions {
-  double accuracy_confidence = 0.95;  // of what is stated as accuracy
-  std::uint64_t seed = 1;             // of what the method draws
-  // Every burst is compared with the whole room: the reference of looking where a device may be.
+  double accuracy_confidence = 0.95;  // confidence of the stated accuracy
+  std::uint64_t seed = 1;             // for random draws of the method
+  // Every burst is compared with the whole room: the reference for the search of candidates.
   bool is_exhaustive = false;
-  std::shared_ptr<PathGridStore> path_grids;  // keeps traced rooms; null: nothing is kept
-  std::optional<Vec3d> start;  // where a method that takes one (Method::takes_start) begins
+  std::shared_ptr<PathGridStore> path_grids;  // cache of traced rooms; null: no cache
+  std::optional<Vec3d> start;  // start of a method that takes one (Method::takes_start)
   MethodValues values;
 };
 
-// Null where the key has no value of that type.
+// Null if the key has no value of that type.
 template <typename T>
 const T* find_value(const MethodValues& values, std::string_view key) {
   const auto found = values.find(key);

@@ -1,4 +1,4 @@
-// The row `paper`: the published method as it is (METHODS A4). It has no tracks.
+// The row `paper`: the published method, unmodified (METHODS A4). It has no tracks.
 #include <utility>
 #include <vector>
 
@@ -25,7 +25,7 @@ std::span<const MethodSetting> settings() {
   return kAll;
 }
 
-// `defaults`: of the kind of target.
+// `defaults`: for the kind of target.
 PaperLocalizerOptions apply(const MethodOptions& told, PaperLocalizerOptions defaults) {
   defaults.seed = told.seed;
   defaults.start = told.start;

@@ -1,8 +1,8 @@
-// PersonMethod: a method at work on people in one room, by the frames of one fixed transmitter.
+// PersonMethod: a method instance for people in one room, using one fixed transmitter's frames.
 //
-// locate() is all that a method must have; tracks are of methods that have them.
+// Every method must implement locate(); tracks are optional.
 //
-// Thread safety: for one thread.
+// Thread safety: single-threaded.
 #pragma once
 
 #include <cstdint>
@@ -32,28 +32,28 @@ struct PersonMethodInput {
   std::uint64_t number_step = 1;
   Timestamp numbered_before = Timestamp::min();         // PersonTrackerOptions
   std::optional<Timestamp> last_moment = std::nullopt;  // PersonTrackerOptions
-  std::shared_ptr<const Training> training = nullptr;   // of this method; null: nothing was learned
+  std::shared_ptr<const Training> training = nullptr;   // for this method; null: untrained
 };
 
 class PersonMethod {
  public:
   virtual ~PersonMethod() = default;
 
-  // One estimate for each person, or one that says why nobody is seen. `frames`: of the reference's
-  // transmitter, in order of time. `repeat`: as DeviceMethod::locate().
+  // One estimate for each person, or one that states why no person is located. `frames`: from the
+  // reference's transmitter, in order of time. `repeat`: as in DeviceMethod::locate().
   virtual std::vector<LocationEstimate> locate(std::span<const CsiFrame> frames,
                                                std::uint64_t repeat) const = 0;
 
-  // Tracks, as PersonTracker has them.
+  // Tracks, as in PersonTracker.
   virtual void track(std::span<const CsiFrame> /*frames*/,
                      std::optional<Timestamp> /*heard_since*/,
                      std::vector<PersonUpdate>& /*updates*/) {}
   virtual void advance(Timestamp /*now*/, std::vector<PersonUpdate>& /*updates*/) {}
   virtual void restart(const std::string& /*reason*/, std::vector<PersonUpdate>& /*updates*/) {}
-  // Of the track, or of the next one; nothing: there are no tracks.
+  // Number of the track, or of the next one; empty: no tracks.
   virtual std::optional<std::uint64_t> track_number() const { return std::nullopt; }
-  virtual std::optional<Timestamp> last_moment() const { return std::nullopt; }  // looked at
-  // When the person of the track was seen clearly last; `now` without one.
+  virtual std::optional<Timestamp> last_moment() const { return std::nullopt; }  // last evaluated
+  // Last time when the tracked person was clearly observed; `now` without a track.
   virtual Timestamp seen_until(Timestamp now) const { return now; }
   virtual PersonTrackerCounters tracker_counters() const { return {}; }
 

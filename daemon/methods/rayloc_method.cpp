@@ -1,4 +1,4 @@
-// The row `rayloc`: the likelihood of every place of the calibrated room, and tracks.
+// The row `rayloc`: the likelihood over the positions of the calibrated room, and tracks.
 #include <array>
 #include <utility>
 
@@ -23,7 +23,7 @@ constexpr std::array kSettings = std::to_array<MethodSetting>({
 
 class RaylocDevices : public DeviceMethod {
  public:
-  // Chains are learned from Gaussian likelihoods alone.
+  // Chains are learned with Gaussian likelihoods only.
   RaylocDevices(std::shared_ptr<const Localizer> localizer,
                 std::set<MacAddress> listed,
                 bool is_exhaustive)
@@ -44,7 +44,7 @@ class RaylocDevices : public DeviceMethod {
   }
 
   bool has_tracks() const override { return true; }
-  // Those before a withdrawal are tracked before what they said is forgotten.
+  // Bursts before a withdrawal are tracked before their information is discarded.
   std::vector<std::vector<DeviceUpdate>> track(std::span<const HeardBurst> bursts) override {
     std::vector<std::vector<DeviceUpdate>> updates;
     std::vector<DeviceBurst> together;
@@ -89,7 +89,7 @@ class RaylocDevices : public DeviceMethod {
     return learns_ ? chains_.doubt(frames) : FrameDoubt();
   }
 
-  // A track that followed frames of wrong chains would go on from where they put the device.
+  // A track that used frames of wrong chains would continue from their wrong position.
   void forget_what_was_wrong(std::uint64_t withdrawals) {
     if (withdrawals != withdrawals_) {
       withdrawals_ = withdrawals;

@@ -1,4 +1,4 @@
-// The row `spotfi`: bearings of direct paths, and levels. It has no tracks.
+// The row `spotfi`: bearings of direct paths, and received powers. It has no tracks.
 #include <utility>
 
 #include "daemon/methods/device_method.h"

@@ -1,5 +1,5 @@
-// WalkerMethod: a method that follows somebody who walks, as a method of people. A burst of its own
-// tells no place: locate() says why there is none, or nothing.
+// WalkerMethod: tracks a walking person, as a method for people. A single burst gives no position:
+// locate() returns the reason, or nothing.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@ namespace rayloc {
 template <typename Walker>
 class WalkerMethod : public PersonMethod {
  public:
-  // `begun`: why the track is confirmed, in words.
+  // `begun`: reason for the confirmation of the track, as text.
   WalkerMethod(Walker walker, std::uint64_t number, std::string begun)
       : walker_(std::move(walker)), number_(number), begun_(std::move(begun)) {}
 

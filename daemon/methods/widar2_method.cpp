@@ -1,4 +1,4 @@
-// The row `widar2`: a person who walks, by how paths change.
+// The row `widar2`: a walking person, from changes of the paths.
 #include <memory>
 #include <utility>
 

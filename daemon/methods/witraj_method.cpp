@@ -1,4 +1,4 @@
-// The row `witraj`: a person who walks, by steps from a known start.
+// The row `witraj`: a walking person, by steps from a known start.
 #include <utility>
 
 #include "daemon/methods/method.h"

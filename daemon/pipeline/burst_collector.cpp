@@ -59,7 +59,7 @@ void BurstCollector::keep(Burst& burst, CsiFrame&& frame) const {
     return;
   }
   if (sampling.kept == options_.max_frames) {
-    // Leaves out every second frame of this access point and channel, the first one stays.
+    // Removes every second frame of this access point and channel; the first one stays.
     std::size_t index = 0;
     const auto left_out = [&](const CsiFrame& kept) {
       return kept.access_point == frame.access_point && kept.channel == frame.channel &&
@@ -81,7 +81,7 @@ void BurstCollector::advance(Timestamp time, std::vector<Burst>& ended) {
   const std::size_t before = ended.size();
   for (auto it = open_.begin(); it != open_.end();) {
     if (end_of(it->second) <= time) {
-      if (!it->second.frames.empty()) {  // else none of a burst that was open at the beginning came
+      if (!it->second.frames.empty()) {  // false: no frame of an initially open burst arrived
         ended.push_back(std::move(it->second));
       }
       it = open_.erase(it);

@@ -9,13 +9,13 @@
 namespace rayloc {
 namespace {
 
-// A count, chosen: bursts, of which a rank leaves one to those behind it.
+// A rank leaves one in this many bursts to the ranks below it.
 constexpr std::size_t kOneOf = 4;
 constexpr auto kOther = static_cast<std::size_t>(Rank::kOther);
 
 std::uint64_t frames_of(const Burst& burst) { return burst.frames.size() + burst.surplus; }
 
-// By when their last frames were.
+// Compares by the time of the last frames.
 bool is_older(const std::pair<const std::uint64_t, Burst>& a,
               const std::pair<const std::uint64_t, Burst>& b) {
   return a.second.last < b.second.last;
@@ -41,7 +41,7 @@ void BurstQueue::add(Burst&& burst, std::uint64_t turn) {
   }
 }
 
-// The newer one keeps the turn.
+// The newer burst keeps the turn of the older.
 void BurstQueue::replace(const Place& older, Burst&& burst) {
   const auto& [turn, before] = *older.burst;
   const std::uint64_t kept_turn = turn;

@@ -1,4 +1,4 @@
-// The file in which a program keeps what it learned of receive chains for the next one.
+// The file in which a program stores the learned state of receive chains for the next one.
 #pragma once
 
 #include <filesystem>
@@ -11,12 +11,12 @@
 
 namespace rayloc {
 
-// JSON: by access point, of those whose chains are not as calibrated, what is known of them, and of
-// which calibration. Reading gives nothing where there is no file, where it is of another
-// calibration, and of access points that are no longer there. An Error for a broken file.
+// JSON: by access point, for those whose chains differ from the calibration, the learned state and
+// the calibration that it refers to. Reading returns no state without a file, for a file of another
+// calibration, and for access points that no longer exist. An Error for a broken file.
 Expected<std::vector<ChainState>> read_chain_file(const std::filesystem::path& file,
                                                   const RoomModel& room);
-// The file is there whole or not at all.
+// Writes the file atomically.
 Expected<void> write_chain_file(const std::filesystem::path& file,
                                 const std::vector<ChainState>& states,
                                 const RoomModel& room);

@@ -52,7 +52,7 @@ void ChainKeeper::restore(const std::vector<ChainLearner*>& learners, const Room
   for (ChainState state : *states) {
     const bool is_learned = state.knowledge == ChainKnowledge::kLearned;
     if (!is_learned) {
-      state.bursts = 0;  // the file does not keep them
+      state.bursts = 0;  // not stored in the file
     }
     for (ChainLearner* learner : learners) {
       learner->restore(state);

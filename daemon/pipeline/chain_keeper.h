@@ -1,5 +1,5 @@
-// ChainKeeper: what the learners of the estimator's rooms know of receive chains: the same in all,
-// kept in a file for the next program, and told to people.
+// ChainKeeper: the state of receive chains in the learners of the estimator's rooms: the same in
+// all learners, stored in a file for the next program, and reported to the operator.
 #pragma once
 
 #include <cstdint>
@@ -17,26 +17,26 @@ namespace rayloc {
 class ChainKeeper {
  public:
   struct Options {
-    std::string read;   // the file of what was learned before; empty: nothing
-    std::string write;  // where it is kept; empty: nowhere
+    std::string read;   // file of the chains learned before; empty: none
+    std::string write;  // file to be written; empty: none
   };
   explicit ChainKeeper(Options options) : options_(std::move(options)) {}
 
-  // Before the first burst.
+  // Restores the learners from the file. To be called before the first burst.
   void restore(const std::vector<ChainLearner*>& learners, const RoomModel& room);
-  // The same, of what a predecessor knew. Nobody is told: it was.
+  // Restores the learners from the state of a predecessor, without a report: it was reported then.
   void go_on(const std::vector<ChainState>& states, const std::vector<ChainLearner*>& learners);
-  // `learner` may have found out something: the others take it, and it is kept.
+  // `learner` may have new results: they are passed to the other learners and stored.
   void spread(const ChainLearner& learner,
               const std::vector<ChainLearner*>& learners,
               const RoomModel& room);
-  void restart();  // with the learners
+  void restart();  // restarts with the learners
 
-  // Of the access points that are learned anew.
+  // Warnings about the access points whose chains are being learned anew.
   std::vector<CalibrationWarning> warnings(const RoomModel& room) const;
-  // Why none of the access points can be believed.
+  // Progress of the chains being learned: the reason if no access point can be used.
   std::string reason(const RoomModel& room) const;
-  // From any thread: what is known now, and lines for the log since the last call.
+  // From any thread: the current states, and lines for the log since the last call.
   std::vector<ChainState> states() const;
   std::vector<std::string> news();
 

@@ -1,6 +1,6 @@
-// ChannelWatch: the last burst of each of a few devices and where it was located, for those who
-// want to see the channel behind a position. Kept only while somebody asks. Frames and position
-// are of the same burst: a person who walks is 20 cm further on with the next.
+// ChannelWatch: the last burst of each of a few devices and its location, for clients that display
+// the channel behind a position. It is kept only while a client asks for it. Frames and position
+// are of the same burst: a walking person is 20 cm further on with the next.
 //
 // Thread safety: all members from any thread.
 #pragma once
@@ -20,25 +20,25 @@ namespace rayloc {
 
 class ChannelWatch {
  public:
-  // All of one burst and of the one location that was made of it.
+  // All frames of one burst and the location computed from it.
   struct Sight {
-    std::string target;                          // as topics name it: never an address hashed
-    std::string name;                            // for people; may be empty
+    std::string target;                          // as in topics: no address where outputs hash it
+    std::string name;                            // for display; may be empty
     Timestamp time;                              // of the location
     Vec3d position;                              // [m]
-    std::vector<CsiFrame> frames;                // all that it was located by
-    std::shared_ptr<const Localizer> localizer;  // that located it
+    std::vector<CsiFrame> frames;                // all frames that the location was computed from
+    std::shared_ptr<const Localizer> localizer;  // the localizer that computed it
   };
 
-  // Whether a sight would be looked at. True until so many have been added since the last question.
+  // True if a sight would be read: until so many have been added since the last question.
   bool is_wanted() const;
   void add(Sight sight);
 
-  // Of the devices heard last, the latest first. From now on more are wanted. Nothing where nobody
-  // has asked for so long that what was kept is of another time.
+  // Sights of the last received devices, the latest first; requests more from now on. Empty where
+  // no client has asked for so long that the kept sights are outdated.
   std::vector<std::shared_ptr<const Sight>> ask();
 
-  // What was kept is of another time: a recording was moved.
+  // Discards the kept sights, which are of another time: a recording was moved.
   void clear();
 
  private:

@@ -1,6 +1,6 @@
-// ClockOffset: how much later the machine's clock is than event time
-// (capture/source/event_clock.h): zero until somebody sets the clock. What is published is told by
-// the clock as it is now.
+// ClockOffset: the difference of the machine's clock and event time (capture/source/event_clock.h):
+// zero until the clock is set. Published times are those of the machine's clock at the time of
+// publication.
 //
 // Thread safety: any thread.
 #pragma once

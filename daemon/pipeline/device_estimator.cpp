@@ -21,17 +21,17 @@ CalibrationMonitor::Transmitter placed(const SiteTransmitter& fixed) {
   return {*fixed.position, device_model(fixed)};
 }
 
-// The same trouble of the same access point, whichever core is named.
+// True if `all` has a warning of the same problem and access point, for any of its chains.
 bool is_stated(const CalibrationWarning& warning, const std::vector<CalibrationWarning>& all) {
   return std::any_of(all.begin(), all.end(), [&](const CalibrationWarning& one) {
     return one.problem == warning.problem && one.access_point == warning.access_point;
   });
 }
 
-// Whether bursts before it had to be left out.
+// True if earlier bursts of the transmitter had to be left out.
 bool is_behind(const Burst& burst) { return burst.heard_since < burst.first; }
 
-// Those of a track's last measurement.
+// Frames of a track's last measurement.
 std::span<const CsiFrame> last_moment(std::span<const CsiFrame> frames) {
   const Timestamp begin = frames.back().time - DeviceTrackerOptions().moment;
   const auto first = std::find_if(
@@ -191,7 +191,7 @@ void DeviceEstimator::check_calibration(const SiteTransmitter& fixed, const Burs
   const auto all = learners();
   const auto before = monitor_->warnings();
   watched_[burst.transmitter] = burst.last;
-  // What a predecessor has looked at is in its verdicts.
+  // The verdicts of the predecessor contain the bursts that it has checked.
   const auto looked_at = watched_before_.find(burst.transmitter);
   if (looked_at == watched_before_.end() || burst.last > looked_at->second) {
     if (all.empty() || all.front()->leaves_alone()) {
@@ -214,7 +214,7 @@ void DeviceEstimator::check_calibration(const SiteTransmitter& fixed, const Burs
   state_warnings();
 }
 
-// What the monitor says first: it knows by how much.
+// The monitor's warnings come first: they state the size of the change.
 void DeviceEstimator::state_warnings() {
   std::vector<CalibrationWarning> warnings = monitor_->warnings();
   for (CalibrationWarning& warning : chains_.warnings(room())) {
@@ -239,8 +239,8 @@ std::vector<ChainLearner*> DeviceEstimator::learners() const {
   return all;
 }
 
-// The frames of the access points whose chains are known, as if they were as calibrated: those of
-// the burst, or what is left of them in `kept`.
+// The frames of the access points whose chains are known, corrected to the calibration: those of
+// the burst, or the remaining ones in `kept`.
 std::span<const CsiFrame> DeviceEstimator::believed(const Burst& burst,
                                                     Room& room,
                                                     std::vector<CsiFrame>& kept) {
@@ -277,8 +277,8 @@ void DeviceEstimator::publish_counters() {
   tracker_counters_ = sum;
 }
 
-// Of a burst that no believed access point heard: coarse, where the room and what was heard allow
-// it.
+// Coarse snapshot of a burst without usable access points, where the room and the frames allow
+// one.
 LocationEstimate DeviceEstimator::unbelieved(const Work& work) const {
   DeviceMethod& method = *work.room->method;
   const std::string reason = chains_.reason(work.room->room());
@@ -301,7 +301,7 @@ void DeviceEstimator::snapshot(Work& work) {
   work.has_snapshot = true;
 }
 
-// What depends on the order of bursts. Nothing of a transmitter that is no device.
+// The steps that depend on the order of bursts. Empty for a transmitter that is not a device.
 std::optional<DeviceEstimator::Work> DeviceEstimator::hear(const Burst& burst, Estimates& out) {
   if (dead_chains_.observe(burst.frames, room())) {
     state_warnings();
@@ -390,7 +390,7 @@ void DeviceEstimator::estimate_each(std::span<const Burst> bursts, std::span<Est
   for (const Work& work : works) {
     for (const CalibrationWarning& warning : work.warnings) {
       if (warning.problem == CalibrationProblem::kDeadChain) {
-        continue;  // its own say so
+        continue;  // contained in the location already
       }
       for (std::size_t i = work.first; i < work.out->locations.size(); ++i) {
         work.out->locations[i].estimate.warnings.push_back(warning.text);
@@ -399,8 +399,8 @@ void DeviceEstimator::estimate_each(std::span<const Burst> bursts, std::span<Est
   }
 }
 
-// Of the frames that the location was made of, all of them: of a device that moves, some of a burst
-// are of another place than the burst.
+// Uses all frames that the location was computed from: when a device moves, the others of its burst
+// belong to other positions.
 void DeviceEstimator::show_channel(std::span<const CsiFrame> frames,
                                    const Room& room,
                                    const Location& location) {
@@ -459,7 +459,7 @@ Target DeviceEstimator::target_of(const MacAddress& device, Timestamp time) cons
   Target target;
   target.address = options_.names->text(device, time);
   target.is_hashed = options_.names->hashed();
-  // A name would tell for ever what the hash is to hide.
+  // A name would permanently disclose the address that the hash hides.
   const SiteTransmitter* stated = find_transmitter(site_, device);
   if (stated != nullptr && !target.is_hashed) {
     target.name = stated->name;

@@ -1,16 +1,16 @@
 // DeviceEstimator: locates the transmitters that the site wants located (device-based): those
-// listed with role "device" and, unless the site says otherwise, those not listed at all. Each
-// burst gives a snapshot, and filtered estimates of the moments within it.
+// listed with role "device" and, unless the site disables it, unlisted ones. Each burst gives a
+// snapshot, and filtered estimates of the instants within it.
 //
-// The cores share the tracks of different devices. Chains are heard burst by burst in order, so
-// that nothing depends on what was explained together. A burst that came behind others which had to
-// be left out counts by its last moment, and gives a snapshot only where no track says anything:
-// when there is too little time, all devices keep an estimate and give up the moments between.
+// The cores share the tracks of different devices. Chains are learned burst by burst in order, so
+// that no result depends on which bursts are processed together. A burst behind others that had to
+// be left out contributes its last instant only, and gives a snapshot only where no track reports:
+// under overload, all devices keep an estimate and lose the instants between.
 //
-// Bursts of fixed transmitters give no location here; they tell whether the calibration still holds
-// (CalibrationMonitor), and what they tell stands in the warnings of every location. Receive chains
-// that have turned are learned from devices (ChainLearner); an access point is not believed until
-// its chains are known again.
+// Bursts of fixed transmitters give no location here; they show whether the calibration is still
+// valid (CalibrationMonitor), and the result is stated in the warnings of every location. Receive
+// chains whose phases have changed are learned from devices (ChainLearner); an access point is not
+// used until its chains are learned again.
 #pragma once
 
 #include <cstdint>
@@ -38,7 +38,7 @@
 
 namespace rayloc {
 
-// When a burst as a whole is compared with the whole room: what a track does not need.
+// Bursts that are compared as a whole with the whole room, which a track does not need.
 enum class Snapshots : std::uint8_t {
   kAlways,
   kAcquire,  // of devices that no track follows yet
@@ -47,18 +47,18 @@ enum class Snapshots : std::uint8_t {
 class DeviceEstimator : public Estimator {
  public:
   struct Options {
-    const Method* method = &default_method();  // that locates devices
+    const Method* method = &default_method();  // the method that locates devices
     MethodOptions settings;
     Duration valid_for = std::chrono::milliseconds(450);  // until a next burst is overdue
-    // What devices are called; null: by their addresses.
+    // Names of devices; null: named by their addresses.
     std::shared_ptr<TargetNames> names;
     ChainKeeper::Options chains;
     Snapshots snapshots = Snapshots::kAlways;
-    std::shared_ptr<const Carried> before;  // of the predecessor; null: nobody
+    std::shared_ptr<const Carried> before;  // state of the predecessor; null: none
   };
 
-  // Reads the scene and prepares the room: seconds. Devices of different height or antenna need
-  // a room each.
+  // Reads the scene and prepares the room: seconds. Devices of different height or antenna each
+  // need a separate room.
   static Expected<std::unique_ptr<DeviceEstimator>> create(const Site& site,
                                                            const Options& options);
 
@@ -72,20 +72,20 @@ class DeviceEstimator : public Estimator {
   void restart(const std::string& reason, Estimates& out) override;
 
   void carry(Carried& carried) const override;
-  // As with Options::before, of one that has not heard anything yet.
+  // The same as Options::before, for an estimator that has not received any burst yet.
   void go_on(const Carried& before);
 
   Rank rank(const MacAddress& transmitter) const override;
 
-  // What holds now. Thread safety: these may be called from any thread.
+  // Warnings that hold now. Thread safety: these may be called from any thread.
   std::vector<CalibrationWarning> calibration_warnings() const;
-  // What is known of chains, and for the log what became known since the last call. From any
+  // Current chain states, and changes for the log since the last call. From any
   // thread.
   std::vector<ChainState> chain_states() const { return chains_.states(); }
   std::vector<std::string> chain_news() { return chains_.news(); }
-  // Of the chains that are being learned; empty: of none.
+  // Progress of the chains that are being learned; empty if there are none.
   std::string chain_progress() const { return chains_.reason(room()); }
-  TrackerCounters tracker_counters() const;  // of all trackers
+  TrackerCounters tracker_counters() const;  // sum over all trackers
 
   ChannelWatch& channels() { return channels_; }  // of devices, by a method with a Localizer
 
@@ -99,12 +99,12 @@ class DeviceEstimator : public Estimator {
     const RoomModel& room() const { return method->room(); }
   };
 
-  // A device's burst on its way to its track.
+  // A device's burst that is being processed.
   struct Work {
     const Burst* burst = nullptr;
     Estimates* out = nullptr;
     Room* room = nullptr;
-    std::size_t first = 0;  // of its locations
+    std::size_t first = 0;  // index of its first location
     std::vector<CsiFrame> kept;
     std::span<const CsiFrame> frames;  // of the burst or of `kept`
     ChainTrust trust;
@@ -134,17 +134,17 @@ class DeviceEstimator : public Estimator {
   const Site site_;
   const Options options_;
   std::vector<Room> rooms_;                      // the first is that of unlisted devices
-  std::unique_ptr<CalibrationMonitor> monitor_;  // the estimation thread's
-  ChainKeeper chains_;                           // the estimation thread's, but for its news
-  DeadChains dead_chains_;                       // the estimation thread's
+  std::unique_ptr<CalibrationMonitor> monitor_;  // used by the estimation thread
+  ChainKeeper chains_;                           // used by the estimation thread, except its news
+  DeadChains dead_chains_;                       // used by the estimation thread
   ChannelWatch channels_;
   mutable std::mutex mutex_;
   std::vector<CalibrationWarning> warnings_;  // guarded by mutex_
   TrackerCounters tracker_counters_;          // guarded by mutex_
-  // The estimation thread's.
+  // Used by the estimation thread.
   TrackNumbers numbers_;
-  std::map<MacAddress, Timestamp> watched_;         // of each fixed transmitter, the last frame
-  std::map<MacAddress, Timestamp> watched_before_;  // the same of a predecessor
+  std::map<MacAddress, Timestamp> watched_;         // last frame of each fixed transmitter
+  std::map<MacAddress, Timestamp> watched_before_;  // the same of the predecessor
 };
 
 }  // namespace rayloc

@@ -1,4 +1,4 @@
-// Estimates: what an estimator says, to be published.
+// Estimates: the results of an estimator, to be published.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@ struct Estimates {
   std::vector<Location> locations;
   std::vector<TrackEvent> events;
   std::vector<ZoneEvent> zone_events;
-  std::uint64_t frames_left_out = 0;  // of the burst, for want of time
+  std::uint64_t frames_left_out = 0;  // frames of the burst, left out for lack of time
 
   void clear() {
     locations.clear();

@@ -31,8 +31,8 @@ EstimationLoop::EstimationLoop(const PipelineOptions& options,
       collector_(collector_options(), options.open),
       waiting_(queue_options()) {}
 
-// A replay must not depend on which tracks there are when a frame is taken: that is a matter of
-// timing. Who is listed is not.
+// A replay must not depend on the tracks that exist when a frame is taken, since that depends on
+// timing. The list of transmitters does not.
 CollectorOptions EstimationLoop::collector_options() const {
   CollectorOptions options = options_.burst;
   options.wanted = [this, live = is_live()](const MacAddress& transmitter) {
@@ -56,7 +56,7 @@ bool EstimationLoop::step() {
     return false;
   }
   progress_.beat();
-  // Live, what has come meanwhile is looked at before every burst; a replay explains them all.
+  // Live, new frames are taken before every burst; a replay processes all bursts first.
   if (waiting_.empty() || hurried_ || is_live()) {
     if (is_collected_ && more_) {
       take();
@@ -92,8 +92,8 @@ void EstimationLoop::take() {
   uncounted_ = taken_.frames.size();
 }
 
-// Whether what is known up to that time lies behind a mark that has not been reached: every one
-// that cuts an open burst, and the last before a frame. So it depends on the frames alone.
+// True if data are complete beyond a mark that has not been reached: a mark that cuts an open
+// burst, or the last one before a frame. The result therefore depends on the frames alone.
 bool EstimationLoop::reaches_mark(Timestamp time, bool is_frame) {
   const Duration every = options_.carry_every;
   if (every == Duration::zero()) {
@@ -110,7 +110,7 @@ bool EstimationLoop::reaches_mark(Timestamp time, bool is_frame) {
   return std::exchange(mark_, mark).has_value();
 }
 
-// What was taken, to the next mark.
+// Collects the taken frames up to the next mark.
 void EstimationLoop::collect() {
   const std::uint64_t passed_over = collector_.passed_over();
   while (has_frames() && !reaches_mark(taken_.frames[next_].time, true)) {
@@ -124,12 +124,12 @@ void EstimationLoop::collect() {
   safe_time_ = is_carry_due_ ? *mark_ : taken_.safe_time;
   note_silence();
   collector_.advance(safe_time_, ended_);
-  // Nothing is too old because the sources have ended: what waits then is still explained.
+  // The end of the sources makes no burst too old: bursts that wait then are still processed.
   waiting_.push(ended_, more_ || !is_collected_ ? std::max(newest_, safe_time_) : newest_);
   count_collected(collector_.passed_over() - passed_over);
 }
 
-// Sources that have ended promise all of time.
+// Sources that have ended promise Timestamp::max().
 void EstimationLoop::note_silence() {
   known_ = std::max(known_, newest_);
   if (options_.promises_are_kept && safe_time_ != Timestamp::max()) {
@@ -137,7 +137,7 @@ void EstimationLoop::note_silence() {
   }
 }
 
-// What silence says, and how far all is said.
+// Publishes the results that follow from silence, and the time up to which all are published.
 void EstimationLoop::say() {
   const Timestamp open = std::min(known_, waiting_.earliest(collector_.earliest_open(safe_time_)));
   if (!hurried_ && open != Timestamp::min()) {
@@ -152,7 +152,7 @@ void EstimationLoop::say() {
   }
 }
 
-// Not before all is said that the predecessor has said: what was carried holds from there on.
+// Not before the results of the predecessor are complete: the carried state is valid from there.
 void EstimationLoop::carry(Timestamp done) {
   if (hurried_ || done < options_.from) {
     return;
@@ -165,7 +165,7 @@ void EstimationLoop::carry(Timestamp done) {
   sink_.carried(std::move(carried));
 }
 
-// Of what came before a move everything is explained; tracks do not go on behind it.
+// Processes all bursts of the old position; tracks do not continue at the new one.
 void EstimationLoop::go_elsewhere() {
   while (!waiting_.empty() && !hurried_) {
     explain(next_of_waiting());

@@ -1,9 +1,9 @@
-// EstimationLoop: what the estimation thread of a Pipeline does, turn by turn: takes frames of the
-// mailbox, collects bursts, explains them and gives out what is said. It has no thread.
+// EstimationLoop: the work of a Pipeline's estimation thread, in iterations: takes frames from the
+// mailbox, collects and processes bursts, and passes the results on. It has no thread.
 //
-// A warm start (PipelineOptions::from) is silent about what its predecessor has said. At marks of
-// event time, PipelineOptions::carry_every apart, it states what its own successor needs. They lie
-// between frames, so that what is stated depends on these alone.
+// After a warm start (PipelineOptions::from) it does not repeat the predecessor's results. At marks
+// of event time, PipelineOptions::carry_every apart, it states the state that its own successor
+// needs. Marks lie between frames, so that the state depends on the frames alone.
 //
 // Thread safety: step() for one thread; the others from any.
 #pragma once
@@ -28,11 +28,11 @@ class EstimationLoop {
                  LocationSink& sink,
                  FrameMailbox& mailbox);
 
-  // One turn: waits for frames where there is nothing to explain. False once all is done.
+  // One iteration: waits for frames if no burst is waiting. False once all is done.
   bool step();
-  // What waits is left unexplained from now on.
+  // From now on waiting bursts are not processed.
   void hurry() { hurried_ = true; }
-  // Once all is done every track and every stay ends, for that reason: nobody goes on with them.
+  // When all bursts are processed every track and every stay ends with that reason: none continues.
   void end_tracks(const std::string& reason);
 
   EstimationCounters counters() const;
@@ -67,19 +67,19 @@ class EstimationLoop {
   BurstQueue waiting_;
   FrameMailbox::Taken taken_;  // frames from next_ on are still to be collected
   std::size_t next_ = 0;
-  std::size_t uncounted_ = 0;  // of taken_.frames
-  bool more_ = true;           // to take
-  bool is_collected_ = true;   // all that was taken
+  std::size_t uncounted_ = 0;  // uncounted frames of taken_.frames
+  bool more_ = true;           // frames may follow
+  bool is_collected_ = true;   // all frames taken so far
   std::vector<Burst> ended_;
-  Timestamp newest_ = Timestamp::min();     // frame
-  Timestamp known_ = Timestamp::min();      // up to where silence is one
-  Timestamp safe_time_ = Timestamp::min();  // of what was collected
-  std::optional<Timestamp> mark_;           // the last
+  Timestamp newest_ = Timestamp::min();     // newest frame
+  Timestamp known_ = Timestamp::min();      // silence is reported up to this time
+  Timestamp safe_time_ = Timestamp::min();  // of the collected frames
+  std::optional<Timestamp> mark_;           // last mark
   bool is_carry_due_ = false;
   std::atomic<bool> hurried_ = false;
   mutable std::mutex mutex_;
   EstimationCounters counters_;  // guarded by mutex_
-  std::string end_of_tracks_;    // guarded by mutex_; why; empty: they do not end
+  std::string end_of_tracks_;    // guarded by mutex_; reason; empty: tracks do not end
   StageProgress progress_;
 };
 

@@ -1,4 +1,4 @@
-// EstimatorList: several estimators as one; each explains the bursts that it knows.
+// EstimatorList: several estimators as one; each processes the bursts of its transmitters.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@ namespace rayloc {
 
 class EstimatorList : public Estimator {
  public:
-  // They are asked in the order in which they were added, and outlive the list.
+  // Estimators are called in the order in which they were added, and outlive the list.
   void add(Estimator& estimator) { estimators_.push_back(&estimator); }
 
   void estimate(const Burst& burst, Estimates& out) override {

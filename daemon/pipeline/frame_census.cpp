@@ -11,7 +11,7 @@ namespace rayloc {
 namespace {
 
 constexpr double kMemory = 0.01;      // weight of a new frame
-constexpr double kDeafestDb = 100.0;  // a core without any power
+constexpr double kDeafestDb = 100.0;  // a chain without any power
 
 double core_power(const CsiFrame& frame, std::size_t core) {
   double power = 0.0;

@@ -1,7 +1,7 @@
-// FrameCensus: what the frames of one source have been like: what somebody who sets up an access
-// point wants to know (chip set, bandwidth, chains that are deaf).
+// FrameCensus: properties of the frames of one source, for a person who sets up an access point
+// (chip set, bandwidth, chains with low power).
 //
-// Thread safety: one thread; a copy may go elsewhere.
+// Thread safety: one thread; a copy may be used in another.
 #pragma once
 
 #include <cstdint>
@@ -14,9 +14,9 @@
 namespace rayloc {
 
 struct CoreCensus {
-  std::uint64_t frames = 0;  // with this core
-  // Mean power of its CSI below that of the strongest core of the same frame [dB], over about the
-  // last 100 frames of two cores or more.
+  std::uint64_t frames = 0;  // frames with this chain
+  // Mean power of its CSI below that of the strongest chain of the same frame [dB], over about the
+  // last 100 frames with two chains or more.
   double below_strongest_db = 0.0;
 };
 

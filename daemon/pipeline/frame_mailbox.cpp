@@ -6,7 +6,7 @@
 namespace rayloc {
 namespace {
 
-// Stable: of one instant, in the order of the sources.
+// Stable: frames of one instant stay in the order of the sources.
 void sort_by_time(std::vector<CsiFrame>& frames) {
   std::stable_sort(frames.begin(), frames.end(), [](const CsiFrame& a, const CsiFrame& b) {
     return a.time < b.time;
@@ -29,7 +29,7 @@ Timestamp FrameMailbox::safe_time() const {
 }
 
 void FrameMailbox::insert(Queue& queue, CsiFrame&& frame) {
-  // Nearly always the end; a partial frame of an earlier batch may be older than what waits.
+  // Nearly always the end; a partial frame of an earlier batch may be older than waiting frames.
   auto position = queue.frames.end();
   while (position != queue.frames.begin() && std::prev(position)->time > frame.time) {
     --position;
@@ -39,18 +39,18 @@ void FrameMailbox::insert(Queue& queue, CsiFrame&& frame) {
 }
 
 void FrameMailbox::put(std::size_t source, std::vector<CsiFrame>& frames, Timestamp safe_time) {
-  // A partial frame is given out after complete ones that are younger.
+  // A partial frame is released after younger complete ones.
   sort_by_time(frames);
   std::unique_lock lock(mutex_);
   Queue& queue = queues_[source];
   for (CsiFrame& frame : frames) {
     if (queue.frames.size() >= capacity_) {
       if (overflow_ == Overflow::kWait) {
-        // The source that is behind all others is never the one that waits here for long: what it
-        // has is taken at once.
+        // The source that is behind all others never waits here for long: its frames are taken
+        // immediately.
         queue.safe_time = std::max(queue.safe_time, std::min(safe_time, frame.time));
         changed_.notify_one();
-        // Frames of one and the same instant can only be taken together, however many they are.
+        // Frames of the same instant can only be taken together, regardless of their number.
         taken_.wait(lock, [&] {
           return closed_ || queue.frames.size() < capacity_ ||
                  queue.frames.front().time >= queue.safe_time;
@@ -102,7 +102,7 @@ bool FrameMailbox::all_ended() const {
          });
 }
 
-// All that go on, to the same place.
+// True if all sources that have not ended have moved to the same position.
 bool FrameMailbox::all_moved() const {
   std::uint64_t to = move_;
   for (const Queue& queue : queues_) {

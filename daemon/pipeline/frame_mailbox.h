@@ -1,10 +1,10 @@
-// FrameMailbox: where the receiving threads leave frames and the estimation thread takes them, in
-// order of event time over all sources.
+// FrameMailbox: passes frames from the receiving threads to the estimation thread, in order of
+// event time over all sources.
 //
 // Each source has a bounded queue. A live source that finds it full drops the oldest frame and
-// counts it; a replay waits instead. A frame is taken once no source can bring an earlier one,
-// which each source promises by its safe time: what is taken, and in what order, depends on the
-// frames alone and not on when they came.
+// counts it; a replay waits instead. A frame is taken once no source can deliver an earlier one,
+// which each source promises by its safe time: the taken frames and their order depend on the
+// frames alone and not on their arrival times.
 //
 // Thread safety: put() and move() from one thread per source, take() from one thread, counters()
 // from any.
@@ -38,28 +38,28 @@ class FrameMailbox {
   // Moves the frames in. `safe_time`: no later frame of this source will be older.
   void put(std::size_t source, std::vector<CsiFrame>& frames, Timestamp safe_time);
 
-  // The source goes on elsewhere in its recording, for the `number`th time: what it has put is all
-  // there is of where it was, and what it puts next may be earlier. Waits until every source has
-  // come as far and what they have left is taken. A source that is behind (people move quickly)
-  // is let go when another comes with a later number, to which it has to come as well.
+  // The source continues at another position of its recording, by seek `number`. All frames of the
+  // old position are put, and later ones may be earlier in time. Waits until every source is there
+  // and the remaining frames are taken. A source that is behind (seeks in quick succession) is
+  // released when another comes with a later number, which it has to follow as well.
   void move(std::size_t source, std::uint64_t number);
 
-  // The source has nothing more to say.
+  // The source delivers no more frames.
   void end(std::size_t source);
 
-  // Wakes everybody; put() drops from now on and take() gives what is ready, then ends.
+  // Wakes all threads; from now on put() drops and take() returns the ready frames, then ends.
   void close();
 
   struct Taken {
     std::vector<CsiFrame> frames;  // by (time, source)
-    Timestamp safe_time;           // nothing older than this will ever be taken
-    bool ended = false;            // every source has ended, and this is the last of it
-    // The last before the sources go on elsewhere: what comes next has nothing to do with it.
+    Timestamp safe_time;           // no older frame will ever be taken
+    bool ended = false;            // every source has ended, and these are the last frames
+    // The last frames before the sources change position: later frames are unrelated to them.
     bool moved = false;
   };
   // Waits until event time advances.
   Taken take();
-  // The same without waiting: nothing when event time has not advanced.
+  // The same without waiting: empty when event time has not advanced.
   std::optional<Taken> try_take();
 
   MailboxCounters counters(std::size_t source) const;
@@ -69,7 +69,7 @@ class FrameMailbox {
     std::deque<CsiFrame> frames;  // by time
     Timestamp safe_time = Timestamp::min();
     bool ended = false;
-    std::uint64_t move = 0;  // the last that it has come to
+    std::uint64_t move = 0;  // number of its last seek
     MailboxCounters counters;
   };
 
@@ -86,10 +86,10 @@ class FrameMailbox {
   mutable std::mutex mutex_;
   std::condition_variable changed_;  // event time advanced, or the mailbox closed
   std::condition_variable taken_;    // room was made
-  std::condition_variable moved_;    // everybody has come to a move, or somebody to a later one
+  std::condition_variable moved_;    // all sources have arrived at a seek, or one at a later seek
   std::vector<Queue> queues_;
   Timestamp last_safe_time_ = Timestamp::min();
-  std::uint64_t move_ = 0;  // the last that all have come to
+  std::uint64_t move_ = 0;  // last seek that all sources have completed
   bool closed_ = false;
 };
 

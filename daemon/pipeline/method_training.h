@@ -1,4 +1,4 @@
-// What a method has learned of a site, for whoever makes it.
+// Training data of a method for a site, for the code that creates the method.
 #pragma once
 
 #include <memory>
@@ -12,8 +12,8 @@
 
 namespace rayloc {
 
-// Null: nothing was learned, and the method can locate without. Else an Error (kConfiguration) that
-// says what to run, or as of load_training().
+// Null: no training exists, and the method can locate without. An Error (kConfiguration) that
+// states the command to run, or one of load_training().
 inline Expected<std::shared_ptr<const Training>> training_of(const Site& site,
                                                              const Method& method,
                                                              const RoomModel& room) {

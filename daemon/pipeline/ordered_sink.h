@@ -1,8 +1,8 @@
 // OrderedSink: passes locations on ordered by (time, target, kind), as `rayloc replay` writes them.
 //
-// Bursts of different transmitters overlap, so locations come nearly but not exactly in the order
-// of the instants they refer to; each is held until nothing earlier can come. Events of zones come
-// in order and are passed on at once.
+// Bursts of different transmitters overlap, so locations are nearly but not exactly in the order of
+// the instants they refer to; each is held until no earlier one can follow. Events of zones are
+// already in order and are passed on immediately.
 #pragma once
 
 #include <functional>
@@ -20,7 +20,7 @@ namespace rayloc {
 
 class OrderedSink : public LocationSink {
  public:
-  // `write_event` may be empty. `lag`: by which locations may come later than the pipeline says.
+  // `write_event` may be empty. `lag`: maximum delay of locations beyond the pipeline's promise.
   explicit OrderedSink(std::function<void(const Location&)> write,
                        std::function<void(const ZoneEvent&)> write_event = {},
                        Duration lag = {})
@@ -29,7 +29,7 @@ class OrderedSink : public LocationSink {
   void location(Location&& location) override;
   void event(ZoneEvent&& event) override;
   void advance(Timestamp time) override;
-  // Passes on everything that is left.
+  // Passes on all remaining locations.
   void finish() { advance(Timestamp::max()); }
 
  private:

@@ -17,7 +17,7 @@ bool is_fixed(const SiteTransmitter& transmitter) {
   return transmitter.role == TransmitterRole::kFixed;
 }
 
-// The place of a fixed transmitter among those of the site, from 1.
+// Index of a fixed transmitter among those of the site, from 1.
 std::uint64_t number_of(const SiteTransmitter& fixed, const Site& site) {
   std::uint64_t number = 1;
   for (const SiteTransmitter& other : site.transmitters) {
@@ -29,7 +29,7 @@ std::uint64_t number_of(const SiteTransmitter& fixed, const Site& site) {
   return number;
 }
 
-// A successor goes on with the number and the moments of its predecessor.
+// A successor continues with the number and the instants of its predecessor.
 void go_on(const Carried& before, const MacAddress& fixed, PersonMethodInput& input) {
   input.numbered_before = before.done;
   for (const Carried::People& people : before.people) {
@@ -42,7 +42,7 @@ void go_on(const Carried& before, const MacAddress& fixed, PersonMethodInput& in
 
 Target person(std::uint64_t track) { return {TargetKind::kPerson, {}, false, track, {}}; }
 
-// Of a burst that cannot be judged.
+// Result of a burst that cannot be evaluated.
 LocationEstimate without_reference(const Burst& burst) {
   LocationEstimate estimate;
   estimate.capture_start = burst.first;
@@ -76,7 +76,7 @@ Expected<std::unique_ptr<PersonEstimator>> PersonEstimator::create(const Site& s
   for (PersonReference& reference : *references) {
     const MacAddress mac = reference.mac;
     const SiteTransmitter* fixed = find_fixed_transmitter(site, mac);
-    if (fixed == nullptr) {  // no longer: nobody listens to it
+    if (fixed == nullptr) {  // no longer in the site: its bursts are not used
       continue;
     }
     PersonMethodInput input{estimator->room_, std::move(reference), options.settings};

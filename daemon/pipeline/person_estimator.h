@@ -1,15 +1,15 @@
 // PersonEstimator: locates a person who carries no device, from the bursts of the site's fixed
-// transmitters (device-free). Each burst gives a snapshot, NO_FIX when nobody is seen, and filtered
-// estimates of the moments within it.
+// transmitters (device-free). Each burst gives a snapshot, NO_FIX when no person is detected, and
+// filtered estimates of the instants within it.
 //
-// Targets are called person-N. Of K fixed transmitters the i-th of site.toml has the numbers i,
-// i + K, i + 2K ...: its tracks in turn. A snapshot has the number of the track that its burst
-// belongs to, or of the next where there is none; of two people in one burst the one nearer to the
-// track, and the other the number after it. So what two transmitters say is never taken for one
-// target, and no number depends on which of them saw somebody first. A person whom two transmitters
-// see is two targets.
+// Targets are called person-N. Of K fixed transmitters the i-th of site.toml has the numbers i, i +
+// K, i + 2K ...: one for each of its tracks, in order. A snapshot has the number of the track that
+// its burst belongs to, or of the next track if there is none; of two people in one burst the one
+// nearer to the track has that number, and the other the number after it. Results of two
+// transmitters are therefore never assigned to one target, and no number depends on which of them
+// detected a person first. A person whom two transmitters detect is two targets.
 //
-// Method paper always sees somebody and has no tracks.
+// Method paper always reports a person and has no tracks.
 //
 // A site without a reference of the empty room (`rayloc reference`) gives NO_FIX, with the reason.
 #pragma once
@@ -34,10 +34,10 @@ namespace rayloc {
 class PersonEstimator : public Estimator {
  public:
   struct Options {
-    const Method* method = &default_method();  // that locates people
+    const Method* method = &default_method();  // the method that locates people
     MethodOptions settings;
     Duration valid_for = std::chrono::milliseconds(450);  // until a next burst is overdue
-    std::shared_ptr<const Carried> before;                // of the predecessor; null: nobody
+    std::shared_ptr<const Carried> before;                // state of the predecessor; null: none
   };
 
   // Reads the scene and prepares the room: up to a minute.
@@ -52,17 +52,17 @@ class PersonEstimator : public Estimator {
 
   const RoomModel& room() const { return *room_; }
 
-  // Of all trackers. Thread safety: may be called from any thread.
+  // Sum over all trackers. Thread safety: may be called from any thread.
   PersonTrackerCounters tracker_counters() const;
 
  private:
   PersonEstimator(Site site, Options options)
       : site_(std::move(site)), options_(std::move(options)) {}
-  // Of one fixed transmitter.
+  // State of one fixed transmitter.
   struct Link {
     std::unique_ptr<PersonMethod> method;
     std::uint64_t number_step = 1;  // between the numbers of two of its people
-    // Of the tracks whose loss has not been said for good: their numbers, and when.
+    // Lost tracks whose loss is not final yet: time of the loss and number.
     std::vector<std::pair<Timestamp, std::uint64_t>> lost;
   };
 

@@ -1,4 +1,4 @@
-// Which number each person of one burst has: snapshots and tracks of one person are one target.
+// Number of each person of one burst: snapshots and tracks of one person are one target.
 #pragma once
 
 #include <cstdint>
@@ -14,11 +14,11 @@ namespace rayloc {
 struct PersonNumbers {
   std::uint64_t first = 1;       // of the track, or of the next where there is none
   std::uint64_t step = 1;        // between two numbers
-  std::optional<Vec3d> tracked;  // [m], where the track is
+  std::optional<Vec3d> tracked;  // [m], position of the track
 };
 
-// The person nearest to the track has the first number, whoever comes first where nothing tells;
-// the others have the numbers after it.
+// The person nearest to the track has the first number, or the first in the list if there is no
+// track position; the others have the numbers after it.
 std::vector<std::uint64_t> numbers_of(std::span<const LocationEstimate> people,
                                       const PersonNumbers& numbers);
 

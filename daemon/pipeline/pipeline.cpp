@@ -17,7 +17,7 @@ void Estimator::estimate_each(std::span<const Burst> bursts, std::span<Estimates
   }
 }
 
-// Two for each core; with one core nobody waits for anybody, and with many not for long.
+// Two for each core; with one core no burst waits for others, and with many not for long.
 std::size_t PipelineOptions::default_bursts_at_once() {
   constexpr std::size_t kMost = 8;
   const std::size_t cores = concurrency();

@@ -4,7 +4,7 @@
 //     -> estimation thread (EstimationLoop): BurstCollector -> BurstQueue -> Estimator ->
 //     LocationSink
 //
-// raylocd and `rayloc replay` run this very class; only the sources, the overflow rule and the sink
+// raylocd and `rayloc replay` run this class; only the sources, the overflow rule and the sink
 // differ. Event time is that of the datagrams; no stage reads a clock, so that the same datagrams
 // give the same locations at any speed.
 //
@@ -36,52 +36,52 @@ struct Location;
 struct TrackEvent;
 struct ZoneEvent;
 
-// Explains bursts. Called by the estimation thread alone.
+// Computes locations from bursts. Called by the estimation thread alone.
 class Estimator {
  public:
   virtual ~Estimator() = default;
-  // Appends what is to be published: nothing for a transmitter that nobody looks for.
+  // Appends the results to be published: none for a transmitter that is not to be located.
   virtual void estimate(const Burst& burst, Estimates& out) = 0;
-  // [burst]: the same as of one after the other, sooner where cores can share them. REQUIRES: every
-  // burst is of another transmitter.
+  // [burst]: the same results as for one after the other, sooner where cores can share the bursts.
+  // REQUIRES: every burst is of another transmitter.
   virtual void estimate_each(std::span<const Burst> bursts, std::span<Estimates> out);
-  // Bursts that it was given, once what it said of them is given out.
+  // Takes back bursts that were passed to it, once their results are published.
   virtual void release(std::vector<Burst>&& /*bursts*/) {}
-  // No burst that comes later has a frame before `time`: appends what silence says.
+  // No later burst has a frame before `time`: appends the results that follow from silence.
   virtual void advance(Timestamp /*time*/, Estimates& /*out*/) {}
-  // A recording goes on elsewhere, perhaps earlier: every track ends, for that `reason`. Appends
-  // what says so.
+  // A recording continues at another position, perhaps earlier: every track ends with that
+  // `reason`. Appends the resulting events.
   virtual void restart(const std::string& /*reason*/, Estimates& /*out*/) {}
-  // States what a successor cannot hear again, of everything before carried.done: adds to it.
+  // Adds the state before carried.done that a successor cannot recover from the frames.
   virtual void carry(Carried& /*carried*/) const {}
-  // Who comes first when there are more bursts than time.
+  // Priority of the transmitter when there are more bursts than time.
   virtual Rank rank(const MacAddress& /*transmitter*/) const { return Rank::kOther; }
 };
 
-// Takes the results. Called by the estimation thread alone, and must not block it for long.
+// Receives the results. Called by the estimation thread alone, and must not block it for long.
 class LocationSink {
  public:
   virtual ~LocationSink() = default;
   virtual void location(Location&& location) = 0;
   virtual void event(TrackEvent&& /*event*/) {}
   virtual void event(ZoneEvent&& /*event*/) {}
-  // No location that comes later refers to an instant before `time`, unless the sources are
-  // recordings that people move (Playback).
+  // No later location refers to an instant before `time`, unless the sources are recordings
+  // controlled by a user (Playback).
   virtual void advance(Timestamp /*time*/) {}
-  // What a successor needs who is to say all from carried.done on.
+  // The state that a successor needs to report all results from carried.done on.
   virtual void carried(Carried&& /*carried*/) {}
 };
 
 // taken = used + surplus + unwanted + refused + merged + dropped + in_flight, in frames.
 struct EstimationCounters {
   std::uint64_t taken = 0;
-  std::uint64_t used = 0;     // in bursts that an estimator explained, NO_FIX included
-  std::uint64_t surplus = 0;  // beyond what a burst keeps
-  // Of transmitters that nobody looks for, or of bursts that were over before a warm start.
+  std::uint64_t used = 0;     // in bursts that an estimator processed, NO_FIX included
+  std::uint64_t surplus = 0;  // beyond the limit of frames per burst
+  // Of transmitters that are not to be located, or of bursts that had ended before a warm start.
   std::uint64_t unwanted = 0;
   std::uint64_t refused = 0;  // beyond the limit of transmitters
-  std::uint64_t merged = 0;   // in bursts that gave way to a newer one of their transmitter
-  std::uint64_t dropped = 0;  // in bursts that others kept waiting until they were too old
+  std::uint64_t merged = 0;   // in bursts replaced by a newer one of their transmitter
+  std::uint64_t dropped = 0;  // in bursts that waited for others until they were too old
   std::uint64_t in_flight = 0;
   std::uint64_t bursts = 0;
   std::uint64_t bursts_merged = 0;
@@ -96,22 +96,22 @@ struct EstimationCounters {
 struct PipelineOptions {
   CollectorOptions burst;
   std::size_t ring_frames = 8192;  // frames waiting per source
-  // When estimates take longer than the frames do to come: live the oldest gives way, of frames in
-  // FrameMailbox and of bursts in BurstQueue, and is counted; a replay waits.
+  // Applies when estimates take longer than the frame interval: live the oldest are dropped and
+  // counted, frames in FrameMailbox and bursts in BurstQueue; a replay waits.
   Overflow overflow = Overflow::kDropOldest;
-  // Bursts of different transmitters that the cores share, live: more balance the cores better, and
-  // the first waits for the last. A replay explains one after the other.
+  // Bursts of different transmitters that the cores share, live: a larger number balances the cores
+  // better, but the first burst waits for the last. A replay processes them one by one.
   std::size_t bursts_at_once = default_bursts_at_once();
   static std::size_t default_bursts_at_once();
-  // To begin in the middle: the bursts that are open there, and from when on what is said is given
-  // out. The estimators are told the rest (Carried).
+  // To begin in the middle: the bursts that are open there, and the time from which results are
+  // published. The estimators receive the rest (Carried).
   OpenBursts open;
   Timestamp from = Timestamp::min();
   // From one LocationSink::carried() to the next, in event time; zero: never.
   Duration carry_every{};
-  // What the sources promise is kept with what they heard, so that whoever reads it again is
-  // promised the same: silence is known as far. Else it is known up to the newest frame, for
-  // recordings hold nothing more.
+  // Promises of the sources are stored with their datagrams, so that a later reader gets the same
+  // promises, and silence is determined up to them. Otherwise silence is determined up to the
+  // newest frame, because recordings contain no promises.
   bool promises_are_kept = false;
 };
 
@@ -128,18 +128,18 @@ class Pipeline {
 
   void start();
 
-  // Every source has ended and everything that came has been estimated.
+  // Every source has ended and all received frames have been processed.
   bool finished() const { return finished_; }
 
-  // Ends the sources; what has been received is still estimated. Returns when all is done.
+  // Ends the sources; received frames are still processed. Returns when all is done.
   void stop();
-  // When everything is estimated every track and every stay ends, for that reason: nobody goes on
-  // with them. Before stop().
+  // When all frames are processed every track and every stay ends with that reason: no successor
+  // continues them. To be called before stop().
   void end_tracks(const std::string& reason);
-  // What the sources read from, in their order: who comes after may go on with it, or have its
-  // ports. REQUIRES: stop() has returned.
+  // The datagram sources of the lanes, in their order: a successor may continue with them, or use
+  // their ports. REQUIRES: stop() has returned.
   std::vector<std::unique_ptr<DatagramSource>> release_sources();
-  // Makes a stop() that another thread is in return soon: what waits is left unexplained.
+  // Makes a stop() in another thread return soon: waiting bursts are not processed.
   void hurry();
   // Waits for the sources to end by themselves (recordings).
   void wait();
@@ -147,7 +147,7 @@ class Pipeline {
   std::vector<SourceReport> source_reports() const;
   std::vector<MailboxCounters> mailbox_counters() const;
   EstimationCounters estimation_counters() const;
-  // Every thread; the pipeline outlives what it returns.
+  // Every thread; the pipeline outlives the returned stages.
   std::vector<Stage> stages() const;
 
  private:

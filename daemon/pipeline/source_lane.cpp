@@ -40,7 +40,7 @@ bool SourceLane::step(Duration timeout) {
   const Timestamp safe_time = receiver_.safe_time(batch_.watermark);
   show();
   publish_report();
-  progress_.rest();  // of a recording it waits for room
+  progress_.rest();  // with a recording it waits for room
   mailbox_.put(slot_, frames_, safe_time);
   progress_.beat();
   return !batch_.ended;
@@ -67,7 +67,7 @@ void SourceLane::move(std::uint64_t number) {
   receiver_.flush(frames_);
   show();
   publish_report();
-  progress_.rest();  // it waits for the other sources and for what they have left
+  progress_.rest();  // it waits for the other sources and for their remaining frames
   mailbox_.put(slot_, frames_, Timestamp::max());
   mailbox_.move(slot_, number);
   progress_.beat();

@@ -1,6 +1,6 @@
-// SourceLane: what becomes of the datagrams of one access point, step by step and without a thread:
-// it reads them, shows them to the recorder and the ring, decodes and assembles them, and leaves
-// the frames in the mailbox.
+// SourceLane: processes the datagrams of one access point, step by step and without a thread: it
+// reads them, passes them to the recorder and the ring, decodes and assembles them, and puts the
+// frames into the mailbox.
 //
 // Thread safety: one thread; report() from any.
 #pragma once
@@ -22,36 +22,36 @@
 
 namespace rayloc {
 
-// Sees every datagram that a source delivers, before it is decoded.
+// Receives every datagram that a source delivers, before it is decoded.
 class DatagramTap {
  public:
   virtual ~DatagramTap() = default;
   virtual void tap(std::span<const Datagram> datagrams) = 0;
-  // No datagram that comes later is older.
+  // No later datagram is older.
   virtual void advance(Timestamp /*watermark*/) {}
-  // What comes next is of another place of a recording.
+  // The following datagrams are from another position of a recording.
   virtual void moved() {}
 };
 
-// Sees every frame that was made of them, before it is explained.
+// Receives every frame that was assembled from them, before it is processed.
 class FrameTap {
  public:
   virtual ~FrameTap() = default;
   virtual void tap(const std::string& access_point, std::span<const CsiFrame> frames) = 0;
 };
 
-// What a source has done so far; one consistent snapshot.
+// Progress of a source; one consistent snapshot.
 struct SourceReport {
   std::string access_point;
   std::string description;
   SourceCounters source;
   CsiReceiverCounters receiver;
   FrameCensus frames;
-  std::string stamps;         // what is wrong with its time stamps: StampTally::text()
+  std::string stamps;         // fault of its time stamps: StampTally::text()
   Timestamp last_datagram{};  // event time; the epoch when none came
-  std::chrono::steady_clock::time_point last_arrival{};  // of it: nobody can set this clock
-  bool ended = false;  // for good, or until a recording that is played goes on elsewhere
-  // Why it ended before its time, or, of a source that goes on, why nothing can be read now; empty
+  std::chrono::steady_clock::time_point last_arrival{};  // of it: monotonic clock
+  bool ended = false;  // permanently, or until a playback seeks to another position
+  // The reason why it ended early or, for a source that continues, why it cannot be read now; empty
   // otherwise.
   std::string error;
 };
@@ -69,13 +69,13 @@ class SourceLane {
   // `slot`: the source's number in `mailbox`, which outlives the lane.
   SourceLane(SourceInput input, FrameMailbox& mailbox, std::size_t slot);
 
-  // Takes what has come, or comes within `timeout`. False when the source has ended.
+  // Takes the datagrams that arrived or arrive within `timeout`. False when the source has ended.
   bool step(Duration timeout);
-  // Whether the last step found nothing.
+  // True if the last step received no datagrams.
   bool was_idle() const { return batch_.datagrams.empty(); }
-  // Nothing is read any more: what is left of frames goes to the mailbox.
+  // Reading has ended: the remaining frames are put into the mailbox.
   void finish();
-  // What it read from, with the port that it holds. REQUIRES: finish().
+  // The datagram source, with its open port. REQUIRES: finish().
   std::unique_ptr<DatagramSource> release() { return std::move(source_); }
 
   SourceReport report() const;
@@ -94,10 +94,10 @@ class SourceLane {
   FrameTap* const frame_tap_;
   const std::string access_point_;
   DatagramBatch batch_;
-  std::vector<CsiFrame> frames_;  // of the step
+  std::vector<CsiFrame> frames_;  // frames of the current step
   FrameCensus census_;
   StampTally stamps_;
-  std::string failure_;  // why the source ended before its time
+  std::string failure_;  // reason why the source ended early
   StageProgress progress_;
   mutable std::mutex mutex_;
   SourceReport report_;  // guarded by mutex_

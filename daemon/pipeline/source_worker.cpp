@@ -5,11 +5,11 @@
 namespace rayloc {
 namespace {
 
-// How long an idle source may sleep: the resolution of event time while nothing arrives, and the
-// longest that a stop waits.
+// Maximum sleep of an idle source: the resolution of event time while no data arrive, and the
+// maximum delay of a stop.
 constexpr Duration kReadTimeout = std::chrono::milliseconds(20);
 
-// More than a receive buffer of 8 MiB holds, at 64 datagrams a read.
+// More than a receive buffer of 8 MiB contains, at 64 datagrams a read.
 constexpr int kReadsAfterStop = 256;
 
 }  // namespace
@@ -35,8 +35,8 @@ void SourceWorker::join() {
 void SourceWorker::run() {
   while (!stopping_ && lane_.step(kReadTimeout)) {
   }
-  // What was in the socket when the stop came has been received: it is still taken, but not for as
-  // long as somebody goes on sending.
+  // Datagrams that were in the socket at the time of the stop have been received: they are still
+  // taken, but a sender that continues does not extend this.
   for (int reads = 0; stopping_ && reads < kReadsAfterStop; ++reads) {
     if (!lane_.step(Duration::zero()) || lane_.was_idle()) {
       break;

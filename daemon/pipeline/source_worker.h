@@ -1,5 +1,5 @@
 // SourceWorker: the receiving thread of one access point: it drives a SourceLane until the source
-// ends, or it is told to stop.
+// ends, or a stop is requested.
 //
 // Thread safety: start(), stop() and join() from one thread, report() from any.
 #pragma once
@@ -22,10 +22,10 @@ class SourceWorker {
   SourceWorker& operator=(const SourceWorker&) = delete;
 
   void start();
-  // Asks the thread to end: it takes what has already arrived, decodes it and leaves.
+  // Asks the thread to end: it decodes the datagrams that have already arrived and ends.
   void stop() { stopping_ = true; }
   void join();
-  // What it read from, with the port that it holds. REQUIRES: joined.
+  // The datagram source, with its open port. REQUIRES: joined.
   std::unique_ptr<DatagramSource> release() { return lane_.release(); }
 
   SourceReport report() const { return lane_.report(); }

@@ -1,8 +1,8 @@
-// StageProgress: whether the thread of a stage gets on with its work; what the watchdog looks at.
+// StageProgress: shows whether the thread of a stage makes progress; input of the watchdog.
 //
-// A stage beats each time that its loop comes round, work or none, and rests while it waits for
-// another stage: who waits is not stuck, the one it waits for may be.
-// Thread safety: beat() and rest() from the stage's thread, the rest from any.
+// A stage calls beat() in every iteration of its loop, with or without work, and rests while it
+// waits for another stage: the waiting stage is not stuck, the other one may be.
+// Thread safety: beat() and rest() from the stage's thread, the other functions from any.
 #pragma once
 
 #include <atomic>
@@ -28,7 +28,7 @@ class StageProgress {
   std::atomic<bool> resting_{false};
 };
 
-// A stage as the log calls it: "source ap1", "estimation". The progress outlives this.
+// A stage with its name in the log: "source ap1", "estimation". The progress outlives this.
 struct Stage {
   std::string name;
   const StageProgress* progress = nullptr;

@@ -7,8 +7,8 @@
 namespace rayloc {
 namespace {
 
-// Chosen: a track that nobody has gone on with for so long was over: twice the silence after which
-// any track is lost (TrackOptions::lose_after).
+// Chosen: a track that is not continued for so long had ended: twice the silence after which any
+// track is lost (TrackOptions::lose_after).
 constexpr Duration kGivenUp = std::chrono::seconds(10);
 
 }  // namespace

@@ -1,8 +1,8 @@
-// TrackNumbers: the numbers of the tracks of devices, each given once.
+// TrackNumbers: the numbers of the tracks of devices, each used once.
 //
-// A device has one track at most. A device that is called anew is a new track to everyone outside:
-// its number would tell. A successor goes on with the numbers that its predecessor gave, and gives
-// none for what it says to itself.
+// A device has one track at most. A device with a new name is a new track to all subscribers: the
+// number would link the names. A successor continues the numbers of its predecessor, and assigns
+// none to results that it does not publish.
 //
 // Thread safety: for one thread.
 #pragma once
@@ -19,28 +19,28 @@
 
 namespace rayloc {
 
-// A plain value: what a successor of a TrackNumbers is told.
+// A plain value: the initial state of a successor's TrackNumbers.
 struct NumberedTracks {
   struct Track {
-    std::string target;  // what its device is called (target_component())
+    std::string target;  // name of its device (target_component())
     std::uint64_t number = 0;
   };
-  std::uint64_t last = 0;     // that was given
-  std::vector<Track> tracks;  // that are not over; of one target in the order in which they began
+  std::uint64_t last = 0;     // last assigned number
+  std::vector<Track> tracks;  // not over yet; of one target in the order of their begin
 };
 
 class TrackNumbers {
  public:
   TrackNumbers() = default;
-  // All that refers to an instant before `done` was said by the predecessor.
+  // All results for instants before `done` were published by the predecessor.
   TrackNumbers(NumberedTracks before, Timestamp done)
       : last_(before.last), before_(std::move(before.tracks)), done_(done) {}
 
-  // Of the device's track at `time`. Of what the predecessor has said, its number or 0.
+  // Number of the device's track at `time`. For results of the predecessor: its number or 0.
   std::uint64_t of(const MacAddress& device, const std::string& target, Timestamp time);
   void lost(const MacAddress& device, Timestamp time);
 
-  // Everything before `done` has been said: tracks that were lost by then are nobody's any more.
+  // All results before `done` are published: tracks that were lost by then are removed.
   void advance(Timestamp done);
   // REQUIRES: advance(done).
   NumberedTracks carried() const;
@@ -54,8 +54,8 @@ class TrackNumbers {
 
   std::uint64_t last_ = 0;
   std::map<MacAddress, std::vector<Numbered>> tracks_;  // in the order in which they began
-  std::vector<NumberedTracks::Track> before_;           // the predecessor's, not gone on with yet
-  Timestamp done_ = Timestamp::min();                   // by the predecessor
+  std::vector<NumberedTracks::Track> before_;           // the predecessor's, not continued yet
+  Timestamp done_ = Timestamp::min();                   // of the predecessor
 };
 
 }  // namespace rayloc

@@ -11,7 +11,7 @@
 namespace rayloc {
 namespace {
 
-// What calibrations leave, measured: medians of 16 access points in 8 calibrated sites of 4
+// Residual errors of calibrations, measured: medians of 16 access points in 8 calibrated sites of 4
 // simulated rooms (143 or 195 points); the exponent and the least sigma of the sites.
 constexpr ModelError kCalibrated{
     .plan_tolerance = 0.0015,  // [m]
@@ -22,8 +22,8 @@ constexpr ModelError kCalibrated{
 };
 constexpr double kCalibratedExponent = 0.8;     // of the likelihood, a power, measured as above
 constexpr double kCalibratedLeastSigma = 1e-3;  // [m], measured as above
-constexpr double kRowTolerance = 1e-3;          // [m], chosen: how straight a row is
-// Of rays after a calibration (JointCalibrationOptions::use).
+constexpr double kRowTolerance = 1e-3;          // [m], chosen: straightness of a row
+// For rays after a calibration (JointCalibrationOptions::use).
 constexpr TraceOptions kCalibratedRays{.max_depth = 3, .transmission = true};
 
 Expected<void> keep_only(const std::vector<std::string>& ids, RoomModel& room) {
@@ -38,7 +38,7 @@ Expected<void> keep_only(const std::vector<std::string>& ids, RoomModel& room) {
     if (found == room.access_points.end()) {
       return make_error(ErrorKind::kUsage, "--access-points: the site has no '" + id + "'");
     }
-    // Twice the same one would count as two that err independently, and promise too much.
+    // The same one twice would count as two with independent errors: too good a prediction.
     if (std::any_of(kept.begin(), kept.end(), [&](const auto& one) { return one.id == id; })) {
       return make_error(ErrorKind::kUsage, "--access-points: '" + id + "' is named twice");
     }
@@ -48,7 +48,7 @@ Expected<void> keep_only(const std::vector<std::string>& ids, RoomModel& room) {
   return {};
 }
 
-// A single antenna has no distance to another, and stays.
+// A single antenna has no distance to another, and is unchanged.
 Expected<void> set_spacing(double spacing, RoomModel& room) {
   bool has_row = false;
   for (RoomAccessPoint& ap : room.access_points) {
@@ -71,7 +71,7 @@ Expected<void> set_spacing(double spacing, RoomModel& room) {
   return {};
 }
 
-// All tones that frames of that bandwidth measure, but for those at the centre.
+// All tones that frames of that bandwidth measure, except those at the centre.
 OfdmGrid grid_of(double centre_hz, int bandwidth_mhz) {
   const TonePlan& plan = tone_plan(PhyFormat::kVht, bandwidth_mhz);
   return {centre_hz, plan.spacing_hz, plan.active};

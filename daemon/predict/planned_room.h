@@ -1,4 +1,4 @@
-// planned_room: the room of a site as it would be once its access points hang and are calibrated.
+// planned_room: the room of a site as expected once its access points are mounted and calibrated.
 #pragma once
 
 #include <optional>
@@ -12,23 +12,22 @@
 namespace rayloc {
 
 struct PlannedRoomOptions {
-  std::vector<std::string> access_points = {};  // ids; empty: all of the site
-  int bandwidth_mhz = 0;                        // 0: that of the site
-  std::optional<double> spacing =
-      std::nullopt;  // [m], of neighbouring antennas; nothing: as stated
+  std::vector<std::string> access_points = {};   // ids; empty: all of the site
+  int bandwidth_mhz = 0;                         // 0: as in the site
+  std::optional<double> spacing = std::nullopt;  // [m], of neighbouring antennas; empty: as stated
 };
 
-// An access point that is calibrated keeps its errors, and its gains where the tones stay. One that
-// is not gets chains without gains, and the errors that calibrations leave (planned_room.cpp).
-// Errors: as load_room_model(); an id that the site has not or that is named twice, and a spacing
-// of antennas that are no row (kUsage).
+// A calibrated access point keeps its errors, and its gains if the tones are unchanged. Any other
+// gets chains without gains, and the usual residual errors of calibrations (planned_room.cpp).
+// Errors: as in load_room_model(); an id that the site does not have or that is named twice, and a
+// spacing for antennas that are not in a row (kUsage).
 Expected<RoomModel> planned_room(const Site& site, const PlannedRoomOptions& plan);
 
-// The antennas of a row at other distances: `gaps` [m] between neighbours, about the middle of the
-// row. An array of another number of antennas, or one that is no row, stays as it is.
+// Sets the antennas of a row to other distances: `gaps` [m] between neighbours, centred on the row.
+// An array with another number of antennas, or one that is not a row, is unchanged.
 void set_gaps(AntennaArray& array, const std::vector<double>& gaps);
 
-// Distances of neighbours [m]; empty where the antennas are no row.
+// Distances of neighbours [m]; empty if the antennas are not in a row.
 std::vector<double> gaps_of(const AntennaArray& array);
 
 }  // namespace rayloc

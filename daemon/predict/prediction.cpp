@@ -13,14 +13,14 @@
 namespace rayloc {
 namespace {
 
-constexpr double kFromWalls = 0.15;  // [m], chosen: nobody holds a device nearer
-// Share of the work that making the Localizer is, for the progress; measured in the meeting room.
+constexpr double kFromWalls = 0.15;  // [m], chosen: no device is held nearer
+// Share of the Localizer's construction in the work, for the progress; measured: meeting room.
 constexpr double kMaking = 0.2;
 constexpr Duration kFrameInterval = std::chrono::milliseconds(20);
-constexpr Duration kSpotInterval = std::chrono::seconds(2);  // no frame of two spots is one burst
+constexpr Duration kSpotInterval = std::chrono::seconds(2);  // bursts of two spots never merge
 constexpr MacAddress kDevice{{0x02, 0x52, 0x4c, 0x00, 0x00, 0x01}};
 
-// One access point: what it records, and what its frames are read by.
+// One access point: its recording, and the receiver of its frames.
 struct Listener {
   CaptureSimulator simulator;
   CsiReceiver receiver;
@@ -116,7 +116,7 @@ std::vector<Vec3d> predicted_places(const RoomModel& room, double step) {
   };
   const int count_x = count(room.bounds_min.x, room.bounds_max.x);
   const int count_y = count(room.bounds_min.y, room.bounds_max.y);
-  // The same distance from both walls.
+  // Equal distances from both walls.
   const double first_x = 0.5 * (room.bounds_min.x + room.bounds_max.x - (count_x - 1) * step);
   const double first_y = 0.5 * (room.bounds_min.y + room.bounds_max.y - (count_y - 1) * step);
   for (int i = 0; i < count_x; ++i) {

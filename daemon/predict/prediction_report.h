@@ -10,12 +10,12 @@
 
 namespace rayloc {
 
-// Median of a place's errors [m]; a draw without a fix counts, as infinite.
+// Median of a place's errors [m]; a draw without a fix counts as infinite.
 double median_error(const PredictedPlace& place);
-// Share of its draws that are off by more than kAnotherPlace.
+// Share of its draws with an error above kAnotherPlace.
 double another_place_share(const PredictedPlace& place);
 
-// A dot a place, coloured by median_error(); a ring where some draw is taken to be elsewhere.
+// One dot per place, coloured by median_error(); a ring if some draw is at another place.
 draw::Drawing prediction_picture(const Prediction& prediction, const RoomModel& room);
 
 // x,y,z,median_m,another_place_share

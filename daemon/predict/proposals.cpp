@@ -16,7 +16,7 @@
 namespace rayloc {
 namespace {
 
-constexpr double kMove = 0.5;             // [m], chosen: as far as a cable reaches
+constexpr double kMove = 0.5;             // [m], chosen: within the length of a cable
 constexpr double kTurn = 45.0 * kDegree;  // [rad], chosen
 constexpr double kCentimetre = 100.0;     // [cm/m]
 
@@ -25,7 +25,7 @@ struct Change {
   RoomModel room;
 };
 
-// Rays of a row's middle do not depend on the distances of its antennas, so they are kept.
+// Rays of a row's centre do not depend on the distances of its antennas, so they are cached.
 class MemoryGrids : public PathGridStore {
  public:
   std::optional<std::string> load(const std::string& key) override {
@@ -41,7 +41,7 @@ class MemoryGrids : public PathGridStore {
   std::map<std::string, std::string> grids_;
 };
 
-// `of`: from the distances of a row to others.
+// `of`: converts the distances of a row to new ones.
 template <typename Of>
 Change with_gaps(const RoomModel& room, std::string what, const Of& of) {
   Change change{std::move(what), room};
@@ -58,7 +58,7 @@ void add_spacings(const RoomModel& room, std::vector<Change>& changes) {
                                    room.access_points.end(),
                                    [](const auto& ap) { return !gaps_of(ap.array).empty(); });
   if (!has_row) {
-    return;  // they would all be the room as it is
+    return;  // they would all equal the unchanged room
   }
   const double half = 0.5 * kSpeedOfLight / room.grid.centre_hz;
   const auto all = [](double distance) {
@@ -83,7 +83,7 @@ void add_spacings(const RoomModel& room, std::vector<Change>& changes) {
                                 gaps.front() = half;
                                 return gaps;
                               }));
-  // In halves of a wavelength, without a common factor: one bearing alone has both phases.
+  // In halves of a wavelength, coprime: one bearing alone has both phases.
   for (const auto& pair : {std::pair(1, 2), {1, 4}, {2, 3}, {3, 4}}) {
     const double first = pair.first * half;
     const double others = pair.second * half;

@@ -1,4 +1,4 @@
-// Proposals: what would be better: other distances of antennas, and access points elsewhere.
+// Proposals: better arrangements: other antenna spacings, and other access point positions.
 #pragma once
 
 #include <functional>
@@ -22,8 +22,8 @@ struct ProposalOptions {
   bool moves = false;  // half a metre along each axis, an eighth of a turn: minutes
 };
 
-// Of each change of the room, the prediction at these places; the best first: fewest draws that are
-// taken to be elsewhere, then the least median. The room as it is is among them.
+// The prediction at these places for each change of the room; best first: fewest draws located at
+// another place, then the least median. The unchanged room is included.
 Expected<std::vector<Proposal>> proposals(const RoomModel& room,
                                           const std::vector<Vec3d>& places,
                                           const PredictionOptions& options,

@@ -17,12 +17,12 @@ namespace rayloc {
 namespace {
 
 constexpr double kNanosecond = 1e-9;  // [s]
-// Of a picture [dB], chosen: weaker cells are as dark as these.
+// Range of a picture [dB], chosen: weaker cells are equally dark.
 constexpr double kMostRange = 60.0;
 
 double decibels(double ratio) { return 10.0 * std::log10(ratio); }
 
-// The value at a share of the sorted ones; NaN of none.
+// The quantile at a share; NaN if there are no values.
 double quantile(std::vector<double> values, double share) {
   if (values.empty()) {
     return std::numeric_limits<double>::quiet_NaN();
@@ -70,10 +70,10 @@ Words words_of(RadioMapQuantity quantity) {
   return {"", ""};
 }
 
-// Ends that hold nearly all values, so that a single cell does not take the colours from all
-// others.
+// Scale ends that contain nearly all values, so that a
+// single cell does not compress the colours of the others.
 void scale_to(const std::vector<double>& values, RadioMapQuantity quantity, draw::RoomMap& map) {
-  constexpr double kMostShown = 0.995;  // a share, chosen
+  constexpr double kMostShown = 0.995;  // share, chosen
   map.highest = std::ceil(quantile(values, kMostShown));
   map.lowest =
       quantity == RadioMapQuantity::kPathGain

@@ -1,4 +1,4 @@
-// What `rayloc scene map` writes: pictures, arrays, and a line for each access point.
+// Output of `rayloc scene map`: pictures, arrays, and a line for each access point.
 #pragma once
 
 #include <string>
@@ -13,7 +13,7 @@
 namespace rayloc {
 
 struct NamedArray {
-  std::string name;  // of an access point
+  std::string name;  // of the access point
   AntennaArray array;
 };
 
@@ -25,7 +25,7 @@ struct RadioMaps {
   std::vector<std::int64_t> strongest;  // [cell], strongest_of() the maps
 };
 
-// Of each cell what the array says that is heard loudest there.
+// Quantity shown at each cell, of the array with the strongest signal there.
 enum class RadioMapQuantity : std::uint8_t { kPathGain, kDelaySpread, kPathCount, kStrongest };
 
 // REQUIRES: at least one array.
@@ -34,10 +34,10 @@ draw::Drawing radio_map_picture(const RadioMaps& maps,
                                 RadioMapQuantity quantity);
 
 // x [count_x], y [count_y], path_gain, delay_spread and path_count [array][count_y][count_x],
-// strongest [count_y][count_x] (-1: no path), names. kUnavailable when it cannot be written.
+// strongest [count_y][count_x] (-1: no path), names. kUnavailable if it cannot be written.
 Expected<void> write_npz(const RadioMaps& maps, const std::string& path);
 
-// A table for people, an access point a line.
+// A table for people, one line per access point.
 std::string radio_map_table(const RadioMaps& maps);
 
 }  // namespace rayloc

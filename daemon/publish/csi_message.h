@@ -8,7 +8,7 @@
 
 namespace rayloc {
 
-// `transmitter`: what it is called outside (TargetNames).
+// `transmitter`: its published name (TargetNames).
 v1::CsiFrame csi_message(const CsiFrame& frame,
                          const std::string& access_point,
                          const std::string& transmitter);

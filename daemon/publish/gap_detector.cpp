@@ -6,7 +6,7 @@
 
 namespace rayloc {
 
-// How many messages of the topic were lost right before this one, which is remembered.
+// Returns the number of messages of the topic lost before this one, and stores its sequence.
 std::uint64_t GapDetector::missing_before(const std::string& topic, std::uint64_t sequence) {
   const auto known = last_.find(topic);
   if (known == last_.end()) {
@@ -25,13 +25,13 @@ std::uint64_t GapDetector::missing_before(const std::string& topic, std::uint64_
   return lost;
 }
 
-// With the last sequences that a message on `topic` names.
+// Compares with the last sequences that a message on `topic` lists.
 void GapDetector::compare(const v1::TopicClass& topic_class,
                           const std::string& topic,
                           std::vector<Gap>& gaps) {
   for (const v1::TopicSequence& named : topic_class.last_sequences()) {
     const auto silent = last_.find(named.topic());
-    // The message's own topic is not yet counted in what it says.
+    // The message's own topic is not yet counted in its list.
     if (silent != last_.end() && named.topic() != topic &&
         named.sequence() > silent->second.sequence) {
       gaps.push_back({named.topic(), named.sequence() - silent->second.sequence});

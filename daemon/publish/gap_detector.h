@@ -1,12 +1,12 @@
-// GapDetector: what a subscriber has lost, from the epochs and sequences of what it got.
+// GapDetector: a subscriber's losses, from the epochs and sequences of its received messages.
 //
-// Per topic a sequence that skips numbers is a loss on the way. The first message of a topic tells
-// nothing of what was before it (a late subscriber), sequence 1 begins a topic anew, and a new
-// epoch is a restart of the daemon: neither is a gap. Heartbeats and the Goodbye name the last
-// sequence of topics, so that a loss shows even on a topic that fell silent.
+// Per topic a sequence that skips numbers is a loss in transit. The first message of a topic gives
+// no information on earlier ones (a late subscriber), sequence 1 restarts a topic, and a new epoch
+// is a restart of the daemon: neither is a gap. Heartbeats and the Goodbye list the last sequence
+// of topics, so that a loss is detected even on a topic that fell silent.
 //
-// Memory is bounded: past `max_topics` the topic that was heard longest ago is forgotten, and tells
-// nothing when it is heard again.
+// Memory is bounded: beyond `max_topics` the topic received longest ago is removed, and its next
+// message counts as its first.
 #pragma once
 
 #include <cstddef>
@@ -31,7 +31,7 @@ class GapDetector {
     std::string topic;
     std::uint64_t lost = 0;  // messages
   };
-  // What `envelope`, received on `topic`, shows to be lost. REQUIRES: order of arrival.
+  // Returns the losses that `envelope`, received on `topic`, reveals. REQUIRES: order of arrival.
   std::vector<Gap> add(const std::string& topic, const v1::Envelope& envelope);
 
   std::uint64_t lost() const { return lost_; }
@@ -47,7 +47,7 @@ class GapDetector {
   void compare(const v1::TopicClass& topic_class, const std::string& topic, std::vector<Gap>& gaps);
 
   std::size_t max_topics_;
-  std::list<std::string> by_age_;  // heard longest ago first
+  std::list<std::string> by_age_;  // received longest ago first
   std::unordered_map<std::string, Heard> last_;
   std::uint64_t epoch_ = 0;
   bool any_ = false;

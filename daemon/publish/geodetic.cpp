@@ -17,7 +17,7 @@ double normal_radius(double sin_latitude) {
   return kMajor / std::sqrt(1.0 - kEccentricity2 * sin_latitude * sin_latitude);
 }
 
-// The site's local axes turned to east, north, up.
+// The site's local axes rotated to east, north, up.
 Vec3d to_enu(const v1::Georeference& site, const Vec3d& local) {
   const double c = std::cos(site.rotation_deg() * kDegree);
   const double s = std::sin(site.rotation_deg() * kDegree);

@@ -1,8 +1,8 @@
 // Latitude, longitude and height of a point of a site: local metres -> WGS 84.
 //
-// Exact at any distance from the site's origin: the tangent plane at the origin, turned by the
+// Exact at any distance from the site's origin: the tangent plane at the origin, rotated by the
 // site's rotation, then the ellipsoid [EPSG 9837]. Not a map projection: a corridor of a kilometre
-// comes out with its true length and bearing.
+// keeps its true length and bearing.
 //
 // References: [EPSG 9837] IOGP 373-7-2, Geographic/topocentric conversions; [Bowring] B. R.
 // Bowring, Transformation from spatial to geographical coordinates, 1976.
@@ -21,7 +21,7 @@ struct GeodeticPoint {
 
 GeodeticPoint to_geodetic(const v1::Georeference& site, const Vec3d& local);
 
-// Of a horizontal direction in the site: clockwise from true north, in [0, 360) degrees.
+// Course of a horizontal direction in the site: clockwise from true north, in [0, 360) degrees.
 double course_deg(const v1::Georeference& site, double x, double y);
 
 }  // namespace rayloc

@@ -1,8 +1,8 @@
-// LastMessages: the last message of each topic, for those who come late (snapshots, the HTTP API).
+// LastMessages: the last message of each topic, for late subscribers (snapshots, the HTTP API).
 //
-// Memory is bounded: past `max_topics` of a site its topic that was published longest ago is
-// forgotten; a site that has many displaces none of another.
-// Thread safety: all members from any thread.
+// Memory is bounded: beyond `max_topics` of a site its topic published longest ago is removed;
+// a site with many topics displaces none of another. Thread safety: all members from any
+// thread.
 #pragma once
 
 #include <cstddef>

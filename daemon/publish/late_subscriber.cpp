@@ -15,12 +15,12 @@ namespace rayloc {
 namespace {
 
 constexpr int kHighWaterMark = 100'000;
-// How often a wait looks at whether the snapshot has come.
+// Interval at which a wait checks for the arrival of the snapshot.
 constexpr std::chrono::milliseconds kLookInterval{50};
 
 }  // namespace
 
-// The socket that the snapshot is asked for at.
+// The socket on which the snapshot is requested.
 class LateSubscriber::Question {
  public:
   Question(const std::vector<std::string>& prefixes, const std::optional<CurveClientKeys>& curve)
@@ -29,7 +29,7 @@ class LateSubscriber::Question {
     for (const std::string& prefix : prefixes) {
       request.add_prefixes(prefix);
     }
-    // Heartbeats tell when all that the snapshot told has passed.
+    // Heartbeats show when the messages in the snapshot have passed.
     request.add_prefixes(kHeartbeatTopics);
     request_ = request.SerializeAsString();
     socket_.set(zmq::sockopt::linger, 0);
@@ -40,7 +40,7 @@ class LateSubscriber::Question {
   }
   void connect(const std::string& endpoint) { socket_.connect(endpoint); }
   void ask() { (void)socket_.send(zmq::buffer(request_), zmq::send_flags::dontwait); }
-  // The bytes of a reply that is here.
+  // Returns the bytes of a reply if one has arrived.
   std::optional<std::string> answer() {
     zmq::message_t reply;
     return socket_.recv(reply, zmq::recv_flags::dontwait) ? std::optional(reply.to_string())
@@ -115,7 +115,7 @@ std::optional<PublishedMessage> LateSubscriber::receive(std::chrono::millisecond
   while (ready_.empty() && waits) {
     waits = step(deadline) && Clock::now() < deadline;
     if (joining_ && asked_ && Clock::now() - *asked_ > patience_) {
-      go_live();  // better without than not at all
+      go_live();  // proceed without the snapshot rather than not at all
     }
   }
   if (ready_.empty()) {
@@ -126,7 +126,7 @@ std::optional<PublishedMessage> LateSubscriber::receive(std::chrono::millisecond
   return message;
 }
 
-// Takes what comes next, until `deadline` or for a while. False when a signal ended the wait.
+// Handles the next input, until `deadline` or for a while. False if a signal ended the wait.
 bool LateSubscriber::step(Clock::time_point deadline) {
   const auto left = std::max(std::chrono::milliseconds(0),
                              std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now()));
@@ -150,7 +150,7 @@ bool LateSubscriber::step(Clock::time_point deadline) {
 void LateSubscriber::take(PublishedMessage message) {
   v1::Envelope envelope;
   if (!envelope.ParseFromString(message.payload)) {
-    ready_.push_back(std::move(message));  // whoever takes it sees that it is none
+    ready_.push_back(std::move(message));  // the receiver detects that it is no message
     return;
   }
   if (epoch_ && envelope.epoch() != *epoch_) {
@@ -169,14 +169,14 @@ void LateSubscriber::take(PublishedMessage message) {
   }
 }
 
-// Another epoch is another daemon: all of it is new.
+// Another epoch is a restarted daemon: all of its messages are new.
 void LateSubscriber::begin_anew() {
-  go_live();  // of the daemon that is gone no snapshot will come
+  go_live();  // the ended daemon will send no snapshot
   told_.clear();
   joining_ = true;
 }
 
-// Of a daemon that is no longer there it is discarded.
+// A snapshot of an ended daemon is discarded.
 void LateSubscriber::take_snapshot(const std::string& bytes) {
   v1::SnapshotReply reply;
   if (!reply.ParseFromString(bytes) || reply.topics_size() != reply.envelopes_size() ||
@@ -208,7 +208,7 @@ void LateSubscriber::accept(PublishedMessage message, std::uint64_t sequence) {
       return;
     }
     if (message.topic.starts_with(kHeartbeatTopics)) {
-      told_.clear();  // sent after the snapshot was made, as is all that follows
+      told_.clear();  // sent after the snapshot was made, as are all later ones
     }
   }
   if (wanted(message.topic)) {

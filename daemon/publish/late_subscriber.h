@@ -1,11 +1,11 @@
-// LateSubscriber: a subscriber that begins with what was last said of each topic and goes on with
-// every message since, each sequence once. When the daemon was started again it begins anew in the
-// same way.
+// LateSubscriber: a subscriber that receives the last message of each topic first and then every
+// later message, each sequence once. After a restart of the daemon it begins again in the same
+// manner.
 //
-// It subscribes, to heartbeats last, and asks for the snapshot when a heartbeat is here: the
-// publisher then knows all of its subscriptions, so that nothing falls between the two. It asks
-// with each heartbeat until an answer comes, since a question may go to a daemon that is just
-// ending; messages wait meanwhile. Thread safety: one thread.
+// It subscribes, to heartbeats last, and requests the snapshot when a heartbeat arrives: the
+// publisher then has all of its subscriptions, so that no message is lost between the two. It
+// repeats the request with each heartbeat until an answer arrives, since a request may reach a
+// daemon that is ending; messages are queued meanwhile. Thread safety: one thread.
 #pragma once
 
 #include <chrono>
@@ -25,8 +25,8 @@ namespace rayloc {
 class LateSubscriber {
  public:
   // `endpoint`: of the Publisher, `snapshot`: of the SnapshotServer. Waits up to `patience` for a
-  // heartbeat and the snapshot; so long it also waits for the snapshot after a restart, and goes on
-  // without. kUsage for endpoints that are none, kUnavailable when nobody answers. `curve`: of a
+  // heartbeat and the snapshot; it waits as long for the snapshot after a restart, and proceeds
+  // without it. kUsage for invalid endpoints, kUnavailable if there is no answer. `curve`: for a
   // publisher with CURVE.
   static Expected<LateSubscriber> join(const std::string& endpoint,
                                        const std::string& snapshot,
@@ -37,13 +37,13 @@ class LateSubscriber {
   LateSubscriber(LateSubscriber&&) noexcept;
   LateSubscriber& operator=(LateSubscriber&&) noexcept;
 
-  // The snapshot's messages, then those that were published since. Nothing when none came for
+  // Returns the snapshot's messages, then those published since. Empty if none arrived within
   // `timeout` or a signal was caught.
   std::optional<PublishedMessage> receive(std::chrono::milliseconds timeout);
 
   std::uint64_t malformed() const { return subscriber_.malformed(); }
-  // Topics of which it still has to know what the snapshot told: none once a heartbeat has come
-  // that was sent after it.
+  // Number of topics whose sequence in the snapshot is still stored: none after a heartbeat that
+  // was sent after the snapshot.
   std::size_t remembered() const { return told_.size(); }
 
  private:
@@ -72,11 +72,11 @@ class LateSubscriber {
   std::unique_ptr<Question> question_;
   std::vector<std::string> prefixes_;
   std::chrono::milliseconds patience_;
-  std::optional<std::uint64_t> epoch_;         // heard last
-  bool joining_ = true;                        // the snapshot is still to come
-  std::optional<Clock::time_point> asked_;     // first, for that
+  std::optional<std::uint64_t> epoch_;         // epoch received last
+  bool joining_ = true;                        // the snapshot has not arrived yet
+  std::optional<Clock::time_point> asked_;     // time of the first request for it
   std::map<std::string, std::uint64_t> told_;  // sequence of each topic of the snapshot
-  std::deque<Early> early_;                    // came before the snapshot
+  std::deque<Early> early_;                    // messages received before the snapshot
   std::deque<PublishedMessage> ready_;
 };
 

@@ -1,5 +1,5 @@
-// Location: an estimate on its way from an estimator to a sink: the engine's LocationEstimate, whom
-// it is of, and what goes with it. Messages are made of it where it leaves (location_message.h).
+// Location: an estimate passed from an estimator to a sink: the engine's LocationEstimate, its
+// target, and additional data. It is converted to messages at the output (location_message.h).
 #pragma once
 
 #include <cstdint>
@@ -18,22 +18,22 @@ enum class TargetKind : std::uint8_t { kDevice, kPerson };
 
 struct Target {
   TargetKind kind = TargetKind::kDevice;
-  std::string address = {};  // of a device, as TargetNames has it; empty: a person
-  bool is_hashed = false;    // the address
+  std::string address = {};  // of a device, from TargetNames; empty: a person
+  bool is_hashed = false;    // `address` is a hash
   std::optional<std::uint64_t> track = std::nullopt;
   std::string name = {};  // for people; may be empty
 };
 
-// What all locations of one method in one room share.
+// Data shared by all locations of one method in one room.
 struct LocationContext {
   std::string site;            // its name
-  std::string scene_hash;      // of the room
+  std::string scene_hash;      // hash of the room's scene
   std::string calibration_id;  // empty: not calibrated
   std::string method;
   Duration valid_for{};  // after the estimate's time
 };
 
-// What a tracker knows besides the place.
+// Additional results of a tracker, besides the position.
 struct Tracked {
   TrackState state = TrackState::kTentative;
   bool is_predicted = false;                     // from earlier bursts only

@@ -49,7 +49,7 @@ Vec3d position_of(const v1::Location& location) {
   return {location.position().x(), location.position().y(), location.position().z()};
 }
 
-// What a number is in JSON and in CSV: the shortest text that reads back as it.
+// A number in JSON and in CSV: the shortest text that parses to the same value.
 std::string number_text(double value) { return Json(value).dump(); }
 
 std::string csv_field(const std::string& text) {
@@ -63,12 +63,12 @@ std::string csv_field(const std::string& text) {
   return quoted + "\"";
 }
 
-// Names come from the network and may be no UTF-8.
+// Names come from the network and may be invalid UTF-8.
 std::string dump(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-// What is said in the same words in GeoJSON and omlox.
+// Properties that are identical in GeoJSON and omlox.
 Json properties_of(const v1::Location& location) {
   Json properties = {{"target", target_component(location.target())},
                      {"name", location.target().name()},
@@ -90,7 +90,7 @@ Json properties_of(const v1::Location& location) {
   return properties;
 }
 
-// 48 bits as omlox writes them: an EUI-64 in upper case without delimiters; other ids as they are.
+// 48 bits in omlox notation: an EUI-64 in upper case without delimiters; other ids unchanged.
 std::string provider_id_of(const v1::Target& target) {
   constexpr std::size_t kMacDigits = 12;
   if (!target.has_mac()) {
@@ -202,7 +202,7 @@ std::optional<std::string> to_omlox(const v1::Envelope& envelope, const v1::Geor
     const GeodeticPoint point = to_geodetic(*site, local);
     coordinates = {point.longitude, point.latitude, local.z};
   }
-  // A person without a device has no id of its own: omlox calls such a provider virtual.
+  // A person without a device has no id: omlox calls such a provider virtual.
   const bool is_device = location.target().kind() != v1::TARGET_KIND_PERSON;
   Json json = {{"position", {{"type", "Point"}, {"coordinates", coordinates}}},
                {"source", location.frame().site()},

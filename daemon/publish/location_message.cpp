@@ -24,7 +24,7 @@ v1::Frame frame_of(const LocationContext& context) {
   return frame;
 }
 
-// What every id begins with: the same target and instant give the same, live and in every replay.
+// Prefix of every id: the same target and instant give the same id, live and in every replay.
 std::string id_of(const Target& target, Timestamp time) {
   return target_component(target) + "-" + std::to_string(time.time_since_epoch().count());
 }
@@ -99,7 +99,7 @@ void set_tracked(const Location& location, v1::Location* message) {
 
 struct ZoneEventName {
   v1::ZoneEventKind kind;
-  const char* word;  // of ids
+  const char* word;  // word in ids
 };
 
 ZoneEventName name_of(ZoneEventKind kind) {
@@ -191,7 +191,7 @@ v1::TrackEvent event_message(const TrackEvent& event, Duration clock_ahead) {
     message.set_previous_state(track_state_proto(*transition.before));
   }
   message.set_state(track_state_proto(transition.after));
-  // Numbers of tracks are those of one run, and would differ in a replay that begins later.
+  // Track numbers are those of one run, and would differ in a replay that begins later.
   message.set_event_id(id_of(event.target, transition.time) + "-track-" +
                        std::to_string(message.previous_state()) + "-" +
                        std::to_string(message.state()));

@@ -1,8 +1,8 @@
-// Location, TrackEvent and ZoneEvent as the public messages (proto/README.md).
+// Converts Location, TrackEvent and ZoneEvent to the public messages (proto/README.md).
 //
-// They are functions of their arguments: a replay gives the same bytes. `clock_ahead` is what the
-// clock of the outside is later than event time: times are told by that clock, ids are made of
-// event time.
+// They are functions of their arguments: a replay gives the same bytes. `clock_ahead` is the
+// lead of the external clock over event time: published times use that clock, ids use event
+// time.
 #pragma once
 
 #include "daemon/publish/location.h"
@@ -13,9 +13,9 @@
 
 namespace rayloc {
 
-// With NO_FIX there is neither a position nor an accuracy, and `quality.no_fix_reason` says why.
+// With NO_FIX there is no position or accuracy; `quality.no_fix_reason` states the reason.
 v1::Location location_message(const Location& location, Duration clock_ahead = {});
-// Of a method that is compared with the site's own: event_id ends in its name.
+// For a method that is compared with the site's own: event_id ends in its name.
 v1::Location compared_message(const Location& location, Duration clock_ahead = {});
 
 // REQUIRES: event.target.track.

@@ -7,7 +7,7 @@
 namespace rayloc {
 namespace {
 
-constexpr std::uint64_t kEventsKept = 32;  // of each topic of events
+constexpr std::uint64_t kEventsKept = 32;  // for each topic of events
 
 std::string subject_of(const std::string& topic, const v1::Envelope& envelope) {
   if (envelope.has_location()) {

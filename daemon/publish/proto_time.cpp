@@ -4,7 +4,7 @@ namespace rayloc {
 namespace {
 
 Duration within_range(std::int64_t seconds, std::int32_t nanos) {
-  // A day short of the end, so that nobody who rounds to a day overflows.
+  // A day before the end, so that rounding to a day does not overflow.
   constexpr auto kLast =
       std::chrono::floor<std::chrono::days>(Duration::max()) - std::chrono::days(1);
   constexpr std::int64_t kLimit = std::chrono::seconds(kLast).count();

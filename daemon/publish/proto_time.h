@@ -1,4 +1,4 @@
-// Times of messages from and to our own.
+// Converts times of messages from and to our own.
 #pragma once
 
 #include <google/protobuf/duration.pb.h>
@@ -10,9 +10,9 @@ namespace rayloc {
 
 google::protobuf::Timestamp to_proto(Timestamp time);
 google::protobuf::Duration to_proto(Duration duration);
-// What lies beyond the range of Timestamp (the year 2262) becomes its first or last day.
+// A time beyond the range of Timestamp (the year 2262) becomes its first or last day.
 Timestamp from_proto(const google::protobuf::Timestamp& time);
-// What lies beyond the range of Duration (292 years) becomes its first or last day.
+// A duration beyond the range of Duration (292 years) becomes its first or last day.
 Duration from_proto(const google::protobuf::Duration& duration);
 
 }  // namespace rayloc

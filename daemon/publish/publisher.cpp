@@ -21,7 +21,7 @@
 namespace rayloc {
 namespace {
 
-// What a subscriber may send is a prefix of a topic.
+// Subscribers may send only a prefix of a topic.
 constexpr std::int64_t kMaxSubscriptionBytes = 4096;
 
 template <typename Classes>
@@ -90,7 +90,7 @@ class Publisher::Impl {
   const std::string& site() const { return site_; }
   const std::string& endpoint() const { return endpoint_; }
 
-  // The body of the next message; whatever it held before may be reused.
+  // The body of the next message; its previous content may be reused.
   v1::Envelope& envelope() { return envelope_; }
 
   void send(const std::string& topic, Timestamp sent, std::uint32_t coalesced) {
@@ -136,7 +136,7 @@ class Publisher::Impl {
   std::uint64_t epoch() const { return options_.epoch; }
 
  private:
-  // False: the queue of some subscriber is full.
+  // Returns false if the queue of some subscriber is full.
   bool try_send(zmq::message_t& frame, zmq::send_flags flags) {
     while (true) {
       try {
@@ -159,8 +159,8 @@ class Publisher::Impl {
     socket_.set(zmq::sockopt::xpub_nodrop, true);
   }
 
-  // Each subscription comes as 1 and the prefix, each end of one as 0 and the prefix (also when the
-  // connection breaks).
+  // Each subscription arrives as 1 and the prefix, each end of one as 0 and the prefix (also when
+  // the connection breaks).
   void count_subscriptions() {
     zmq::message_t message;
     while (receive(message)) {
@@ -195,9 +195,9 @@ class Publisher::Impl {
   std::shared_ptr<ConnectionGuard> guard_;  // its context outlives the socket
   zmq::socket_t socket_;
   std::map<std::string, SequenceBook> books_;  // by site
-  std::string site_;                           // whose messages are sent now
-  SequenceBook* book_ = nullptr;               // of that site
-  std::shared_ptr<MessageBoard> board_;        // of that site; may be null
+  std::string site_;                           // site of the messages being sent
+  SequenceBook* book_ = nullptr;               // book of that site
+  std::shared_ptr<MessageBoard> board_;        // board of that site; may be null
   std::string endpoint_;
   v1::Envelope envelope_;
   std::uint64_t slow_episodes_ = 0;

@@ -1,11 +1,11 @@
-// What protobuf says by itself.
+// Suppresses protobuf's own log output.
 #pragma once
 
 namespace rayloc {
 
-// Protobuf writes a line to standard error for each message whose text is not UTF-8, as fast as a
-// peer sends them and past every limit of a log. Whoever reads a message here counts or names what
-// is none, so those lines are left out. Before any thread is started.
+// Protobuf writes a line to standard error for each message whose text is not UTF-8, at the rate of
+// the sender and beyond every limit of a log. Every reader here counts or names invalid messages,
+// so those lines are suppressed. To be called before any thread is started.
 void quiet_protobuf();
 
 }  // namespace rayloc

@@ -1,7 +1,7 @@
-// SequenceBook: the last sequence number of each topic, and what was published per class of topics.
+// SequenceBook: the last sequence number of each topic, and the message counts of topic classes.
 //
-// Memory is bounded: past `max_topics` the topic that was published longest ago is forgotten and
-// would begin at 1 again, which subscribers take for what it is (envelope.proto, `sequence`).
+// Memory is bounded: beyond `max_topics` the topic published longest ago is removed and would
+// restart at 1, which subscribers treat as a new beginning (envelope.proto, `sequence`).
 #pragma once
 
 #include <cstdint>
@@ -25,7 +25,7 @@ class SequenceBook {
     std::map<std::string, std::uint64_t> last;  // sequence by topic
   };
   // By prefix "v1/CLASS/SITE/". `last` holds the topics that were published since the last call of
-  // forget_recent(), or with `all` every topic that is remembered.
+  // forget_recent(), or with `all` every stored topic.
   std::map<std::string, TopicClass> classes(bool all) const;
   void forget_recent() { recent_.clear(); }
 

@@ -19,8 +19,8 @@ namespace {
 
 constexpr std::int64_t kMaxRequestBytes = 65536;
 constexpr int kMaxPrefixes = 256;
-constexpr int kWaitingReplies = 16;  // per client; past that they are dropped
-// Replies that waited for a client when the daemon ends.
+constexpr int kWaitingReplies = 16;  // per client; further ones are dropped
+// Time for replies that wait for a client when the daemon ends.
 constexpr int kLingerMs = 100;
 constexpr int kPollMs = 100;
 
@@ -38,7 +38,7 @@ class SnapshotServer::Impl {
     socket_.set(zmq::sockopt::sndhwm, kWaitingReplies);
     socket_.set(zmq::sockopt::linger, kLingerMs);
     socket_.set(zmq::sockopt::ipv6, true);
-    // A full queue is told, not swallowed.
+    // A full queue is reported, not ignored.
     socket_.set(zmq::sockopt::router_mandatory, true);
     socket_.set(zmq::sockopt::rcvtimeo, kPollMs);
     socket_.set(zmq::sockopt::heartbeat_ivl, kHeartbeatIntervalMs);
@@ -81,7 +81,7 @@ class SnapshotServer::Impl {
         }
       } catch (const zmq::error_t& error) {
         if (error.num() == EHOSTUNREACH) {
-          ++dropped_;  // the client has gone
+          ++dropped_;  // the client has disconnected
         } else if (error.num() != EINTR) {
           throw;
         }
@@ -102,7 +102,7 @@ class SnapshotServer::Impl {
     return frames;
   }
 
-  // The identity that ROUTER adds, the empty frame of a REQ socket, the request.
+  // Frames: the identity that ROUTER adds, the empty frame of a REQ socket, the request.
   void answer(Frames frames) {
     v1::SnapshotRequest request;
     const bool form = frames.size() == 2 || (frames.size() == 3 && frames[1].empty());

@@ -1,9 +1,9 @@
-// SnapshotServer: tells late subscribers what was last said of each topic (snapshot.proto), on a
-// ZeroMQ ROUTER socket and a thread of its own.
+// SnapshotServer: sends late subscribers the last message of each topic (snapshot.proto), on a
+// ZeroMQ ROUTER socket and its own thread.
 //
 // A request is one frame, a v1::SnapshotRequest, from a DEALER or (with the empty frame that it
-// adds) a REQ socket; the answer is one frame, a v1::SnapshotReply. What is no request is dropped
-// and counted; so is an answer that the client does not fetch. Nothing blocks.
+// adds) a REQ socket; the answer is one frame, a v1::SnapshotReply. Invalid requests are dropped
+// and counted, and so are answers that the client does not read. No call blocks.
 //
 // Thread safety: one thread starts and ends it; counters() from any.
 #pragma once
@@ -22,8 +22,8 @@ class LastMessages;
 
 struct SnapshotCounters {
   std::uint64_t answered = 0;
-  std::uint64_t malformed = 0;  // requests that were none
-  std::uint64_t dropped = 0;    // answers that their client did not fetch
+  std::uint64_t malformed = 0;  // invalid requests
+  std::uint64_t dropped = 0;    // answers that their client did not read
 };
 
 class SnapshotServer {
@@ -33,9 +33,9 @@ class SnapshotServer {
     int adopted_fd = -1;  // as PublisherOptions::adopted_fd
     std::uint64_t epoch = 0;
     std::shared_ptr<const LastMessages> last;
-    // Who may ask; null: everyone who can reach the endpoint.
+    // Controls who may send requests; null: every client that can reach the endpoint.
     std::shared_ptr<ConnectionGuard> guard = nullptr;
-    // Called on the server's thread each time that its loop comes round, several times a second.
+    // Called on the server's thread in each iteration of its loop, several times a second.
     std::function<void()> on_round = {};
   };
 

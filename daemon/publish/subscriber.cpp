@@ -17,7 +17,7 @@ class Subscriber::Impl {
     socket_.set(zmq::sockopt::rcvhwm, high_water_mark);
     socket_.set(zmq::sockopt::linger, 0);
     socket_.set(zmq::sockopt::ipv6, true);
-    // A second at most until a restarted daemon is found again.
+    // At most a second until a restarted daemon is reconnected.
     socket_.set(zmq::sockopt::reconnect_ivl, 100);
     socket_.set(zmq::sockopt::reconnect_ivl_max, 1000);
     use_curve(curve, socket_);
@@ -40,7 +40,7 @@ class Subscriber::Impl {
         }
         PublishedMessage message{frame.to_string(), {}, false};
         std::size_t frames = 1;
-        while (frame.more()) {  // the further frames of a message are there with the first
+        while (frame.more()) {  // the further frames of a message arrive with the first
           (void)socket_.recv(frame);
           ++frames;
           message.payload = frame.to_string();

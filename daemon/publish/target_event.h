@@ -1,5 +1,5 @@
-// TrackEvent, ZoneEvent: what happens to tracks and in zones, on its way from an estimator to a
-// sink. Messages are made of them where they leave (location_message.h).
+// TrackEvent, ZoneEvent: events of tracks and in zones, passed from an estimator to a sink. They
+// are converted to messages at the output (location_message.h).
 #pragma once
 
 #include <cstdint>
@@ -17,20 +17,20 @@ namespace rayloc {
 struct TrackEvent {
   Target target;  // its track is stated
   TrackTransition transition;
-  std::optional<Vec3d> position;  // [m], the last known
+  std::optional<Vec3d> position;  // [m], the last one available
 };
 
 enum class ZoneEventKind : std::uint8_t { kEntered, kLeft, kDwelled };
 
 struct ZoneEvent {
   ZoneEventKind kind = ZoneEventKind::kEntered;
-  Timestamp time;              // of the estimate that decided it
-  std::string zone;            // its name
-  Target target;               // who
-  double probability = 0.0;    // that the target is inside, by its last estimate
-  Duration dwell{};            // how long it has been inside; of one who entered zero
-  std::string reason;          // why it left; else empty
-  std::vector<Target> inside;  // after this event, in the order in which they came
+  Timestamp time;              // time of the estimate that decided it
+  std::string zone;            // name of the zone
+  Target target;               // the target concerned
+  double probability = 0.0;    // of the target being inside, by its last estimate
+  Duration dwell{};            // time since it entered; zero for an enter event
+  std::string reason;          // reason for leaving; otherwise empty
+  std::vector<Target> inside;  // targets inside after this event, in order of entry
 };
 
 }  // namespace rayloc

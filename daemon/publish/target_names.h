@@ -1,14 +1,14 @@
-// TargetNames: what a transmitter is called in everything that leaves the daemon: its address, or,
-// when privacy is wanted, a keyed hash of it that changes every so often.
+// TargetNames: the name of a transmitter in all output of the daemon: its address, or, if privacy
+// is configured, a keyed hash of it that changes at intervals.
 //
-// The hash is the first 128 bits of HMAC-SHA-256 over the address, in hex. Time is cut into periods
-// of event time, counted from 1970 in UTC. Without a key each period has a random one, which is
-// never written anywhere and is forgotten soon after: then nobody, the operator included, can say
-// any more who a hash was, and after a restart hashes are new. With a key (a file that the operator
-// keeps) hashes are a function of key, period and address, so that a replay gives the same.
+// The hash is the first 128 bits of HMAC-SHA-256 over the address, in hex. Time is divided into
+// periods of event time, counted from 1970 in UTC. Without a key each period has a random one,
+// which is never stored and soon discarded: then no person, including the operator, can identify a
+// hash, and after a restart hashes are new. With a key (a file of the operator) hashes are a
+// function of key, period and address, so that a replay gives the same.
 //
-// A plain hash would hide nothing: all 2^48 addresses can be tried. What a hash cannot hide is
-// where somebody went: a target that stands still while the name changes is easily followed.
+// A plain hash would hide nothing: all 2^48 addresses can be tried. A hash cannot hide the path of
+// a person: a stationary target whose name changes is easily followed.
 //
 // Thread safety: any thread.
 #pragma once
@@ -40,8 +40,8 @@ class TargetNames {
   // "02:52:4c:00:00:01", or 32 hexadecimal digits. `time`: of the event.
   std::string text(const MacAddress& transmitter, Timestamp time);
 
-  // The first line of the file. kConfiguration when that has less than 32 characters, or when
-  // everyone on the machine may read it.
+  // The first line of the file. kConfiguration if it has less than 32 characters, or if every user
+  // of the machine may read it.
   static Expected<std::string> read_key(const std::filesystem::path& file);
 
  private:
@@ -50,7 +50,7 @@ class TargetNames {
 
   const Options options_ = {};
   std::mutex mutex_;
-  std::map<std::int64_t, Key> keys_;  // guarded by mutex_; random ones, by period
+  std::map<std::int64_t, Key> keys_;  // random keys, by period; guarded by mutex_
 };
 
 }  // namespace rayloc

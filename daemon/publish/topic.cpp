@@ -90,7 +90,7 @@ std::string decoded_component(std::string_view component) {
   constexpr int kHexadecimal = 16;
   std::string name;
   for (std::size_t i = 0; i < component.size(); ++i) {
-    // What is no escape stays: it comes from the network, and may be anything.
+    // An invalid escape is left unchanged: the text comes from the network and is not trusted.
     unsigned character = 0;
     const char* const digits = component.data() + i + 1;
     if (component[i] == '%' && i + 2 < component.size() &&

@@ -16,28 +16,28 @@ namespace rayloc {
 
 struct Target;
 
-// What topics of heartbeats begin with.
+// Prefix of heartbeat topics.
 inline constexpr const char* kHeartbeatTopics = "v1/heartbeat/";
 
 // "v1/CLASS/SITE/" or "v1/CLASS/SITE/LEAF/". REQUIRES: site is not empty.
 std::string make_topic(std::string_view topic_class, std::string_view site);
 std::string make_topic(std::string_view topic_class, std::string_view site, std::string_view leaf);
 
-// "v1/compared/SITE/METHOD/TARGET/", of an estimate of a method that is compared.
+// "v1/compared/SITE/METHOD/TARGET/", for an estimate of a compared method.
 std::string compared_topic(std::string_view site, std::string_view method, std::string_view target);
 
 // "v1/CLASS/SITE/" of any topic made by make_topic; the topic itself when it is shorter.
 std::string_view topic_prefix(std::string_view topic);
 
-// "SITE" of any topic made by make_topic, as it is written there; empty when it has none.
+// "SITE" of any topic made by make_topic, in its escaped form; empty if it has none.
 std::string_view topic_site(std::string_view topic);
 
-// What stands for the site in a topic: its name, escaped.
+// The component of a site in a topic: its name, escaped.
 std::string topic_component(std::string_view name);
-// The name that such a component stands for.
+// The name that such a component denotes.
 std::string decoded_component(std::string_view component);
 
-// The <target> of a topic: mac, else hashed mac, else "person-N"; empty when the target has none.
+// The <target> of a topic: mac, else hashed mac, else "person-N"; empty if the target has none.
 std::string target_component(const v1::Target& target);
 std::string target_component(const Target& target);
 

@@ -1,4 +1,4 @@
-// The frames of a site's fixed transmitters in recordings.
+// Frames of a site's fixed transmitters from recordings.
 #pragma once
 
 #include <map>
@@ -12,8 +12,8 @@
 
 namespace rayloc::cli {
 
-// By transmitter; of each, by access point and then by time. Frames of others are left out. An
-// access point may have several captures; `notes` as of for_each_frame().
+// By transmitter, each sorted by access point and then by time. Frames of others are left out. An
+// access point may have several captures; `notes` as in for_each_frame().
 Expected<std::map<MacAddress, std::vector<CsiFrame>>> read_fixed_frames(
     const Site& site,
     const std::vector<CaptureArgument>& captures,

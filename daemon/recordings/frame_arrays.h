@@ -1,5 +1,5 @@
-// FrameArrays: the frames of recordings as arrays, for numpy: one of all values, where something
-// was measured, and a header a frame.
+// FrameArrays: the frames of recordings as arrays, for numpy: one
+// of all values, 0 if not measured, and one header per frame.
 #pragma once
 
 #include <array>
@@ -15,12 +15,12 @@
 
 namespace rayloc {
 
-// Without padding, as numpy reads it. Texts end with zeros, and are cut where they are too long.
+// Without padding, as read by numpy. Texts end with zeros, and are truncated if too long.
 struct FrameHeader {
   std::int64_t time = 0;        // [ns] since 1970, UTC
   std::int64_t time_last = 0;   // [ns]
   double tone_spacing = 0.0;    // [Hz]
-  double channel_centre = 0.0;  // [Hz], 0 where the format states no channel
+  double channel_centre = 0.0;  // [Hz], 0 if the format states no channel
   std::int32_t access_point = 0;
   std::int32_t bandwidth_mhz = 0;
   std::int32_t channel_bandwidth_mhz = 0;
@@ -31,7 +31,7 @@ struct FrameHeader {
   std::array<char, 17> transmitter{};
   std::array<char, 16> format{};
   std::array<char, 7> phy{};
-  std::array<char, 67> flags{};  // with commas
+  std::array<char, 67> flags{};  // separated by commas
 };
 static_assert(sizeof(FrameHeader) == 160, "kFrameHeaderDescr has its fields, without padding");
 
@@ -43,22 +43,22 @@ inline constexpr const char* kFrameHeaderDescr =
     "('transmitter', '|S17'), ('format', '|S16'), ('phy', '|S7'), ('flags', '|S67')]";
 
 struct FrameArrays {
-  std::vector<std::uint8_t> cores;       // of all frames, ascending
-  std::vector<std::int16_t> tone_index;  // of all frames, ascending
+  std::vector<std::uint8_t> cores;       // union over all frames, ascending
+  std::vector<std::int16_t> tone_index;  // union over all frames, ascending
   std::vector<FrameHeader> headers;      // [frame]
-  std::vector<std::complex<float>> csi;  // [frame][core][tone], 0 where nothing was measured
-  std::vector<std::uint8_t> mask;        // of the same, 1 where something was measured
-  std::vector<float> power_dbm;          // [frame][core], NaN where none is known
+  std::vector<std::complex<float>> csi;  // [frame][core][tone], 0 if not measured
+  std::vector<std::uint8_t> mask;        // same indices, 1 if measured
+  std::vector<float> power_dbm;          // [frame][core], NaN if unknown
 
   std::vector<std::size_t> shape() const {
     return {headers.size(), cores.size(), tone_index.size()};
   }
 };
 
-// Of one spatial stream; frames with fewer have nothing measured.
+// For one spatial stream; frames with fewer streams have no measured values.
 FrameArrays frame_arrays(std::span<const CsiFrame> frames, std::size_t stream = 0);
 
-// As an .npz of these names, and `access_points`: the names that FrameHeader::access_point counts.
+// Writes an .npz of these names, and `access_points`: names indexed by FrameHeader::access_point.
 Expected<void> write_npz(const FrameArrays& arrays,
                          const std::vector<std::string>& access_points,
                          const std::string& path);

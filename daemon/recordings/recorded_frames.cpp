@@ -20,7 +20,7 @@
 namespace rayloc::cli {
 namespace {
 
-// The reasons for which datagrams were rejected as a whole, with advice; empty where none were.
+// The reasons for which whole datagrams were rejected, with advice; empty if none were.
 std::string trouble_of(const CsiReceiverCounters& counters) {
   std::string text;
   for (const std::string& trouble : counters.troubles) {
@@ -35,7 +35,7 @@ std::string trouble_of(const CsiReceiverCounters& counters) {
   return text;
 }
 
-// The channels of a device that hops, or the changes of a channel that should stay.
+// The channels of a hopping device, or the changes of a channel that should be constant.
 std::vector<std::string> channel_changes(const CsiReceiverCounters& counters) {
   if (counters.hops.size() > 1) {
     std::string text;
@@ -124,7 +124,7 @@ void note_recording(const RecordedSource& source,
   }
   const SourceCounters read = source.counters();
   auto rejected = read.rejected;
-  rejected.erase("gap_mark");  // is told as what it says
+  rejected.erase("gap_mark");  // is reported by its content
   for (const auto& [reason, count] : decoded.rejected) {
     rejected[reason] += count;
   }

@@ -1,4 +1,4 @@
-// What `rayloc replay` says at its end of what it read.
+// Final report of `rayloc replay` on its inputs.
 #pragma once
 
 #include <vector>
@@ -9,9 +9,9 @@
 
 namespace rayloc::cli {
 
-// What was read and what became of it, on standard error unless `quiet`. An Error for every source
-// that ended before its time, and where packets hold no CSI at all. `recordings`: of the pipeline's
-// inputs, in their order.
+// Reports on standard error, unless `quiet`, what was read and its outcome. Returns an Error for
+// every source that ended prematurely, and if packets contain no CSI at all. `recordings`: the
+// pipeline's inputs, in their order.
 Expected<void> report_replay(const Pipeline& pipeline,
                              const std::vector<const RecordedSource*>& recordings,
                              bool quiet);

@@ -7,7 +7,7 @@
 
 namespace rayloc::cli {
 
-// RFC 3339 in UTC, "2018-05-05T06:11:11.306626Z"; nine decimals where there are nanoseconds.
+// RFC 3339 in UTC, "2018-05-05T06:11:11.306626Z"; nine decimals if there are nanoseconds.
 std::string time_text(Timestamp time);
 
 }  // namespace rayloc::cli

@@ -1,6 +1,6 @@
-// rayloc-capture: captures the datagrams that pass an interface and hands them to raylocd over an
-// AF_UNIX socket. The only program of ours that holds a capability, and it gives it back as soon as
-// the interface is open: before it has read a packet.
+// rayloc-capture: captures the datagrams that pass an interface and sends them
+// to raylocd over an AF_UNIX socket. It is our only program with a capability,
+// and it drops it as soon as the interface is open: before it has read a packet.
 #include <cap-ng.h>
 #include <sys/prctl.h>
 #include <systemd/sd-daemon.h>
@@ -30,7 +30,7 @@ struct Arguments {
   std::string to;
 };
 
-// All of them, for good. The interface stays open.
+// Drops all of them permanently. The interface stays open.
 Expected<void> drop_capabilities() {
   capng_clear(CAPNG_SELECT_CAPS);
   if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0 || capng_apply(CAPNG_SELECT_CAPS) != 0 ||
@@ -41,7 +41,7 @@ Expected<void> drop_capabilities() {
   return {};
 }
 
-// SIGINT and SIGTERM wait until they are asked for.
+// SIGINT and SIGTERM stay pending until they are polled.
 class StopSignals {
  public:
   StopSignals() {
@@ -77,7 +77,7 @@ void print(const char* when, const SourceCounters& source, const SinkCounters& s
                static_cast<unsigned long long>(source.kernel_drops));
 }
 
-// Says that something is being lost: at once, then every half minute while it goes on.
+// Reports losses: at once, then every half minute while they continue.
 class LossLog {
  public:
   void look(const SourceCounters& source, const SinkCounters& sink) {
@@ -123,7 +123,7 @@ Expected<void> capture(const Arguments& arguments) {
   if (auto dropped = drop_capabilities(); !dropped) {
     return dropped;
   }
-  // Without privileges: what it opens, or a process that it starts, has none.
+  // Without privileges: whatever it opens, or a process that it starts, has none.
   auto sink = open_datagram_sink(transport_schemes(), arguments.to, "unix");
   if (!sink) {
     return tl::make_unexpected(std::move(sink.error()));

@@ -1,4 +1,4 @@
-// Access points that are known, with the antennas that receive and the cores behind them.
+// Known access point models, with their receiving antennas and the cores connected to them.
 #pragma once
 
 #include <array>
@@ -12,13 +12,13 @@ namespace rayloc {
 struct AntennaPreset {
   std::string_view model;
   std::string_view remark;   // for people
-  double spacing_m;          // between neighbours
-  std::array<int, 3> cores;  // from the left, seen from where it looks to: local -y first
+  double spacing_m;          // [m], between neighbours
+  std::array<int, 3> cores;  // from the left, seen along its heading: local -y first
 };
 
 // The order and 8.9 cm of the RT-AX86U: IndoLocate's script (github.com/intentlab-iitk/IndoLocate).
-// The RT-AC86U has the same three outer antennas and cores 0 to 3; which core is where has no
-// source, so people are told to check. rayloc calibrate says when two are exchanged.
+// The RT-AC86U has the same three outer antennas and cores 0 to 3; the order of its cores has no
+// source, so a person is asked to check it. rayloc calibrate reports two that are exchanged.
 inline constexpr std::array<AntennaPreset, 2> kAntennaPresets = {{
     {"RT-AX86U", "three antennas, 8.9 cm apart: measure your own", 0.089, {2, 0, 3}},
     {"RT-AC86U",
@@ -36,7 +36,7 @@ inline std::vector<std::string> preset_models() {
   return models;
 }
 
-// The first where `model` is none of them.
+// The first preset if `model` matches none.
 inline const AntennaPreset& preset_of(std::string_view model) {
   for (const AntennaPreset& preset : kAntennaPresets) {
     if (preset.model == model) {

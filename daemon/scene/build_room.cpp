@@ -12,7 +12,7 @@
 namespace rayloc {
 namespace {
 
-// A side of the room: its rectangle in the coordinates (u, v) of two axes, at `level` of the third.
+// A side of the room: a rectangle in the coordinates (u, v) of two axes, at `level` of the third.
 struct Sheet {
   std::size_t u_axis, v_axis, normal_axis;
   double level;
@@ -68,7 +68,7 @@ Mesh mesh_of(const Sheet& sheet, const std::vector<PlanHole>& holes) {
                     holes);
 }
 
-// What closes an opening.
+// The pane that closes an opening.
 Mesh pane_mesh(Sheet sheet, const PlanHole& opening) {
   sheet.lower = opening.lower;
   sheet.upper = opening.upper;

@@ -21,11 +21,11 @@ class PlanMaterials {
   // Reads [materials]; rows of the ITU table must cover `carrier_hz`.
   PlanMaterials(const TomlTable& root, double carrier_hz);
 
-  // The name of a material under `key`, which is then in use; nothing when absent or unknown.
+  // The name of a material under `key`, marked as used; empty if absent or unknown.
   std::optional<std::string> use(const TomlTable& table, std::string_view key);
 
-  // Those in use, by name; notes an error at each declared one that is not, but for plans with an
-  // unknown name, which may be a misspelt one.
+  // The used materials, by name; notes an error at each declared one that is unused, except for
+  // plans with an unknown name, which may be a misspelt one.
   std::vector<StatedMaterial> finish() const;
 
  private:
@@ -36,7 +36,7 @@ class PlanMaterials {
 
   StatedMaterial read(const std::string& name, const TomlTable& table) const;
   Expected<RadioMaterial> evaluate(const StatedMaterial& material) const;
-  // The error of the ITU table; for a name it does not have, with the plan's own ones in mind.
+  // The error of the ITU table; for an unknown name, the message lists the plan's own materials.
   std::string refusal(const std::string& name, const Error& error) const;
 
   double carrier_hz_;

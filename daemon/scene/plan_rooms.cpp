@@ -14,10 +14,10 @@
 namespace rayloc {
 namespace {
 
-constexpr double kShortestWall = 1e-3;  // [m]; shorter is a slip of the pen
-constexpr double kMinRoomArea = 1e-2;   // [m^2], as much
-// Walls of two rooms that are nowhere further apart than this are one [m]: corners are written to
-// the millimetre.
+constexpr double kShortestWall = 1e-3;  // [m]; shorter ones are typing errors
+constexpr double kMinRoomArea = 1e-2;   // [m^2]; smaller ones are too
+// Walls of two rooms with at most this distance everywhere
+// are one wall [m]: corners are written to the millimetre.
 constexpr double kSameWall = 1e-3;
 constexpr double kLeastPiece = 1e-10;  // [m^2]; smaller is rounding
 
@@ -29,7 +29,7 @@ std::string corner_text(const FloorPoint& p) {
   return fmt::format("{}, {}", std::round(p[0] * 1e3) / 1e3, std::round(p[1] * 1e3) / 1e3);
 }
 
-// The lowest of the flat ceiling and the slopes.
+// The flat ceiling and the slopes, of which the lowest applies.
 std::vector<PlanSlope> planes_of(const PlanRoom& room, double highest) {
   std::vector<PlanSlope> planes{{0.0, 0.0, std::min(room.height, highest)}};
   planes.insert(planes.end(), room.slopes.begin(), room.slopes.end());
@@ -50,7 +50,7 @@ double height_at(std::span<const FloorPoint> top, std::size_t piece, double alon
   return u1 > u0 ? v0 + (v1 - v0) / (u1 - u0) * (along - u0) : v0;
 }
 
-// Of the piece of the edge around `along`.
+// The piece of the edge that contains `along`.
 std::size_t piece_at(std::span<const FloorPoint> top, double along) {
   std::size_t i = 0;
   while (i + 2 < top.size() && top[i + 1][0] <= along) {
@@ -59,7 +59,7 @@ std::size_t piece_at(std::span<const FloorPoint> top, double along) {
   return i;
 }
 
-// The higher of two edges; `other` counts only where it is.
+// The higher of two edges; `other` counts only within its extent.
 std::vector<FloorPoint> higher_of(const std::vector<FloorPoint>& edge,
                                   const std::vector<FloorPoint>& other) {
   std::vector<double> bends;
@@ -104,11 +104,11 @@ std::vector<FloorPoint> higher_of(const std::vector<FloorPoint>& edge,
 
 struct Stretch {
   double from, to;  // [m], along a wall
-  double begin;     // [m], along the other one, of the wall
-  bool backwards;   // the other one runs against it
+  double begin;     // [m], along the other one, from the wall
+  bool backwards;   // the other one has the opposite direction
 };
 
-// The stretch of `wall` that `other` stands on.
+// The stretch of `wall` that coincides with `other`.
 std::optional<Stretch> shared(const PlanWall& wall, const PlanWall& other) {
   const double length = wall.length();
   const FloorPoint axis{(wall.to[0] - wall.from[0]) / length, (wall.to[1] - wall.from[1]) / length};
@@ -162,7 +162,7 @@ Mesh outline_mesh(std::span<const FloorPoint> outline, double level, bool upward
     std::reverse(corners.begin() + 1, corners.end());
   }
   const auto cut = append_triangles(corners, mesh);
-  RAYLOC_CHECK(cut.has_value());  // outline_mistake() has found none
+  RAYLOC_CHECK(cut.has_value());  // outline_mistake() has found no error
   return mesh;
 }
 

@@ -1,7 +1,7 @@
-// Rooms of any outline: their walls, ceilings that slope, and the sheets that these are.
+// Rooms of any outline: their walls and sloping ceilings, converted to sheets.
 //
-// A wall is upright on a line of the floor; its upper edge is where the ceiling is. Rooms may share
-// a wall: it is there once, as high as the higher room.
+// A wall is upright on a line of the floor; its upper edge is at the ceiling. Rooms may share a
+// wall: it exists once, as high as the higher room.
 #pragma once
 
 #include <optional>
@@ -15,7 +15,7 @@
 
 namespace rayloc {
 
-// A rectangle in a wall: an opening, or a stretch that is a wall of another room.
+// A rectangle in a wall: an opening, or a stretch that belongs to another room's wall.
 struct PlanHole {
   std::string name;
   FloorPoint lower{};  // [m]: along the wall, height
@@ -28,7 +28,7 @@ struct PlanWall {
   std::string material;
   FloorPoint from{};  // [m]
   FloorPoint to{};
-  bool faces_left = true;         // of the way from one end to the other
+  bool faces_left = true;         // seen along the direction from one end to the other
   std::vector<FloorPoint> top{};  // the upper edge from end to end: along the wall, height [m]
   std::vector<PlanHole> holes{};
 
@@ -45,10 +45,10 @@ struct PlanSlope {
 };
 
 struct PlanRoom {
-  std::string name{};               // empty: the only one
-  std::vector<FloorPoint> outline;  // either way round
-  double level = 0.0;               // [m], of the floor
-  double height = 0.0;              // [m], of the ceiling where nothing slopes
+  std::string name{};               // empty: the only room
+  std::vector<FloorPoint> outline;  // in either orientation
+  double level = 0.0;               // [m], height of the floor
+  double height = 0.0;              // [m], height of the ceiling where it does not slope
   std::vector<PlanSlope> slopes{};
   std::string floor{};  // materials
   std::string ceiling{};
@@ -60,7 +60,7 @@ struct PlanRoom {
 std::string name_in(const PlanRoom& room, const std::string& part);
 
 inline constexpr std::size_t kMostOutlineCorners = 256;
-// What is wrong with the outline, and what to do about it.
+// The error of the outline, with a remedy.
 std::optional<std::string> outline_mistake(std::span<const FloorPoint> outline);
 
 // The upper edge of a wall from one point of the room to another, no higher than `highest`.
@@ -72,15 +72,15 @@ std::vector<FloorPoint> upper_edge(const PlanRoom& room,
 // The lowest height of the edge between two distances along the wall.
 double lowest_between(std::span<const FloorPoint> top, double lower, double upper);
 
-// Appends a wall; the stretches that walls of `walls` stand on already become holes of it, and
-// those walls as high as it.
+// Appends a wall; the stretches that coincide with walls of
+// `walls` become its holes, and those walls become as high as it.
 void add_wall(PlanWall wall, std::vector<PlanWall>& walls);
 
-// Triangles of the floor, which face up, and of the ceiling, which face down.
+// Triangles of the floor, facing up, and of the ceiling, facing down.
 Mesh floor_mesh(const PlanRoom& room);
 Mesh ceiling_mesh(const PlanRoom& room);
 
-// Where a sheet is: a point is at origin + u * u_axis + v * v_axis.
+// Coordinate frame of a sheet: a point is at origin + u * u_axis + v * v_axis.
 struct SheetFrame {
   Vec3d origin;
   Vec3d u_axis;

@@ -12,8 +12,8 @@ namespace rayloc {
 namespace {
 
 constexpr NumberRange kHeight{0.1, 1e3, "m"};
-constexpr double kLeastLength = 1e-3;  // [m]; shorter is a slip of the pen
-// A plane that is steeper is a wall [m a metre].
+constexpr double kLeastLength = 1e-3;  // [m]; shorter ones are typing errors
+// A steeper plane is a wall [m per metre].
 constexpr double kSteepest = 20.0;
 constexpr std::string_view kOutlineExample = "outline = [[0, 0], [6, 0], [6, 4], [0, 4]]";
 
@@ -23,9 +23,9 @@ FloorPoint between(const FloorPoint& a, const FloorPoint& b, double share) {
   return {a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])};
 }
 
-constexpr double kInside = 2e-3;  // [m], twice what makes two walls one
+constexpr double kInside = 2e-3;  // [m], twice the distance at which two walls are one
 
-// Whether both ends of a wall are well off the line of the other one, on either side.
+// True if both ends of a wall are well off the line of the other one, on opposite sides.
 bool is_cut(const FloorPoint& from,
             const FloorPoint& to,
             const FloorPoint& a,
@@ -39,7 +39,7 @@ bool is_cut(const FloorPoint& from,
   return (off(a) < -kInside && off(b) > kInside) || (off(a) > kInside && off(b) < -kInside);
 }
 
-// Whether a part of one room lies in the other: a wall crosses one of its walls, or a corner or the
+// True if the rooms overlap: a wall crosses one of the other room's walls, or a corner or the
 // middle of a wall is well inside.
 bool overlap(const PlanRoom& one, const PlanRoom& other) {
   for (const auto& [of, in] : {std::pair{&one, &other}, std::pair{&other, &one}}) {
@@ -185,7 +185,7 @@ void RoomReader::read_room(const TomlTable& table) {
   room.ceiling = single ? default_ceiling_ : material(table, "ceiling", default_ceiling_);
   if (!read_outline(table, room)) {
     for (std::size_t i = 0; i < kMostOutlineCorners; ++i) {
-      table.ask_for(wall_key(i));  // nobody knows which it has
+      table.ask_for(wall_key(i));  // the number of walls is unknown
     }
     sound_ = false;
     return;

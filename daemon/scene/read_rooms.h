@@ -14,10 +14,10 @@
 
 namespace rayloc {
 
-// Walls, furniture and openings may touch others: sums of decimal numbers round.
+// Tolerance for walls, furniture and openings that touch others: sums of decimal numbers round.
 inline constexpr double kTouchingDistance = 1e-6;  // [m]
 
-// A name of an object: of a mesh file, and no second time.
+// A name of an object: valid as the name of a mesh file, and unique.
 std::string read_object_name(const TomlTable& table, std::set<std::string>& names);
 
 // A plan that states `outline` or [[room]] in place of `size`.
@@ -25,24 +25,24 @@ bool has_outlines(const TomlTable& root);
 
 class RoomReader {
  public:
-  // `names`: of all objects of the plan.
+  // `names`: names of all objects of the plan.
   RoomReader(const TomlTable& root,
              PlanMaterials& materials,
              std::set<std::string>& names,
              RoomPlan& plan)
       : root_(root), materials_(materials), names_(names), plan_(plan) {}
 
-  // The rooms of a plan with outlines, their walls, and the box around them; false after an error
-  // that leaves it unknown where the rooms are.
+  // Reads the rooms of a plan with outlines, their walls, and the box around them; returns false
+  // after an error that leaves the rooms undefined.
   bool read_rooms();
-  // [[partition]]. `rooms`: those that walls may stand in; none when that is not known.
+  // [[partition]]. `rooms`: those that walls may be in; empty if the rooms are undefined.
   void read_partitions(const std::vector<PlanRoom>& rooms);
 
  private:
-  // What is read of a room before it is known where its ceiling is.
+  // Values of a room, read before its ceiling is determined.
   struct Stated {
     PlanRoom room;
-    std::vector<std::string> walls;  // the materials
+    std::vector<std::string> walls;  // materials of the walls
   };
 
   void read_defaults(bool needed);

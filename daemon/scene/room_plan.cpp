@@ -14,11 +14,11 @@
 namespace rayloc {
 namespace {
 
-constexpr double kLeastSize = 1e-3;       // [m]; smaller is a slip of the pen
+constexpr double kLeastSize = 1e-3;       // [m]; smaller ones are typing errors
 constexpr double kLargestRoom = 1'000.0;  // [m]
 constexpr std::array<std::string_view, 4> kWalls = {"west", "east", "south", "north"};
 
-// To the millimetre.
+// Rounded to the millimetre.
 std::string metres(double value) { return to_text(std::round(value * 1e3) / 1e3); }
 
 std::string span_text(double low, double high) {
@@ -76,7 +76,7 @@ class PlanReader {
     plan_.carrier = usual_carrier();
     return true;
   }
-  // Where the carrier itself is wrong, materials are checked at some frequency of the band.
+  // With an invalid carrier, materials are checked at a frequency of the band.
   double carrier_hz() const { return carrier_known_ ? plan_.carrier.grid.centre_hz : 5.19e9; }
 
   void read_size() {
@@ -131,7 +131,7 @@ class PlanReader {
     const auto centre = table.numbers<2>("centre", "centre = [1.0, 1.0]");
     const auto size = table.numbers<2>("size", "size = [0.9, 2.0]");
     if (!has_size_) {
-      table.ask_for("wall");  // whether it is one is not known
+      table.ask_for("wall");  // the key may be valid: the size is unknown
       return;
     }
     std::vector<std::string_view> names;
@@ -204,14 +204,14 @@ class PlanReader {
     wall.holes.push_back(std::move(opening));
   }
 
-  // Where openings of a wall can be.
+  // The area of a wall that may contain openings.
   struct Face {
     FloorPoint low;  // along it, height [m]
     FloorPoint high;
     std::string_view axis;  // "in y"
   };
 
-  // Finds where the opening is; false, and an error, when that is not within its wall.
+  // Places the opening; false, and an error, if it is not within its wall.
   static bool place_opening(const TomlTable& table,
                             const FloorPoint& centre,
                             const FloorPoint& size,
@@ -240,7 +240,7 @@ class PlanReader {
     return true;
   }
 
-  // Notes an error where two openings of a wall do.
+  // Notes an error if two openings of a wall overlap.
   static bool overlaps(const TomlTable& table, const PlanHole& opening, const PlanHole& other) {
     for (std::size_t i = 0; i < 2; ++i) {
       if (std::min(opening.upper.at(i), other.upper.at(i)) -
@@ -289,7 +289,7 @@ class PlanReader {
     }
   }
 
-  // Whether the box is in the room; else notes by how much it is not.
+  // True if the box is in the room; else notes by how much it exceeds the room.
   bool check_inside(const TomlTable& table, const PlanBox& box) const {
     if (!has_size_) {
       return false;
@@ -317,7 +317,7 @@ class PlanReader {
     return true;
   }
 
-  // Whether the box is in one of the rooms with an outline, and below its ceiling.
+  // True if the box is in one of the rooms with an outline, and below its ceiling.
   bool check_in_rooms(const TomlTable& table, const PlanBox& box) const {
     std::vector<FloorPoint> footprint;
     for (const auto& [x, y] : {std::pair{-0.5, -0.5}, {0.5, -0.5}, {0.5, 0.5}, {-0.5, 0.5}}) {
@@ -330,7 +330,7 @@ class PlanReader {
           std::all_of(footprint.begin(), footprint.end(), [&](const FloorPoint& corner) {
             return is_within(room.outline, corner, kTouchingDistance);
           });
-      // A corner of the room that is within the box: the room goes round it.
+      // A corner of the room within the box: the room extends around it.
       const bool goes_round =
           std::any_of(room.outline.begin(), room.outline.end(), [&](const FloorPoint& corner) {
             return is_within(footprint, corner, 0.0) && !is_on_edge(footprint, corner);

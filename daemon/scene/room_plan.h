@@ -1,8 +1,8 @@
-// RoomPlan: a room as a few lines of TOML state it, for a user who has a floor plan and no scene.
+// RoomPlan: a room stated in a few lines of TOML, for a user with a floor plan and without a scene.
 //
 //   name = "office"
 //   size = [5.2, 3.4, 2.7]        # inside, along x, y, z
-//   corner = [0, 0, 0]            # optional: where x, y, z are smallest
+//   corner = [0, 0, 0]            # optional: the smallest x, y, z
 //   floor = "concrete"            # materials: names of ITU-R P.2040-4, or of [materials.NAME]
 //   ceiling = "ceiling_board"
 //   walls = "plasterboard"
@@ -13,7 +13,7 @@
 //   wall = "east"
 //   centre = [1.0, 1.0]           # along the wall (its x or y), height
 //   size = [0.9, 2.0]
-//   material = "wood"             # left out: a hole
+//   material = "wood"             # if omitted: a hole
 //
 //   [[box]]                       # furniture
 //   name = "table"
@@ -27,9 +27,9 @@
 //   from = [3, 0]
 //   to = [3, 2.5]
 //   material = "plasterboard"
-//   height = 2.2                  # optional: to the ceiling unless stated
+//   height = 2.2                  # optional; default: to the ceiling
 //
-//   [materials.plasterboard]      # optional; 0.1 m thick unless stated
+//   [materials.plasterboard]      # optional; default thickness 0.1 m
 //   thickness_m = 0.0125
 //   [materials.outer]
 //   itu = "brick"                 # or relative_permittivity and conductivity
@@ -37,7 +37,7 @@
 // In place of `size` and `corner`, a room of any outline; its walls are wall_1 (from the first
 // corner to the second), wall_2, ..., each of which may have a material of its own:
 //
-//   outline = [[0, 0], [6, 0], [6, 4], [3, 5.5], [0, 4]]   # corners, either way round
+//   outline = [[0, 0], [6, 0], [6, 4], [3, 5.5], [0, 4]]   # corners, in either orientation
 //   height = 2.7
 //   wall_3 = "glass"
 //
@@ -45,11 +45,11 @@
 //   from = [0, 0, 1.2]
 //   to = [0, 4, 1.2]
 //   through = [2, 0, 2.7]
-//   room = "attic"                # optional: all rooms unless stated
+//   room = "attic"                # optional; default: all rooms
 //
-// Several rooms are [[room]] tables with a `name` and an `outline`, and whatever of height, floor,
-// ceiling, walls and wall_N is another than the file's. Their walls are kitchen_wall_1, ...; a wall
-// that two rooms share is that of the first.
+// Several rooms are [[room]] tables with a `name` and an `outline`, and the values of height,
+// floor, ceiling, walls and wall_N that differ from the file's. Their walls are kitchen_wall_1,
+// ...; a wall that two rooms share belongs to the first.
 //
 // [carrier] and [[access_point]] may follow as in site.toml. Lengths are metres, z points up.
 // Errors name file:line:column, all of them at once; unknown keys are errors.
@@ -92,13 +92,13 @@ struct RoomPlan {
   std::string name;
   Vec3d lower;  // [m], the corners of the room, or of the smallest box around all rooms
   Vec3d upper;
-  std::array<std::string, kRoomSides.size()> side_material;  // of a plan with a size
+  std::array<std::string, kRoomSides.size()> side_material;  // for a plan with a size
   std::vector<PlanOpening> openings;                         // in those sides
-  std::vector<PlanRoom> rooms;                               // of a plan with outlines
-  std::vector<PlanWall> walls;                               // of those rooms, and within rooms
+  std::vector<PlanRoom> rooms;                               // for a plan with outlines
+  std::vector<PlanWall> walls;                               // walls of those rooms, and partitions
   std::vector<PlanBox> boxes;
-  std::vector<StatedMaterial> materials;  // those in use, by name
-  Carrier carrier;                        // 40 MHz at channel 36 unless stated
+  std::vector<StatedMaterial> materials;  // the used ones, by name
+  Carrier carrier;                        // default: 40 MHz at channel 36
   std::vector<SiteAccessPoint> access_points;
 };
 
@@ -106,7 +106,7 @@ struct RoomPlan {
 Carrier usual_carrier();
 
 Expected<RoomPlan> load_room_plan(const std::filesystem::path& file);
-// The same of a text; `file` is for messages.
+// Parses a text; `file` is used in messages.
 Expected<RoomPlan> parse_room_plan(std::string_view text, const std::filesystem::path& file);
 
 }  // namespace rayloc

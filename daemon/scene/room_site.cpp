@@ -13,7 +13,7 @@
 namespace rayloc {
 namespace {
 
-// Of an access point that nobody has named: where one usually hangs, in a corner below the ceiling.
+// Default position of an access point that is not specified: in a corner below the ceiling.
 constexpr double kFromWalls = 0.3;     // [m], chosen
 constexpr double kUsualHeight = 2.2;   // [m], chosen
 constexpr double kBelowCeiling = 0.3;  // [m], chosen
@@ -23,7 +23,7 @@ struct AccessPointPlace {
   double yaw_deg;
 };
 
-// In the first corner of the room that leaves space for it, looking at the room's middle.
+// In the first corner of the room with enough space, facing the room's centre.
 AccessPointPlace usual_place(const RoomPlan& plan) {
   const Vec3d& low = plan.lower;
   const Vec3d& high = plan.upper;
@@ -65,7 +65,7 @@ AccessPointPlace usual_place(const RoomPlan& plan) {
           std::round(yaw)};
 }
 
-// One in a corner of the room, with the antennas of a known model.
+// An access point in a corner of the room, with the antennas of a known model.
 std::string access_point_block(const RoomPlan& plan, const AntennaPreset& preset) {
   const AccessPointPlace place = usual_place(plan);
   std::string text = fmt::format(
@@ -120,7 +120,7 @@ std::string quoted(const std::string& name) {
 }
 
 std::string degrees(double radians) {
-  // Twelve digits: what was written in degrees comes out as it was written.
+  // Twelve digits: a value stated in degrees is printed unchanged.
   return fmt::format("{:.12g}", radians * 180.0 / std::numbers::pi);
 }
 

@@ -11,11 +11,11 @@
 namespace rayloc {
 
 // The text of site.toml, beside scene.xml: name, bounds, carrier, access points. Without an access
-// point in the plan it lacks one, and says in a comment what to write: a block with the antennas of
-// a known model. With `model` (access_point_presets.h) that block is no comment.
+// point in the plan none is written, and a comment contains a template: a block with the antennas
+// of a known model. With `model` (access_point_presets.h) that block is no comment.
 std::string room_site(const RoomPlan& plan, std::string_view model = {});
 
-// The tables of gains of its antennas: the name in site.toml, and the file that the plan names.
+// Antenna gain tables: the name in site.toml, and the file that the plan names.
 std::map<std::string, std::filesystem::path> room_pattern_files(const RoomPlan& plan);
 
 }  // namespace rayloc

@@ -22,28 +22,28 @@ namespace rayloc {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;  // [rad]
-constexpr double kWallSize = 2.0;                     // [m], chosen: of the two larger extents
-constexpr std::size_t kFewestTriangles = 200;         // a count, chosen: fewer are drawn by hand
-constexpr double kLeastBend = 0.06 * kDegree;         // of faces that are not coplanar (surface.h)
+constexpr double kWallSize = 2.0;                     // [m], chosen: for the two larger extents
+constexpr std::size_t kFewestTriangles = 200;         // count, chosen: fewer are drawn by hand
+constexpr double kLeastBend = 0.06 * kDegree;         // for faces that are not coplanar (surface.h)
 // A noise of 1 cm bends triangles of 10 cm by 15 degrees; corners of furniture are right angles.
 constexpr double kMostBend = 50.0 * kDegree;
-constexpr double kLeastBentShare = 0.6;  // a ratio, chosen: a scan has 0.9 and more
+constexpr double kLeastBentShare = 0.6;  // ratio, chosen: a scan has 0.9 and more
 constexpr double kPatchRadius =
     0.6;  // [m], chosen: a third of the patches of a small room have no corner
-constexpr double kPatchEdges = 3.0;    // edges of triangles in a patch's radius at least, chosen
+constexpr double kPatchEdges = 3.0;    // minimum triangle edges per patch radius, chosen
 constexpr double kMostNoise = 0.04;    // [m], rms, chosen: twice that of a phone's scan
-constexpr double kMostGrowth = 1.5;    // a ratio, chosen: 1 of noise, 2 of a bent surface
-constexpr double kFlatShare = 0.2;     // of the patches, chosen: the others have corners in them
-constexpr std::size_t kPatches = 300;  // a count, chosen
+constexpr double kMostGrowth = 1.5;    // ratio, chosen: 1 for noise, 2 for a bent surface
+constexpr double kFlatShare = 0.2;     // of the patches, chosen: the others contain corners
+constexpr std::size_t kPatches = 300;  // count, chosen
 
 constexpr std::uint32_t kNoTriangle = 0xffffffff;
 
 double angle_between(const Vec3d& a, const Vec3d& b) {
-  // Triangles of a scan may face either way.
+  // Triangles of a scan may have either orientation.
   return std::atan2(norm(cross(a, b)), std::abs(dot(a, b)));
 }
 
-// The value that `share` of the values are below.
+// The quantile at `share` of the values.
 double quantile(std::vector<double> values, double share) {
   if (values.empty()) {
     return 0.0;
@@ -89,12 +89,12 @@ class Neighbours {
     }
   }
 
-  const std::vector<double>& angles() const { return angles_; }  // [rad], of each pair
+  const std::vector<double>& angles() const { return angles_; }  // [rad], by pair
 
   // [m], the mean of all sides.
   double side() const { return side_; }
 
-  // Around a triangle, as far as neighbours lead.
+  // Patch around a triangle, as far as connected neighbours extend.
   std::optional<Patch> patch_around(std::uint32_t seed, double radius) const {
     std::unordered_set<std::uint32_t> met{seed};
     std::vector<std::uint32_t> members{seed};
@@ -103,7 +103,7 @@ class Neighbours {
     double area = 0.0;
     for (std::size_t i = 0; i < members.size(); ++i) {
       const Face& face = faces_[members[i]];
-      // Triangles of a scan may face either way.
+      // Triangles of a scan may have either orientation.
       const double along = dot(face.area_vector, faces_[seed].area_vector);
       area_vector = area_vector + (along < 0.0 ? -face.area_vector : face.area_vector);
       moment = moment + norm(face.area_vector) * face.middle;
@@ -121,7 +121,7 @@ class Neighbours {
  private:
   struct Face {
     Vec3d middle;
-    Vec3d area_vector;  // twice its area, along its normal
+    Vec3d area_vector;  // normal vector of twice the area's length
     std::array<std::uint32_t, 3> beside{kNoTriangle, kNoTriangle, kNoTriangle};
   };
 
@@ -155,7 +155,7 @@ class Neighbours {
                  sums[0] / counts[0],
                  sums[1] / counts[1]};
   }
-  // Vertices at the same place are one, whatever the exporter did for its shading.
+  // Vertices at the same place are one, regardless of duplicates for shading.
   static std::vector<std::uint32_t> places_of(const Mesh& mesh) {
     std::map<std::tuple<double, double, double>, std::uint32_t> numbers;
     std::vector<std::uint32_t> places;

@@ -5,7 +5,7 @@
 namespace rayloc {
 namespace {
 
-// Objects of a scene that was read have any name, "a/b" and "..\\b" among them.
+// Objects of a scene that was read may have any name, such as "a/b" and "..\\b".
 std::string mesh_file(const StatedObject& object, std::size_t index) {
   return "meshes/" + (is_object_name(object.name) ? object.name : fmt::format("object.{}", index)) +
          ".ply";
@@ -31,8 +31,8 @@ std::string attribute(std::string_view text) {
   return quoted;
 }
 
-// Text, so that a person can read and a script can change it. `{}` of a double is the shortest text
-// that reads back as the same number.
+// Text, readable by a person and editable by a script. `{}` of a double is the shortest text that
+// reads back as the same number.
 std::string ply(const Mesh& mesh) {
   std::string text = fmt::format(
       "ply\nformat ascii 1.0\n"

@@ -1,4 +1,4 @@
-// A scene as files: Mitsuba XML and PLY meshes, as Sionna RT and load_scene read them.
+// A scene as files: Mitsuba XML and PLY meshes, as read by Sionna RT and load_scene.
 #pragma once
 
 #include <map>
@@ -12,18 +12,18 @@
 
 namespace rayloc {
 
-// A radio material as a scene file states it: a row of ITU-R P.2040-4, evaluated by whoever reads
-// the file at the frequency of his, or two numbers.
+// A radio material as stated by a scene file: a row of ITU-R P.2040-4, evaluated by the reader of
+// the file at its frequency, or two numbers.
 struct StatedMaterial {
   std::string name;
-  std::string itu;  // empty: the numbers
+  std::string itu;  // empty: use the numbers
   double relative_permittivity = 1.0;
   double conductivity = 0.0;             // [S/m]
   double thickness = kDefaultThickness;  // [m]
   SurfaceScattering scattering = {};
 };
 
-// Whether an object or a material can have that name, which becomes a part of ids and of file
+// True if an object or a material can have that name, which becomes a part of ids and of file
 // names: letters, digits, '-' and '_'.
 bool is_object_name(std::string_view text);
 
@@ -38,7 +38,7 @@ struct StatedScene {
   std::vector<StatedObject> objects;
 };
 
-// Content by file name: "scene.xml", "meshes/NAME.ply" ("meshes/object.N.ply" of a name that is no
+// Content by file name: "scene.xml", "meshes/NAME.ply" ("meshes/object.N.ply" for a name that is no
 // object name). Vertices are written so that they read back as the same doubles.
 std::map<std::string, std::string> scene_files(const StatedScene& scene);
 

@@ -1,4 +1,4 @@
-// What a person should know of how a scene was read, on standard error.
+// Prints notes on the reading of a scene to standard error, for a person.
 #pragma once
 
 #include <cstdio>

@@ -50,7 +50,7 @@ std::vector<MaterialReport> report_materials(const Scene& scene) {
   return reports;
 }
 
-// Sheets with two faces each, which enclose nothing and are not meant to.
+// Sheets with two faces each, which intentionally enclose no volume.
 bool is_drawn_from_both_sides(const Scene& scene, std::uint32_t object) {
   const auto [first, end] = scene.surfaces_of(object);
   for (std::uint32_t i = first; i < end; ++i) {

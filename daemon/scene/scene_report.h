@@ -1,8 +1,8 @@
-// inspect_scene: what a scene consists of, and what about it is probably a mistake.
+// inspect_scene: the contents of a scene, and its probable errors.
 //
-// What makes a scene unusable (a missing mesh, a vertex that is no number, an unknown material) is
-// an error of load_scene. A warning is about a scene that can be traced and whose channels would
-// not be those of the place.
+// An unusable scene (a missing mesh, a vertex that is no number, an unknown
+// material) is an error of load_scene. A warning is about a scene that can
+// be traced and whose channels would differ from those of the real place.
 #pragma once
 
 #include <cstddef>
@@ -16,8 +16,8 @@
 
 namespace rayloc {
 
-// kSheet: in one plane; kClosed: a body with an inside; kOpen: neither, or a body whose shells
-// disagree about what is inside.
+// kSheet: in one plane; kClosed: a body with an inside; kOpen: neither, or a body with shells that
+// are inconsistent about the inside.
 enum class ObjectForm : std::uint8_t { kSheet, kClosed, kOpen };
 
 struct ObjectReport {
@@ -41,10 +41,10 @@ struct SceneWarning {
 
 struct SceneReport {
   std::vector<ObjectReport> objects;      // in the order of the file
-  std::vector<MaterialReport> materials;  // as well
+  std::vector<MaterialReport> materials;  // in the same order
   std::size_t dropped_triangles = 0;
   std::size_t contacts = 0;  // pairs of faces that touch and hide each other
-  // Of these kinds: left_out, material, rotation_axis, mesh_count, mesh_materials (of reading:
+  // The kinds are: left_out, material, rotation_axis, mesh_count, mesh_materials (of reading:
   // SceneNote), degenerate_triangle, inside_out, open_body, rough_scan, overlap, antenna_inside,
   // and those of room_findings().
   std::vector<SceneWarning> warnings;

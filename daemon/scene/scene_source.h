@@ -1,4 +1,4 @@
-// load_scene_source: the SCENE that verbs take: a Mitsuba XML, or a site (a directory with
+// load_scene_source: loads the SCENE argument of verbs: a Mitsuba XML, or a site (a directory with
 // site.toml, or that file), whose scene is read with the site's carrier and materials.
 #pragma once
 
@@ -13,11 +13,11 @@
 
 namespace rayloc {
 
-// The carrier of a scene that comes without a site: 5.18 GHz, channel 36.
+// The carrier of a scene without a site: 5.18 GHz, channel 36.
 inline constexpr double kDefaultFrequency = 5.18e9;  // [Hz]
 
 struct SceneSource {
-  std::string name;            // of the site, else of the file, or of the folder of a "scene.xml"
+  std::string name;            // name of the site, else of the file, or of a "scene.xml"'s folder
   std::filesystem::path file;  // the XML
   std::shared_ptr<const Scene> scene;
   std::optional<Site> site;

@@ -1,4 +1,4 @@
-// A wall as triangles: an upright sheet with openings, below a ceiling of any slope.
+// Triangulates a wall: an upright sheet with openings, below a ceiling of any slope.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -11,7 +11,7 @@
 namespace rayloc {
 namespace {
 
-// Cuts closer together than this are one; a triangle between them would be dropped as degenerate.
+// Cuts closer together than this are merged; a triangle between them would be degenerate.
 constexpr double kSameCut = 1e-5;  // [m]
 
 std::vector<double> cuts(std::vector<double> values) {
@@ -27,7 +27,7 @@ bool is_open(std::span<const PlanHole> holes, double u, double v) {
   });
 }
 
-// The edge's heights at `left` and `right`, between which it does not bend.
+// The edge's heights at `left` and `right`, between which it is straight.
 std::pair<double, double> heights(std::span<const FloorPoint> top, double left, double right) {
   const double middle = 0.5 * (left + right);
   std::size_t i = 0;
@@ -40,8 +40,8 @@ std::pair<double, double> heights(std::span<const FloorPoint> top, double left, 
   return {v0 + slope * (left - u0), v0 + slope * (right - u0)};
 }
 
-// Where the sheet is cut along u: at its ends, at holes, where the edge bends and where it crosses
-// one of the heights.
+// The cuts of the sheet along u: at its ends, at holes, at bends
+// of the edge and where the edge crosses one of the heights.
 std::vector<double> upright_cuts(std::span<const FloorPoint> top,
                                  std::span<const PlanHole> holes,
                                  std::span<const double> levels) {
@@ -71,7 +71,7 @@ class SheetMesher {
  public:
   explicit SheetMesher(const SheetFrame& frame) : frame_(frame) {}
 
-  // The part of a strip from height `low` to `left` at its one side and to `right` at its other.
+  // The part of a strip from height `low` to `left` at one side and to `right` at the other.
   void add(std::array<double, 2> u, double low, double left, double right) {
     std::vector<std::uint32_t> corners{corner(u[0], low)};
     const auto right_side = [&] { corners.push_back(corner(u[1], low)); };
@@ -138,7 +138,7 @@ Mesh sheet_mesh(const SheetFrame& frame,
   for (std::size_t i = 0; i + 1 < u.size(); ++i) {
     const auto [left_top, right_top] = heights(top, u[i], u[i + 1]);
     for (std::size_t j = 0; j + 1 < v.size(); ++j) {
-      const auto up_to = [&](double edge) {  // cuts that are one have one height
+      const auto up_to = [&](double edge) {  // merged cuts have one height
         return edge > v[j + 1] - kSameCut ? v[j + 1] : edge;
       };
       const double left = up_to(left_top);

@@ -8,7 +8,7 @@
 namespace rayloc {
 namespace {
 
-// As large as the whole scene.
+// True if it is as large as the whole scene.
 bool is_shell(const Scene& scene, const Bounds& bounds) {
   return norm(bounds.lower - scene.bounds_min()) < kSameBounds &&
          norm(bounds.upper - scene.bounds_max()) < kSameBounds;
@@ -19,7 +19,7 @@ bool is_shell(const Scene& scene, const Bounds& bounds) {
 std::optional<std::uint32_t> solid_around(const Scene& scene, const Vec3d& point) {
   for (std::uint32_t i = 0; i < scene.objects().size(); ++i) {
     const Mesh& mesh = scene.objects()[i].mesh;
-    // Half a turn is a point on a face, up to rounding: not inside.
+    // A solid angle of half a turn is a point on a face, up to rounding: not inside.
     const Bounds bounds = bounds_of(mesh);
     if (scene.solid(i).shells > 0 && bounds.contains(point) && !is_shell(scene, bounds) &&
         std::abs(winding_number(mesh, point)) > 0.75) {

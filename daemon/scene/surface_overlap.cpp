@@ -16,7 +16,7 @@ namespace rayloc {
 namespace {
 
 constexpr double kMinOverlapArea = 1e-6;    // [m^2]
-constexpr double kSamePlane = 2e-5;         // [m]: two surfaces, each known to kCoplanarTolerance
+constexpr double kSamePlane = 2e-5;         // [m]: two surfaces, each within kCoplanarTolerance
 constexpr double kParallel = 1.0 - 5e-7;    // cos(angle), as surface.cpp groups triangles
 constexpr double kSomethingBeyond = 0.001;  // [m]
 
@@ -58,7 +58,7 @@ double common_area(const Triangle& s, const Triangle& t) {
   return area(polygon);
 }
 
-// Without what lies over others of the same surface, so that no area is counted twice.
+// Removes overlapping parts of the same surface, so that no area is counted twice.
 std::vector<Triangle> covered_once(const Surface& surface, std::vector<Triangle> triangles) {
   std::vector<Triangle2> flat;
   for (const Triangle& t : triangles) {
@@ -83,11 +83,11 @@ std::vector<Triangle> covered_once(const Surface& surface, std::vector<Triangle>
   return triangles;
 }
 
-// A surface with its plane turned so that parallel planes have parallel normals.
+// A surface with its plane oriented so that parallel planes have parallel normals.
 struct Candidate {
   std::uint32_t surface;
   Plane<double> plane;
-  bool seen_from_above;  // where the normal points to
+  bool seen_from_above;  // visible from the normal's side
   bool seen_from_below;
   Bounds bounds;
 };
@@ -96,7 +96,7 @@ Candidate candidate_of(const Scene& scene, std::uint32_t index) {
   const Surface& surface = scene.surfaces()[index];
   Candidate out{index, surface.plane(), true, true, {}};
   const Vec3d& n = out.plane.normal;
-  // Any direction that no wall of a room is likely to be parallel to.
+  // Any direction to which no wall of a room is likely to be parallel.
   const bool turned = dot(n, Vec3d{0.87, 0.41, 0.27}) < 0.0;
   const Scene::SurfaceOwner& owner = scene.owner(index);
   const Solid& solid = scene.solid(owner.object);

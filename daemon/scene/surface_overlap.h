@@ -1,8 +1,8 @@
-// Faces of different objects that lie in one plane and cover each other.
+// Finds coplanar faces of different objects that cover each other.
 //
-// Where two such mirrors can both be seen from one side, which of them a wave meets is chance, and
-// the channel that of another room. Where they face each other (a cabinet on the floor) nothing
-// sees either.
+// If two such mirrors are both visible from one side, the reflecting
+// one is arbitrary, and the channel is that of another room. If they
+// face each other (a cabinet on the floor), no ray reaches either.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@ struct SurfaceOverlap {
   std::uint32_t first = 0;  // indices of surfaces
   std::uint32_t second = 0;
   double area = 0.0;     // [m^2]
-  bool doubled = false;  // both can be seen from a side on which something of the scene is
+  bool doubled = false;  // both are visible from a side with other parts of the scene
 };
 
 // In the order of the surfaces; overlaps of less than a square millimetre are left out.

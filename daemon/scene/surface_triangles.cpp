@@ -9,7 +9,7 @@
 namespace rayloc {
 namespace {
 
-// How far the triangle is from being a part of the plane [m].
+// Largest distance of the triangle from the plane [m].
 double misfit(const Plane<double>& plane, const Triangle& t) {
   double furthest = 0.0;
   for (const Vec3d& corner : t) {
@@ -22,7 +22,7 @@ double misfit(const Plane<double>& plane, const Triangle& t) {
 
 std::vector<std::vector<Triangle>> surface_triangles(const Scene& scene) {
   std::vector<std::vector<Triangle>> triangles(scene.surfaces().size());
-  std::uint32_t begin = 0;  // of the object's surfaces, which are neighbours
+  std::uint32_t begin = 0;  // of the object's surfaces, which are consecutive
   for (std::uint32_t object = 0; object < scene.objects().size(); ++object) {
     std::uint32_t end = begin;
     while (end < triangles.size() && scene.owner(end).object == object) {

@@ -1,4 +1,4 @@
-// The triangles of each surface of a scene: what a Surface (convex pieces, an outline) was made of.
+// The triangles of each surface of a scene, from which a Surface (convex pieces, outline) is made.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@ namespace rayloc {
 
 using Triangle = std::array<Vec3d, 3>;
 
-// One entry a surface, in their order; every triangle of the scene is in one of them.
+// One entry per surface, in their order; every triangle of the scene is in one of them.
 std::vector<std::vector<Triangle>> surface_triangles(const Scene& scene);
 
 }  // namespace rayloc

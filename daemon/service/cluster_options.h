@@ -1,4 +1,4 @@
-// From [cluster] to what the parts of a cluster are told.
+// From [cluster] to the options of a cluster's parts.
 #pragma once
 
 #include <algorithm>
@@ -20,7 +20,7 @@ inline BrokerOptions broker_options(const ClusterConfig& config) {
   return options;
 }
 
-// How a stream is made where there is none.
+// Options for creating a stream that does not exist yet.
 inline StreamOptions stream_options(const ClusterConfig& config) {
   StreamOptions options;
   options.in_memory = config.in_memory;
@@ -29,9 +29,9 @@ inline StreamOptions stream_options(const ClusterConfig& config) {
   return options;
 }
 
-// The same of the stream of results, which is small and outlives its servers.
+// The same for the stream of results, which is small and outlives its servers.
 inline StreamOptions result_options(const ClusterConfig& config) {
-  constexpr std::chrono::minutes kKeep{10};  // for gateways that were away, and for replays
+  constexpr std::chrono::minutes kKeep{10};  // for gateways that were absent, and for replays
   StreamOptions options = stream_options(config);
   options.in_memory = false;
   options.max_age = std::max<std::chrono::seconds>(config.retention, kKeep);

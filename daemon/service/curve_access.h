@@ -1,4 +1,4 @@
-// [curve] of the configuration as the guard of our ZeroMQ sockets.
+// [curve] of the configuration as the guard of raylocd's ZeroMQ sockets.
 #pragma once
 
 #include <functional>
@@ -11,7 +11,7 @@
 
 namespace rayloc {
 
-// Reads the secret key; says the public one, and later each client that is turned away, in `log`.
+// Reads the secret key; writes the public one, and later each rejected client, to `log`.
 // kConfiguration when there is no secret key, or others may read it.
 // `on_round`: ConnectionGuard::Options::on_round.
 Expected<std::shared_ptr<ConnectionGuard>> open_curve_access(const CurveConfig& config,

@@ -25,7 +25,7 @@ HttpReply json_of(const google::protobuf::Message& message) {
               : HttpReply{500, kPlain, json.error().message + "\n"};
 }
 
-// An array of messages, one a line.
+// A JSON array of messages, one per line.
 class JsonArray {
  public:
   void add(const google::protobuf::Message& message) {
@@ -65,7 +65,7 @@ HttpReply sources(const StatusMessages& status) {
   return array.reply();
 }
 
-// `topics`: what they begin with. `site`: as it stands in them.
+// `topics`: their prefix. `site`: its component in the topics.
 HttpReply targets(const LastMessages& last, std::string topics, const std::string& site) {
   JsonArray array;
   topics += site;
@@ -85,7 +85,7 @@ HttpReply readyz(const Readiness& now) {
 
 HttpReply json_text(std::string text) { return {200, "application/json", std::move(text)}; }
 
-// What programs ask that know of one site only.
+// Response to programs that use the paths of a single site.
 HttpReply ask_a_site() {
   constexpr int kNotFound = 404;
   return {kNotFound,
@@ -153,10 +153,10 @@ HttpRoutes routes_of(const DaemonApi& daemon) {
 }
 
 std::string path_of_site(const std::string& component) {
-  return "/site/" + decoded_component(component);  // requests are compared when they are decoded
+  return "/site/" + decoded_component(component);  // requests are decoded before they are compared
 }
 
-// The map of a site that does not run shows why, and goes on by itself once it does.
+// The map of a site that does not run shows the reason, and continues by itself once it runs.
 void add_absent(const DaemonApi& daemon,
                 const std::string& name,
                 const std::string& why,
@@ -177,7 +177,7 @@ void add_absent(const DaemonApi& daemon,
   routes[path + "/api/v1/sites"] = {[ask = daemon.sites] { return json_text(ask("../../")); }};
 }
 
-// All that a site answers, with its map, below a path of its own.
+// Adds all paths of a site, with its map, below its own path.
 void add_below(const DaemonApi& daemon,
                const std::shared_ptr<const SiteApi>& site,
                HttpRoutes& routes) {

@@ -1,26 +1,26 @@
-// The paths that raylocd answers over HTTP, and what with.
+// The HTTP paths of raylocd and their responses.
 //
-// Of the daemon:
-//   /healthz              200 while every stage makes progress, else 503 with their names
+// Paths of the daemon:
+//   /healthz              200 while every stage makes progress, otherwise 503 with their names
 //   /readyz               200 or 503, with reasons (readiness.h)
 //   /metrics              Prometheus text
-//   /api/v1/config        every key that holds, by section
+//   /api/v1/config        every key in effect, by section
 //   /api/v1/sites         an array: name, path, ready, reasons, warnings, counts of each site
 //   /  /map/NAME          the live map (daemon/http/map_files.h); with [[site]] the list of sites
-//   POST /api/v1/record/snapshot   202 and the files that what came lately is being written to
+//   POST /api/v1/record/snapshot   202 and the files that the recent datagrams are written to
 //
-// Of a site, below /site/NAME, and where it is the only one ([site]) at the top as well:
+// Paths of a site, below /site/NAME, and for the only one ([site]) at the top as well:
 //   /api/v1/status        a v1::Heartbeat as JSON
 //   /api/v1/sources       an array of v1::SourceState
 //   /api/v1/targets       an array of the last v1::Envelope of each target
-//   /api/v1/map           what the map draws that does not move (map_geometry.h)
+//   /api/v1/map           the static content of the map (map_geometry.h)
 //   /api/v1/solid         the same room as an isometric picture (map_solid.h)
-//   /api/v1/calibration   what the report beside the calibration says (map_geometry.h)
-//   /api/v1/presence      where somebody was in the last hours (map_presence.h)
+//   /api/v1/calibration   content of the report beside the calibration (map_geometry.h)
+//   /api/v1/presence      positions occupied in the last hours (map_presence.h)
 //   /api/v1/channel       channels of located devices, measured and simulated (map_channel.h)
 //   /api/v1/playback      a v1::Playback; POST changes it (playback_control.h); recordings only
 //   /readyz               of this site
-//   /events               server-sent events: what is published (map_events.h)
+//   /events               server-sent events: the published messages (map_events.h)
 //   /  /map/NAME          its live map
 //   /edit  /api/v1/edit  /api/v1/survey  /api/v1/calibrate   its editor (studio_routes.h), with
 //   [http] edit
@@ -42,7 +42,7 @@
 
 namespace rayloc {
 
-// Where the answers of a site come from; called on the server's thread.
+// Data sources for the responses of a site; called on the server's thread.
 struct SiteApi {
   std::string component;  // of its topics and paths
   std::function<StatusMessages()> status;
@@ -55,33 +55,33 @@ struct SiteApi {
   std::string calibration;                // JSON
   std::function<std::string()> channel;   // JSON
   std::function<std::string()> presence;  // JSON
-  // Null: nothing is drawn or written here.
+  // Null: the site cannot be edited.
   std::shared_ptr<const SiteEditor> editor;
   std::shared_ptr<WalkedSurvey> survey;
   std::shared_ptr<CalibrationJob> calibration_job;  // of that survey
 };
 
-// The same of the daemon.
+// The same for the daemon.
 struct DaemonApi {
   std::function<std::vector<std::string>()> stuck_stages;
   std::function<Readiness()> readiness;
   std::function<std::string()> metrics;
   std::function<std::string()> config;  // JSON
   std::function<HttpReply()> snapshot;
-  // JSON; `root`: what leads from where it is asked for to the top, "" or "../../".
+  // JSON; `root`: relative path from the request to the top, "" or "../../".
   std::function<std::string(const std::string& root)> sites;
 };
 
 using HttpRoutes = std::map<std::string, HttpRoute>;
 
-// Of the only site, at the top.
+// Routes of the only site, at the top.
 HttpRoutes single_site_routes(const DaemonApi& daemon, const std::shared_ptr<const SiteApi>& site);
-// Each below its own path. `absent`: that do not run, with why, by name; they answer that.
+// Each site below its own path. `absent`: sites that do not run, by name, with their response.
 HttpRoutes site_list_routes(const DaemonApi& daemon,
                             const std::vector<std::shared_ptr<const SiteApi>>& sites,
                             const std::map<std::string, std::string>& absent);
 
-// Why a site is not ready that has never begun.
+// Reason why a site that has never started is not ready.
 std::string absence(const std::string& why);
 
 }  // namespace rayloc

@@ -10,7 +10,7 @@
 namespace rayloc {
 namespace {
 
-// Empty for what cannot be read: it differs from what can.
+// Empty for an unreadable file, which thereby differs from a readable one.
 std::string hash_of(const Expected<std::string>& content) {
   if (!content) {
     return "";
@@ -54,7 +54,7 @@ void InputFiles::add(const std::filesystem::path& file) {
   hash_[file.string()] = hash_of(read_file(file));
 }
 
-// The meshes that the scene names. Whether it is a scene is for those to say who load it.
+// The meshes that the scene names. The code that loads the scene validates it.
 void InputFiles::add_scene(const Site& site) {
   const Expected<std::string> xml = read_file(site.scene_file);
   if (!xml) {

@@ -1,8 +1,8 @@
-// InputFiles: what the files that a configuration names held at some instant: the site with its
-// scene, calibration, reference and tables of antennas, and the secrets. Two of them tell which
-// files have changed since, which a daemon reads at its start only.
+// InputFiles: the contents of the files of a configuration at some instant: the site with its
+// scene, calibration, reference and tables of antennas, and the secrets. The difference of two of
+// them gives the files that have changed since, which a daemon reads at its start only.
 //
-// By hashes of the contents: a file written again as it was is no change. Thread safety: a value.
+// By hashes of the contents: a file rewritten unchanged is no change. Thread safety: a value.
 #pragma once
 
 #include <map>
@@ -15,12 +15,12 @@ namespace rayloc {
 
 class InputFiles {
  public:
-  // What a reload cannot read anew: secrets, and the site of [site].
+  // The files that a reload cannot read anew: secrets, and the site of [site].
   static InputFiles of(const DaemonSetup& setup);
   // The files of a site.
   static InputFiles of(const SiteSetup& setup);
 
-  // The paths of those whose contents differ, came or went; sorted.
+  // The paths of files that were changed, added or removed; sorted.
   std::vector<std::string> changes_to(const InputFiles& newer) const;
 
  private:

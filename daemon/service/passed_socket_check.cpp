@@ -18,7 +18,7 @@ namespace {
 
 using Family = SocketDemand::Family;
 
-// Nothing of what is no socket.
+// Empty if `fd` is no socket.
 std::optional<int> socket_option(int fd, int option) {
   int value = 0;
   socklen_t size = sizeof value;
@@ -26,7 +26,7 @@ std::optional<int> socket_option(int fd, int option) {
                                                                 : std::nullopt;
 }
 
-// "an AF_UNIX datagram socket", for people.
+// "an AF_UNIX datagram socket", for messages.
 std::string description(int fd) {
   const std::optional<int> type = socket_option(fd, SO_TYPE);
   if (!type) {
@@ -67,7 +67,7 @@ bool is_as_demanded(int fd, const SocketDemand& demand) {
          (!demand.listening || socket_option(fd, SO_ACCEPTCONN).value_or(0) != 0);
 }
 
-// Where others reach it: "0.0.0.0:8480"; nothing when this machine alone does.
+// Address reachable from other machines: "0.0.0.0:8480"; empty if only this machine reaches it.
 std::optional<std::string> reachable_address(int fd) {
   sockaddr_storage bound{};
   socklen_t size = sizeof bound;
@@ -140,7 +140,7 @@ SocketDemand source_demand(const SourceConfig& source) {
   return demand;
 }
 
-// The daemon then has no interfaces of its own (PrivateNetwork=) to find the name among.
+// The daemon then has no interfaces of its own (PrivateNetwork=) among which to find the name.
 tl::unexpected<Error> only_interface_error(const SourceConfig& source, const std::string& unit) {
   return make_error(ErrorKind::kConfiguration,
                     source.place +

@@ -1,6 +1,6 @@
-// What the sockets that systemd passes must be: of the type that their names stand for, and, where
-// nobody is asked who they are, bound where this machine alone reaches them. That is the rule for
-// the addresses of the configuration (config.cpp), whose place a passed socket takes.
+// Requirements on the sockets that systemd passes: the type must match the name, and a socket
+// without authentication must be bound to an address that only this machine reaches. That is the
+// rule for the addresses of the configuration (config.cpp), which a passed socket replaces.
 #pragma once
 
 #include <string>
@@ -11,22 +11,22 @@
 
 namespace rayloc {
 
-// Every socket that this configuration will take. kConfiguration: one is another than it must be;
-// the message names its unit and what to write there.
+// Checks every socket that this configuration will take. kConfiguration: one does not match; the
+// message names its unit and the required setting.
 Expected<void> check_passed_sockets(const PassedSockets& sockets, const DaemonConfig& config);
 
-// Whether `source` takes the place of its address from a passed socket.
+// True if a passed socket can replace the address of `source`.
 bool takes_socket(const SourceConfig& source);
 
-// What one socket must be.
+// Requirements on one socket.
 struct SocketDemand {
   enum class Family { kAny, kInternet, kUnix };
 
   std::string unit;       // that binds it: "raylocd-http.socket"
   std::string line;       // that the unit should have: "ListenStream=127.0.0.1:8480"
-  bool listening = true;  // a stream socket that listens; else one for datagrams
+  bool listening = true;  // a stream socket that listens; otherwise one for datagrams
   Family family = Family::kAny;
-  // What makes it right that others reach it: "set token_file in [http]"; empty: nothing is needed.
+  // The setting that permits access by others: "set token_file in [http]"; empty: none is needed.
   std::string precaution = {};
 };
 Expected<void> check_passed_socket(int fd, const SocketDemand& demand);

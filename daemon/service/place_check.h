@@ -1,5 +1,5 @@
-// Whether the ports, paths and interfaces of a configuration can be had, asked before the room is
-// prepared: a second daemon in the place of the first ends at once, not minutes later.
+// Checks that the ports, paths and interfaces of a configuration are available, before the room is
+// prepared: a second daemon for the same ports ends immediately, not minutes later.
 #pragma once
 
 #include "daemon/config/config.h"
@@ -8,8 +8,8 @@
 
 namespace rayloc {
 
-// Each is had for an instant, but for those that systemd passes; what comes to it meanwhile is lost
-// as if nobody were there yet. The error is that of taking it for good.
+// Each is opened for an instant, except those that systemd passes; datagrams that arrive meanwhile
+// are lost as before the start. The error is the same as for opening it permanently.
 Expected<void> check_places(const DaemonConfig& config, const PassedSockets& sockets);
 
 }  // namespace rayloc

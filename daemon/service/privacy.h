@@ -1,4 +1,4 @@
-// [privacy] of the configuration: what devices are called in all that leaves the daemon.
+// [privacy] of the configuration: the names of devices in all output of the daemon.
 #pragma once
 
 #include <memory>
@@ -12,12 +12,12 @@
 
 namespace rayloc {
 
-// Reads the key, where there is one; warns in the log that recordings hold addresses, where devices
-// are to be hashed and recordings are made. kConfiguration when the key cannot be used.
+// Reads the key, if there is one; logs a warning that recordings contain addresses if devices are
+// to be hashed and recordings are made. kConfiguration when the key cannot be used.
 Expected<std::shared_ptr<TargetNames>> open_target_names(const DaemonConfig& config);
 
-// The transmitter of a published frame: with hashes, a fixed one by its name in site.toml, which is
-// nobody's.
+// The transmitter of a published frame: with hashes, a fixed one by its name in site.toml, which
+// belongs to no person.
 std::string transmitter_name(const Site& site, const CsiFrame& frame, TargetNames& names);
 
 }  // namespace rayloc

@@ -1,4 +1,4 @@
-// raylocd: the daemon. Reads CSI datagrams, publishes locations, until it is told to stop.
+// raylocd: the daemon. Reads CSI datagrams and publishes locations until it is stopped.
 #include <chrono>
 #include <csignal>
 #include <cstdio>
@@ -27,7 +27,7 @@ namespace rayloc {
 namespace {
 
 constexpr auto kStopPatience = std::chrono::milliseconds(5000);
-// For the goodbye to leave by libzmq's own thread, where nothing waits for that any more.
+// Time for libzmq's own thread to send the goodbye, which no call waits for any more.
 constexpr auto kLinger = std::chrono::milliseconds(100);
 
 // Ends the process when a thread does not end, for example because its disk does not answer.
@@ -91,12 +91,12 @@ Expected<void> serve(const std::string& file) {
   }
   watch.reset();
   spdlog::info("running: publishing at {}", service.endpoint());
-  spdlog::default_logger()->flush();  // who waits for it looks there next
+  spdlog::default_logger()->flush();  // waiting programs read it next
   manager.ready();
   const std::string reason = RunLoop(service, manager, std::move(reloader)).run(signals);
   manager.stopping();
   spdlog::info("stopping: {}", reason);
-  // A second signal ends the daemon at once; one that asks for a snapshot comes too late.
+  // A second signal ends the daemon immediately; a request for a snapshot comes too late.
   std::signal(SIGUSR1, SIG_IGN);
   pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
   stop_in_time(service, reason);

@@ -16,8 +16,8 @@ namespace {
 constexpr std::chrono::milliseconds kTick{1000};
 constexpr std::chrono::seconds kStatusInterval{10};
 
-// A stage that is stuck for half the time that the manager grants is stuck: what is left is for
-// saying so.
+// A stage counts as stuck after half the time that the manager grants; the other half is left for
+// reporting it.
 std::chrono::milliseconds patience(const ServiceManager& manager) {
   return manager.watchdog_period().value_or(std::chrono::seconds{20}) / 2;
 }
@@ -82,7 +82,7 @@ void RunLoop::tend_sites() {
 }
 
 void RunLoop::tick() {
-  // Before sites are tended: what is ended by a reload is no longer among the stages then.
+  // Before tend_sites(): sites ended by a reload are no longer among the stages then.
   const bool wished = service_.take_reload_wish();
   if (wished || (reload_again_ && !service_.preparing_sites())) {
     reload();
@@ -115,7 +115,7 @@ void RunLoop::tick() {
   }
 }
 
-// What /readyz says, when that begins or ends to speak against being ready.
+// Logs the state of /readyz when it changes between ready and not ready.
 void RunLoop::tell_readiness() {
   const Readiness now = service_.readiness();
   if (ready_ == now.ready()) {
@@ -146,7 +146,7 @@ void RunLoop::feed_watchdog() {
     return;
   }
   if (stuck_) {
-    return;  // said once
+    return;  // already reported
   }
   stuck_ = true;
   for (const Watchdog::Stuck& stage : stuck) {
@@ -189,7 +189,7 @@ void RunLoop::reload() {
     }
   }
   service_.note_reload(reload.has_value(), &reloader_.values());
-  spdlog::default_logger()->flush();  // who waits for the reload looks there next
+  spdlog::default_logger()->flush();  // programs that wait for the reload read it next
   manager_.ready();
 }
 

@@ -1,9 +1,9 @@
-// RunLoop: what raylocd's main thread does while the others work: signals, the watchdog, the log of
-// what went wrong, the state for the service manager, memory that nobody uses any more.
+// RunLoop: the loop of raylocd's main thread while the others work: signals, the watchdog, the log
+// of errors, the state for the service manager, unused memory.
 //
-//   SIGTERM, SIGINT   the loop ends; a second one ends the process at once
+//   SIGTERM, SIGINT   the loop ends; a second one ends the process immediately
 //   SIGHUP            the configuration is read again (reloader.h)
-//   SIGUSR1           what was received lately is written (ring_snapshots.h), as on a watchdog miss
+//   SIGUSR1           the recent datagrams are written (ring_snapshots.h), as on a watchdog miss
 //
 // Thread safety: the main thread.
 #pragma once
@@ -42,14 +42,14 @@ class RunLoop {
   Service& service_;
   const ServiceManager& manager_;
   Reloader reloader_;
-  std::optional<Watchdog> watchdog_;  // of the stages that there are
+  std::optional<Watchdog> watchdog_;  // of the current stages
   std::chrono::milliseconds period_;  // between two ticks
   std::chrono::steady_clock::time_point next_status_{};
-  std::chrono::steady_clock::time_point next_spare_{};  // memory that is given back
+  std::chrono::steady_clock::time_point next_spare_{};  // next return of unused memory
   bool stuck_ = false;
-  bool reload_again_ = false;  // asked for while sites were being prepared
-  std::optional<bool> ready_;  // as the log says; nothing: it has not said yet
-  LimitedLog log_{log_event};  // of errors: some come and go with every second
+  bool reload_again_ = false;  // requested while sites were being prepared
+  std::optional<bool> ready_;  // last logged state; empty: none logged yet
+  LimitedLog log_{log_event};  // of errors: some come and go every second
 };
 
 }  // namespace rayloc

@@ -16,7 +16,7 @@
 namespace rayloc {
 namespace {
 
-// Null where they are not to be kept, or nobody knows where.
+// Null if path grids are not to be stored, or no folder is given.
 std::shared_ptr<PathGridStore> path_grids(const CacheConfig& config,
                                           const std::function<void(const std::string& line)>& log) {
   if (!config.enabled) {

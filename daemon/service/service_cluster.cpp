@@ -45,8 +45,8 @@ Expected<void> Service::open_cluster() {
   return {};
 }
 
-// Of workers and gateways; a capture node says it for each site. The words stay while it lasts, so
-// that it is said once.
+// For workers and gateways; a capture node reports it for each site. The text stays while the
+// condition lasts, so that it is reported once.
 void Service::look_at_broker() {
   if (!broker_ || capture_ || broker_->connected()) {
     broker_trouble_.clear();
@@ -57,7 +57,7 @@ void Service::look_at_broker() {
   }
 }
 
-// Of a gateway: what the owner of the site says is what it has to say.
+// For a gateway: it publishes the output of the site's owner.
 void Service::listen_to_owner(const std::string& site, std::shared_ptr<SiteOutput> output) {
   gateway_->add(site, [output = std::move(output)](v1::OutputItem&& item) {
     if (item.has_location()) {

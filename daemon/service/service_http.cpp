@@ -1,4 +1,4 @@
-// The part of Service that answers over HTTP.
+// The part of Service that handles HTTP.
 #include <algorithm>
 #include <filesystem>
 #include <string>
@@ -64,7 +64,7 @@ std::uint64_t sum_of(const NumberedRing::Counts& counts) {
   return all;
 }
 
-// Of a capture node: what became of what marks of gaps stand for.
+// For a capture node: state of the datagrams that are missing according to marks of gaps.
 ExtraMetric history_metric(const SiteSet& sites) {
   std::uint64_t marked = 0;
   std::uint64_t filled = 0;
@@ -85,7 +85,7 @@ ExtraMetric history_metric(const SiteSet& sites) {
            {"state", "recordings_alone", static_cast<double>(marked - filled - waiting)}}};
 }
 
-// Of a machine of a cluster. `sites`: of a worker, those that it has, and those that it has not.
+// For a machine of a cluster. `sites`: of a worker, the numbers of owned and of other sites.
 std::vector<ExtraMetric> cluster_metrics(const Broker& broker,
                                          const ClaimKeeper* claims,
                                          std::pair<std::size_t, std::size_t> sites) {
@@ -115,7 +115,7 @@ std::vector<ExtraMetric> cluster_metrics(const Broker& broker,
   return metrics;
 }
 
-// That of the site, and those that are compared with it.
+// The method of the site, and those that are compared with it.
 std::vector<std::string> names_of_methods(const EngineConfig& engine) {
   std::vector<std::string> names{std::string(engine.method->name)};
   for (const Method* method : engine.compared) {
@@ -124,7 +124,7 @@ std::vector<std::string> names_of_methods(const EngineConfig& engine) {
   return names;
 }
 
-// AP=FILE of what its sources wrote since then, as `rayloc calibrate --capture` takes it.
+// AP=FILE for the recordings of its sources since then, as `rayloc calibrate --capture` takes it.
 Expected<std::vector<std::string>> recorded_captures(const DaemonConfig& config, Timestamp since) {
   if (config.record.directory.empty()) {
     return bad_input(
@@ -185,7 +185,7 @@ HttpRoutes Service::routes() {
                         : single_site_routes(daemon_api(), apis.front());
 }
 
-// What is answered holds what it is answered from, for as long as somebody may ask.
+// Handlers hold the objects that they read from, for as long as requests may use them.
 void Service::open_api(RunningSite& running) const {
   if (!setup_.config.http.enabled) {
     return;
@@ -335,7 +335,7 @@ Readiness Service::readiness_of(const RunningSite& site) const {
   return now;
 }
 
-// Of several sites each reason names its own; what is of the daemon is said once.
+// With several sites each reason names its site; reasons of the daemon are stated once.
 Readiness Service::readiness() const {
   const std::vector<SiteSet::Site> sites = sites_.all();
   if (!has_site_list_) {
@@ -360,7 +360,7 @@ Readiness Service::readiness() const {
     add(site->label(), one.reasons, all.reasons);
     add(site->label(), one.warnings, all.warnings);
   }
-  // Of a worker they are those of others.
+  // For a worker they are those of others.
   for (const auto& [name, why] : claims_ ? SiteSet::Absent{} : sites_.absent()) {
     all.reasons.push_back("site '" + name + "': " + absence(why));
   }
@@ -401,7 +401,7 @@ ServiceHealth Service::health_of(const RunningSite& site) const {
   ServiceHealth health = site.runtime->health();
   health.clock = clock_state();
   const std::lock_guard lock(health_mutex_);
-  for (const std::string& stage : stuck_stages_) {  // of another site it is no trouble of this one
+  for (const std::string& stage : stuck_stages_) {  // stages of other sites are left out
     if (!has_site_list_ || stage.rfind("site '", 0) != 0 || stage.rfind(site.label(), 0) == 0) {
       health.stuck_stages.push_back(stage);
     }

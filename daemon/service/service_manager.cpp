@@ -30,7 +30,7 @@ ServiceManager::ServiceManager() {
 void ServiceManager::ready() const { sd_notify(0, "READY=1"); }
 
 void ServiceManager::reloading() const {
-  // systemd 253 and later (Type=notify-reload) want the time as well.
+  // systemd 253 and later (Type=notify-reload) require the time as well.
   const std::string message =
       "RELOADING=1\nMONOTONIC_USEC=" + std::to_string(monotonic_microseconds());
   sd_notify(0, message.c_str());

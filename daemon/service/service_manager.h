@@ -1,5 +1,5 @@
-// ServiceManager: what raylocd says to systemd, and the sockets that it is given (sd_notify(3),
-// sd_listen_fds(3)). Without a service manager every message is dropped and there are no sockets.
+// ServiceManager: messages to systemd, and the sockets that it passes (sd_notify(3),
+// sd_listen_fds(3)). Without a service manager messages are dropped and there are no sockets.
 //
 // Thread safety: one thread.
 #pragma once
@@ -15,7 +15,7 @@ namespace rayloc {
 
 class ServiceManager {
  public:
-  // Takes the environment; children are not to find it.
+  // Reads and removes the environment variables, so that children do not inherit them.
   ServiceManager();
 
   void ready() const;
@@ -23,27 +23,27 @@ class ServiceManager {
   void stopping() const;
   // One line for `systemctl status`.
   void status(const std::string& line) const;
-  // I am well.
+  // Reports that the daemon is alive.
   void feed_watchdog() const;
 
-  // How often the manager wants to be fed; nothing when it does not.
+  // The manager's watchdog period; empty if it has none.
   std::optional<std::chrono::milliseconds> watchdog_period() const { return watchdog_period_; }
 
  private:
   std::optional<std::chrono::milliseconds> watchdog_period_;
 };
 
-// Sockets that systemd bound for us, by their FileDescriptorName=. A socket belongs to who takes
+// Sockets bound by systemd, by their FileDescriptorName=. A socket belongs to the caller that takes
 // it.
 class PassedSockets {
  public:
   // kConfiguration: two sockets have one name.
   static Expected<PassedSockets> take();
 
-  // The descriptor, nothing when there is none of that name.
+  // The descriptor; empty when there is none of that name.
   std::optional<int> find(const std::string& name) const;
   std::optional<int> take(const std::string& name);
-  // Names that nobody took: for the log.
+  // Names that were not taken: for the log.
   std::string unused() const;
   bool empty() const { return sockets_.empty(); }
 

@@ -1,4 +1,4 @@
-// The part of Service that begins and ends sites, at the start and by a reload.
+// The part of Service that starts and ends sites, at the start and by a reload.
 #include <fcntl.h>
 
 #include <algorithm>
@@ -20,23 +20,23 @@ namespace rayloc {
 namespace {
 
 constexpr std::size_t kSubjectsShown = 2048;  // on the map of a site
-// How long the end of one site may keep the main thread: to drain, and then to leave.
+// Maximum time that the end of one site may block the main thread: to drain, and then to leave.
 constexpr auto kDrain = std::chrono::milliseconds(500);
 constexpr auto kLeave = std::chrono::milliseconds(3000);
 
-// Where devices are called by a hash for some time, where they were is forgotten with it.
+// Where devices are named by a hash for limited time, their positions are deleted with it.
 Duration presence_kept(const PrivacyConfig& privacy) {
   const Duration day = std::chrono::hours(24);
   return privacy.target_id == TargetId::kHmac ? std::min(day, privacy.rotate) : day;
 }
 
-// Frames that were not explained.
+// Frames that were not processed.
 struct FrameCount {
   std::uint64_t waiting = 0;
   std::uint64_t dropped = 0;
 };
 
-// Of all exchanges of a site; empty where nothing was lost.
+// Losses of all exchanges of a site; empty without losses.
 std::string cost(const v1::ReloadCounters& reloads) {
   if (reloads.datagrams_lost() == 0 && reloads.frames_left() == 0) {
     return "";
@@ -84,7 +84,7 @@ v1::Heartbeat Service::shared() const {
   return shared_counters(publisher_->published(), sources);
 }
 
-// systemd passes a socket once. A site of several may come back for it.
+// systemd passes a socket once. With several sites, one may need it again.
 std::optional<int> Service::passed_socket(const std::string& name) {
   if (sockets_ != nullptr) {
     const std::optional<int> passed = sockets_->take(name);
@@ -127,8 +127,8 @@ Expected<RunningSite> Service::begin_site(std::unique_ptr<SiteRuntime> runtime, 
   return site;
 }
 
-// Their threads, together; their last words are the caller's. What a stage that does not come back
-// uses is kept.
+// Ends their threads in parallel; the goodbye is left to the caller. Objects used by a stage that
+// does not return are kept.
 void Service::end_sites(const std::vector<SiteSet::Site>& sites) {
   const Shutdown::Time begin = std::chrono::steady_clock::now();
   Shutdown shutdown;
@@ -162,7 +162,7 @@ void Service::end_sites(const std::vector<SiteSet::Site>& sites) {
   }
 }
 
-// Of what a site that has ended holds.
+// Takes over the remaining objects of a site that has ended.
 void Service::let_go(const SiteSet::Site& site) {
   if (site->channel) {
     ended_channels_.push_back(site->channel);
@@ -209,7 +209,7 @@ void Service::note_trouble(const std::string& name, const std::string& trouble, 
 
 void Service::reload_sites(std::vector<SiteSetup> setups, const std::set<std::string>& changed) {
   if (!has_site_list_ || !setups.front().config.has_site_list) {
-    return;  // named as what needs a restart
+    return;  // reported as a change that needs a restart
   }
   if (claims_) {
     reload_worker(std::move(setups), changed);
@@ -263,7 +263,7 @@ void Service::reload_sites(std::vector<SiteSetup> setups, const std::set<std::st
   }
 }
 
-// All of them let go before the first takes hold: they may have exchanged their ports.
+// All of them release their ports before the first is opened: they may have exchanged them.
 void Service::end_for_exchange(const std::vector<SitePreparation::Prepared>& prepared) {
   struct Exchange {
     const SiteRuntime* next = nullptr;
@@ -313,7 +313,7 @@ void Service::exchange_sites(std::vector<SitePreparation::Prepared> prepared) {
     sites_.put(std::move(*site));
     begun.push_back(sites_.find(one.name));
   }
-  if (http_) {  // who hears that a site has begun asks for its map
+  if (http_) {  // clients that receive the start of a site request its map
     http_->set_routes(routes());
   }
   for (const SiteSet::Site& site : begun) {

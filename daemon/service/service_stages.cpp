@@ -24,18 +24,18 @@ void wait_until_started(const std::vector<Stage>& stages) {
 
 }  // namespace
 
-// Before anything is opened that would run on the threads and descriptors that there are not.
-// Before the room is prepared, too, which many threads do together.
+// To be called before any object is opened that needs the threads and descriptors, and before the
+// room is prepared, which uses many threads.
 Expected<void> Service::check_resources(bool estimators_ready) const {
   const std::size_t sources = setup_.config.sources.size();
-  // Of libzmq three; guard, snapshot server, publisher, estimation, HTTP, channel, ring, one that
-  // stops them; of a source its own and a recorder's.
+  // Three of libzmq; guard, snapshot server, publisher, estimation, HTTP, channel, ring, one that
+  // stops them; each source has its own and a recorder's.
   constexpr std::size_t kThreads = 12;
   constexpr std::size_t kMostTracing = 8;
   const std::size_t tracing =
       estimators_ready ? 0
                        : std::min<std::size_t>(std::thread::hardware_concurrency(), kMostTracing);
-  // Of libzmq some 20, of HTTP two; the others are for clients.
+  // Some 20 of libzmq, two of HTTP; the others are for clients.
   constexpr std::size_t kDescriptors = 48;
   const std::size_t estimations = setup_.sites.size() - 1;  // besides that of the first
   std::size_t compared = 0;
@@ -46,8 +46,8 @@ Expected<void> Service::check_resources(bool estimators_ready) const {
                                kDescriptors + 4 * sources);
 }
 
-// However far a start has come: every thread ends before anything that it looks at. The publisher's
-// looks at the pipeline, and the pipeline's give to the publisher.
+// At any stage of a start, every thread ends before the objects that it uses. The publisher's
+// thread uses the pipeline, and the pipeline's threads write to the publisher.
 Service::~Service() {
   if (http_) {
     http_->stop();
@@ -75,7 +75,7 @@ void Service::start() {
     gateway_->start();
   }
   wait_until_started(working_stages());
-  if (http_) {  // what it answers is of stages that run
+  if (http_) {  // its handlers use running stages
     http_->start();
   }
   wait_until_started(stages());
@@ -110,7 +110,7 @@ std::vector<Stage> Service::working_stages() const {
 
 std::vector<std::string> Service::stop(const std::string& reason,
                                        std::chrono::milliseconds patience) {
-  // Three quarters to drain; the rest is for what does not come back, and for what follows it.
+  // Three quarters to drain; the rest is for stages that do not return, and for later steps.
   const Shutdown::Time begin = std::chrono::steady_clock::now();
   const auto at = [&](int percent) { return begin + percent * patience / 100; };
   Shutdown shutdown;
@@ -120,7 +120,7 @@ std::vector<std::string> Service::stop(const std::string& reason,
   if (claims_) {
     claims_->leave();
   }
-  for (const auto& [name, along] : along_) {  // nobody hears them, and nothing is left to say
+  for (const auto& [name, along] : along_) {  // they have no subscribers and no pending output
     shutdown.begin(along->label() + "standby", [one = along->runtime] { one->end(); });
   }
   std::vector<SiteSet::Site> sites = sites_.all();
@@ -129,7 +129,7 @@ std::vector<std::string> Service::stop(const std::string& reason,
       return left->runtime == site->runtime;
     });
   });
-  // Together: each site drains for itself.
+  // In parallel: each site drains independently.
   for (const SiteSet::Site& site : sites) {
     shutdown.begin(site->label() + "pipeline", [this, site] { end_pipeline(site); });
   }

@@ -1,5 +1,5 @@
 // The part of Service that makes a worker a hot standby: it computes along for the sites that it is
-// next for, compares with what their owners say, and goes on at once where one dies.
+// next for, compares the results with their owners', and takes over immediately if one dies.
 #include <algorithm>
 #include <utility>
 
@@ -11,12 +11,12 @@ namespace {
 
 using std::chrono::seconds;
 
-// Chosen: between looks at who is next for which site.
+// Chosen: between checks of the sites that it is next for.
 constexpr seconds kLook{1};
-// Chosen: between two tries for a site. What could not be followed would else be begun, with a room
-// that is prepared, again and again.
+// Chosen: between two tries for a site. Otherwise a site that cannot be followed would be started,
+// with a room that is prepared, again and again.
 constexpr seconds kTryAgain{60};
-constexpr seconds kNotYet{5};  // chosen: the same, of one whose owner has said nothing yet
+constexpr seconds kNotYet{5};  // chosen: the same, if the owner has not published yet
 
 StandbyAudit::Counters sum(StandbyAudit::Counters one, const StandbyAudit::Counters& other) {
   one.windows += other.windows;
@@ -58,7 +58,7 @@ void Service::tend_standby(v1::WorkerState& condition) {
   if (most > 0 && sites_.all().size() + along_.size() >= most) {
     return;
   }
-  // One in a round: others wait for the main thread.
+  // One per call: other tasks wait for the main thread.
   const auto next = std::find_if(standby_.begin(), standby_.end(), [&](const auto& one) {
     return now >= along_not_before_[one.first] && claims_->is_next(one.first);
   });
@@ -68,11 +68,11 @@ void Service::tend_standby(v1::WorkerState& condition) {
 }
 
 void Service::stand_by(const std::string& name) {
-  // Others come first where this one cannot be followed yet.
+  // Other sites have priority while this one cannot be followed yet.
   along_not_before_[name] = std::chrono::steady_clock::now() + kNotYet;
   auto along = standby_start(*broker_, name);
   if (!along) {
-    return;  // nothing to follow yet
+    return;  // no output to follow yet
   }
   const bool is_late = along->is_late;
   SiteSetup setup = standby_.at(name).runtime->setup();
@@ -106,7 +106,7 @@ Expected<SiteSet::Site> Service::computing_along(SitePreparation::Prepared prepa
   return std::make_shared<const RunningSite>(*std::move(begun));
 }
 
-// It goes on at once: nothing is prepared, and nothing is listened to again.
+// It takes over immediately, without preparing a room or processing frames again.
 Expected<void> Service::promote(const std::string& name, std::uint64_t generation) {
   const SiteSet::Site site = along_.at(name);
   note_audit(*site);
@@ -119,7 +119,7 @@ Expected<void> Service::promote(const std::string& name, std::uint64_t generatio
   }
   along_.erase(name);
   show(*site);
-  note_audit(*site);  // with what was compared while it was claimed
+  note_audit(*site);  // with the comparisons made during the claim
   site->runtime->speak();
   const std::lock_guard lock(audit_mutex_);
   Audit& audit = audits_[name];
@@ -130,7 +130,7 @@ Expected<void> Service::promote(const std::string& name, std::uint64_t generatio
   return {};
 }
 
-// What it has heard a fresh one must not know.
+// The site is prepared anew, because a fresh runtime must not use the state of the old one.
 void Service::stand_by_no_more(const std::string& name, const std::string& why) {
   const SiteSet::Site site = along_.extract(name).mapped();
   note_audit(*site);
@@ -150,7 +150,7 @@ void Service::stand_by_no_more(const std::string& name, const std::string& why) 
   log_line(LogLevel::kInfo, "site '" + name + "' is not computed along any more: " + why);
 }
 
-// Of the first window that differs people are told once.
+// Logs the first window that differs, once.
 void Service::note_audit(const RunningSite& site) {
   const auto standby = site.runtime->standby();
   if (!standby) {

@@ -11,7 +11,7 @@
 namespace rayloc {
 namespace {
 
-// Of the main thread: what it adds to a take-over.
+// Period of the main thread: its contribution to a take-over.
 constexpr std::chrono::milliseconds kTendWorker{50};
 constexpr std::chrono::milliseconds kTend{1000};
 constexpr double kPermille = 1e-3;
@@ -38,7 +38,7 @@ Expected<void> Service::open_claims() {
   return {};
 }
 
-// A site that is not owned: all is prepared that can be before it is.
+// Keeps a site that is not owned ready: everything is prepared that is possible before.
 void Service::keep_ready(SitePreparation::Prepared prepared) {
   const std::string name = prepared.name;
   stages_changed_ = true;
@@ -151,18 +151,18 @@ Expected<void> Service::begin_owned(SitePreparation::Prepared prepared, std::uin
   return {};
 }
 
-// Of one that is owned from now on.
+// Publishes a site that is owned from now on.
 void Service::show(RunningSite site) {
   const std::shared_ptr<SiteOutput> output = site.output;
   sites_.put(std::move(site));
-  if (http_) {  // who hears that a site has begun asks for its map
+  if (http_) {  // clients that receive the start of a site request its map
     http_->set_routes(routes());
   }
   publisher_->add(output);
   stages_changed_ = true;
 }
 
-// It is prepared anew: what a pipeline has heard, another that begins elsewhere must not know.
+// It is prepared anew: a pipeline with another start must not use the state of this one.
 void Service::lose(const SiteSet::Site& site, const std::string& why) {
   const std::string name = site->name();
   end_sites({site});
@@ -178,8 +178,8 @@ void Service::lose(const SiteSet::Site& site, const std::string& why) {
   log_line(LogLevel::kWarning, "site '" + name + "' is not owned any more: " + why);
 }
 
-// A worker gives its site back before the pipeline ends: the next one need not wait for that, and
-// what is found at an end is not what is found where it goes on.
+// A worker gives its site back before the pipeline ends: the next owner need not wait for that, and
+// results at an end differ from results in the middle.
 void Service::end_pipeline(const SiteSet::Site& site) {
   site->runtime->give_back();
   if (claims_) {
@@ -188,7 +188,7 @@ void Service::end_pipeline(const SiteSet::Site& site) {
   site->runtime->pipeline().stop();
 }
 
-// Of sites that are others now it begins anew, as any worker may.
+// Sites that have changed are started anew, by any worker.
 void Service::reload_worker(std::vector<SiteSetup> setups, const std::set<std::string>& changed) {
   std::set<std::string> stay;
   for (const SiteSetup& setup : setups) {

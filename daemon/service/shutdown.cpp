@@ -34,7 +34,7 @@ bool Shutdown::wait_for(const std::string& name, Time deadline) {
   step->thread.join();
   std::future<void> done = std::move(step->done);
   late_.erase(step);
-  done.get();  // what it has thrown
+  done.get();  // rethrows its exception
   return true;
 }
 

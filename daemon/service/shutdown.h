@@ -1,6 +1,6 @@
-// Shutdown: the steps of a stop, one after another, each with a time by which it has to be done. A
-// step that is not is left behind on its thread, and the next one begins: one disk or one estimate
-// that does not come back takes nothing else with it.
+// Shutdown: the steps of a stop, one after another, each with a deadline. A step that misses its
+// deadline is abandoned on its thread, and the next one begins: one disk or one estimate that does
+// not return blocks no other step.
 //
 //   Shutdown shutdown;
 //   if (!shutdown.run("estimation", deadline, [this] { pipeline_->stop(); })) { ... }
@@ -23,20 +23,20 @@ class Shutdown {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  // What every step has, however late those before it were.
+  // Minimum time of every step, however late the earlier ones were.
   static constexpr std::chrono::milliseconds kLeastTime{100};
 
   Shutdown() = default;
-  // Leaves behind what has not come back: what those steps use must outlive the process.
+  // Abandons steps that have not returned: the objects that they use must outlive the process.
   ~Shutdown();
   Shutdown(const Shutdown&) = delete;
   Shutdown& operator=(const Shutdown&) = delete;
 
-  // Begins a step beside those that are to follow; wait_for() says whether it has returned.
+  // Begins a step in parallel to the following ones; wait_for() reports if it has returned.
   void begin(const std::string& name, std::function<void()> step);
   // False when `step` has not returned by `deadline`, nor after kLeastTime.
   bool run(const std::string& name, Time deadline, std::function<void()> step);
-  // Gives a step that was late until `deadline`; false when it has not returned by then.
+  // Waits for a late step until `deadline`; false when it has not returned by then.
   bool wait_for(const std::string& name, Time deadline);
   // Steps that have not returned so far, in their order.
   std::vector<std::string> hung() const;

@@ -20,7 +20,7 @@ struct SitePreparation::Work {
 
 namespace {
 
-// Names its own trouble: no other site is to suffer from it. The others have half of the threads
+// Returns its own error, which affects no other site. The running sites keep half of the threads
 // for themselves meanwhile.
 Expected<std::unique_ptr<SiteRuntime>> prepare(SiteSetup setup,
                                                const SiteRuntime::Surroundings& surroundings) {
@@ -29,7 +29,7 @@ Expected<std::unique_ptr<SiteRuntime>> prepare(SiteSetup setup,
     return tbb::task_arena(static_cast<int>(threads)).execute([&] {
       return SiteRuntime::prepare(std::move(setup), surroundings);
     });
-  } catch (const std::exception& error) {  // of memory that there is not
+  } catch (const std::exception& error) {  // out of memory
     return make_error(ErrorKind::kUnavailable, error.what());
   }
 }

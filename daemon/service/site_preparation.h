@@ -1,5 +1,5 @@
-// SitePreparation: the rooms of sites that a reload begins or changes, prepared on a thread of its
-// own while the others go on. Thread safety: one thread.
+// SitePreparation: prepares the rooms of sites that a reload starts or changes, on a separate
+// thread while the others continue. Thread safety: one thread.
 #pragma once
 
 #include <memory>
@@ -15,7 +15,7 @@ class SitePreparation {
   struct Prepared {
     std::string name;
     InputFiles files;
-    std::unique_ptr<SiteRuntime> runtime;  // null: `trouble` says why
+    std::unique_ptr<SiteRuntime> runtime;  // null: `trouble` states the reason
     std::string trouble;
   };
 
@@ -27,7 +27,7 @@ class SitePreparation {
 
  private:
   struct Work;
-  std::shared_ptr<Work> work_;  // a thread that still traces has its own part in it
+  std::shared_ptr<Work> work_;  // shared with a thread that may still trace
 };
 
 }  // namespace rayloc

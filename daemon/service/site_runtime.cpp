@@ -17,7 +17,7 @@
 namespace rayloc {
 namespace {
 
-constexpr std::size_t kPlayedFrames = 512;         // that wait of a source that people move
+constexpr std::size_t kPlayedFrames = 512;         // waiting, of a source that the user can seek
 constexpr const char* kChainFile = "chains.json";  // in the state directory
 constexpr auto kRepeatWarning = std::chrono::minutes(10);
 
@@ -32,7 +32,7 @@ RingSnapshots::Limits snapshot_limits(const RecordConfig& config) {
   return {.max_total_bytes = config.max_total_bytes, .min_free_bytes = config.min_free_bytes};
 }
 
-// Empty when nobody has said where.
+// Empty if no folder is given.
 std::filesystem::path state_folder(const SiteSetup& setup) {
   const char* const state = std::getenv("STATE_DIRECTORY");  // systemd.exec(5)
   if (state == nullptr) {
@@ -49,8 +49,8 @@ std::filesystem::path snapshot_folder(const SiteSetup& setup) {
                                             : state_folder(setup);
 }
 
-// Those of one of several sites are below the configured ones. What cannot be made is told by who
-// writes there.
+// With several sites, each has folders below the configured ones. Errors are reported by the code
+// that writes there.
 void make_folders(const SiteSetup& setup) {
   if (setup.folder.empty()) {
     return;
@@ -78,12 +78,12 @@ PipelineOptions pipeline_options(const DaemonConfig& config, bool playback) {
   options.burst.length = config.engine.burst;
   options.burst.max_transmitters = config.limits.max_targets;
   options.ring_frames = config.limits.ring_frames;
-  // Recordings wait until all before is explained, and so do streams: workers are to say the same.
+  // Recordings wait for the estimator, and so do streams: all workers must have equal results.
   if (std::none_of(config.sources.begin(), config.sources.end(), is_live) ||
       config.cluster.role == ClusterRole::kWorker) {
     options.overflow = Overflow::kWait;
   }
-  if (playback) {  // what is shown follows it closely
+  if (playback) {  // the display follows it closely
     options.ring_frames = std::min(options.ring_frames, kPlayedFrames);
   }
   return options;
@@ -99,7 +99,7 @@ SiteRuntime::SiteRuntime(SiteSetup setup, const Surroundings& surroundings)
   status_.georeference = setup_.site.georeference;
 }
 
-// However far a start has come: every thread ends before anything that it looks at.
+// At any stage of a start, every thread ends before the objects that it uses.
 SiteRuntime::~SiteRuntime() { end(); }
 
 void SiteRuntime::end() {
@@ -135,7 +135,7 @@ Expected<void> SiteRuntime::open_estimators() {
   }
   names_ = std::move(*names);
   SiteEstimators::Options options{surroundings_.path_grids, names_, {}};
-  // What a worker knows comes from the stream alone: others are to compute the same.
+  // A worker uses the state of the stream alone: other workers must compute the same.
   if (const auto folder = state_folder(setup_);
       !folder.empty() && setup_.config.cluster.role != ClusterRole::kWorker) {
     options.chain_file = (folder / kChainFile).string();
@@ -167,7 +167,7 @@ void SiteRuntime::describe_room() {
   }
 }
 
-// What it cannot locate is said at the start, and as long as it runs.
+// Reports deficiencies of the site at the start, and as long as it runs.
 void SiteRuntime::look_at_site() {
   if (room() != nullptr) {
     lacks_ = lacks_of(setup_, *room());
@@ -189,7 +189,7 @@ SiteOutput::Options SiteRuntime::output_options(std::shared_ptr<MessageBoard> bo
     status_.clock = std::make_shared<ClockOffset>();
     output.clock_ahead = [clock = status_.clock] { return clock->now(); };
   }
-  // What waits may be published when this is no more.
+  // Waiting frames may be published when this object no longer exists.
   output.name = [site = std::make_shared<const Site>(setup_.site), names = names_](
                     const CsiFrame& frame) { return transmitter_name(*site, frame, *names); };
   return output;
@@ -281,7 +281,7 @@ void SiteRuntime::start() {
   pipeline_->start();
 }
 
-// What is kept in memory of a source, when there is somewhere to write it.
+// Keeps recent datagrams of a source in memory, if there is a folder to write them to.
 void SiteRuntime::add_ring(SourceWorker::Input& input) {
   const RecordConfig& config = setup_.config.record;
   if (config.ring <= Duration::zero() || snapshot_folder(setup_).empty()) {
@@ -351,7 +351,7 @@ std::vector<Stage> SiteRuntime::stages() const {
     stages.push_back({"stream", &feed_->progress()});
     stages.push_back({"results", &results_->progress()});
   }
-  for (Stage& stage : stages) {  // one that is stuck is told with its site
+  for (Stage& stage : stages) {  // a stuck stage is reported with its site
     stage.name = setup_.label() + stage.name;
   }
   return stages;

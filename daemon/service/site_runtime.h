@@ -1,8 +1,8 @@
-// SiteRuntime: what belongs to one site while raylocd runs: its room, its estimators, its pipeline,
-// its recorders, and what is told of them. What sites share (sockets, HTTP, the guard) is
-// Service's.
+// SiteRuntime: the objects of one site while raylocd runs: its room, its estimators, its pipeline,
+// its recorders, and their status. Objects shared by sites (sockets, HTTP, the guard) belong to
+// Service.
 //
-// Thread safety: one thread (main), where nothing else is said.
+// Thread safety: one thread (main), unless stated otherwise.
 #pragma once
 
 #include <chrono>
@@ -38,18 +38,18 @@ namespace rayloc {
 
 class SiteRuntime {
  public:
-  // What sites share.
+  // Objects that the sites share.
   struct Surroundings {
-    Timestamp started;                          // when the daemon did
-    std::shared_ptr<PathGridStore> path_grids;  // null: traced rooms are not kept
+    Timestamp started;                          // start time of the daemon
+    std::shared_ptr<PathGridStore> path_grids;  // null: traced rooms are not stored
     std::shared_ptr<LimitedLog> limited_log;
-    CaptureRole* capture = nullptr;  // null: this is no capture node
-    std::shared_ptr<Broker> broker;  // null: this is no machine of a cluster
-    // What a person may want to know of a start, line by line.
+    CaptureRole* capture = nullptr;  // null: not a capture node
+    std::shared_ptr<Broker> broker;  // null: not part of a cluster
+    // Receives messages about a start for the operator, line by line.
     std::function<void(const std::string& line)> log;
   };
 
-  // Reads the scene and prepares the room. Nothing is opened yet.
+  // Reads the scene and prepares the room. No source is opened yet.
   static Expected<std::unique_ptr<SiteRuntime>> prepare(SiteSetup setup,
                                                         const Surroundings& surroundings);
   ~SiteRuntime();
@@ -57,30 +57,30 @@ class SiteRuntime {
   SiteRuntime& operator=(const SiteRuntime&) = delete;
 
   const SiteSetup& setup() const { return setup_; }
-  // Of a worker, before open(): it owns the site from now on, and goes on where the owner before it
-  // has ended. An Error where the results say that another one owns it.
+  // For a worker, before open(): it owns the site from now on, and continues from the end of the
+  // previous owner. An Error if the results show another owner.
   Expected<void> claim(std::uint64_t generation);
-  // Of a worker, before open(): another one owns the site, and this one computes along, as from
-  // there. claim() after start() makes it the owner, and speak() has it say what nobody has said.
+  // For a worker, before open(): another one owns the site, and this one computes along from there.
+  // claim() after start() makes it the owner, and speak() publishes the unpublished results.
   Expected<void> stand_by(StandbyStart along);
   void speak();
-  // How what it computes compares with what the owner says; nothing where it does not stand by.
+  // Comparison of its results with those of the owner; empty if it does not stand by.
   std::optional<OutStage::Standby> standby() const;
   bool is_late() const { return along_ && along_->is_late; }
-  // Of the claim with which it is owned; 0: it is not.
+  // Generation of the claim with which the site is owned; 0: not owned.
   std::uint64_t generation() const { return start_.generation; }
-  // Of what a worker leaves out of it (shed_rule.h); 0: nothing.
+  // Level of the load shedding of a worker (shed_rule.h); 0: none.
   std::uint32_t shed_level() const { return feed_ ? feed_->counters().shed_level : 0; }
-  // Of a worker: says its last words and gives the site back; nothing is said afterwards.
+  // For a worker: publishes the last results and gives the site back; no output follows.
   void give_back();
-  // Of a worker: why the site is not its own any more; empty while it is.
+  // For a worker: reason why the site is not its own any more; empty while it is.
   std::string lost() const;
-  // How it is published; to be called before open(). `board`: where its viewers look; may be null.
+  // Options of its output; to be called before open(). `board`: read by its viewers; may be null.
   SiteOutput::Options output_options(std::shared_ptr<MessageBoard> board);
-  // What there is already of what sources would open.
+  // Existing objects that replace those that sources would open.
   struct Opened {
-    // The socket that systemd bound of that name, "source-ID", which takes the place of the address
-    // of its source; nothing where there is none.
+    // The socket that systemd bound with that name, "source-ID", which replaces the address of its
+    // source; empty where there is none.
     std::function<std::optional<int>(const std::string& name)> take_socket;
     // The source that the same site had before a reload; null where there is none.
     std::function<std::unique_ptr<DatagramSource>(const SourceConfig& config)> take_source;
@@ -90,47 +90,47 @@ class SiteRuntime {
   void start();
 
   Pipeline& pipeline() { return *pipeline_; }
-  // Ends every thread without draining, as far as there are any.
+  // Ends all running threads without draining.
   void end();
-  // Of its recorders and snapshots, after the pipeline has stopped.
+  // Closing steps of its recorders and snapshots, after the pipeline has stopped.
   struct Closing {
     std::string stage;
     std::function<void()> finish;
   };
   std::vector<Closing> closings();
-  // Which threads of the pipeline have not ended: one that has rests, and so does an estimation
-  // that waits; but the sources whose frames it waits for have ended then.
+  // Names the threads of the pipeline that have not ended: one that has ended rests, and so does an
+  // estimation that waits; but the sources whose frames it waits for have ended then.
   std::string stuck_in_pipeline() const;
 
-  // Every thread; this outlives what it returns.
+  // Every thread; this outlives the returned stages.
   std::vector<Stage> stages() const;
-  // What a reload may change.
+  // Applies the keys that a reload may change.
   void apply(const RecordConfig& record);
-  // Begins to write what was received lately; the paths of the files. From any thread.
+  // Begins to write the recent datagrams; the paths of the files. From any thread.
   Expected<std::vector<std::string>> snapshot();
 
   // For the heartbeat and for HTTP; from any thread once it is open.
   StatusMessages status(Timestamp now) const;
-  // What of ServiceHealth is of this site; from any thread.
+  // The part of ServiceHealth that belongs to this site; from any thread.
   ServiceHealth health() const;
   StatusSources& status_sources() { return status_; }
   // Null: no devices are located.
   DeviceEstimator* estimator() const { return estimators_->devices(); }
-  const RoomModel* room() const { return estimators_->room(); }  // null: nothing is located
+  const RoomModel* room() const { return estimators_->room(); }  // null: no target is located
   bool names_hashed() const { return names_->hashed(); }
   std::shared_ptr<Playback> playback() const { return recording_clock_.playback; }
-  const BatchSender* sender() const { return sender_.get(); }  // null: no capture node
+  const BatchSender* sender() const { return sender_.get(); }  // null: not a capture node
   const RingSnapshots* ring_snapshots() const { return snapshots_of_rings_.get(); }
 
   // For the log.
   std::vector<std::string> source_descriptions() const;
-  // Sources that have failed and recordings that could not be written, as of now.
+  // Sources that have failed and recordings that could not be written, currently.
   std::vector<std::string> errors() const;
-  // What became of snapshots and of chains since the last call.
+  // Notices about snapshots and chains since the last call.
   std::vector<std::string> news();
-  // What speaks against the calibration; the same trouble once in ten minutes.
+  // Warnings about the calibration; the same warning once in ten minutes.
   std::vector<std::string> new_warnings();
-  // What is being lost, in the log and as a reason against being ready; every second or so.
+  // Logs losses and notes them as a reason against readiness; about every second.
   void look_for_losses();
 
  private:
@@ -154,18 +154,18 @@ class SiteRuntime {
   LossWatch losses_;
   std::shared_ptr<TargetNames> names_;
   std::unique_ptr<SiteEstimators> estimators_;
-  SiteLacks lacks_;  // none where nothing is to be located
+  SiteLacks lacks_;  // none if no target is to be located
   RecordingClock recording_clock_;
   std::vector<std::unique_ptr<RecorderStage>> recorders_;
   std::vector<std::unique_ptr<DatagramRing>> rings_;
-  std::unique_ptr<RingSnapshots> snapshots_of_rings_;  // none where there are no rings
-  std::shared_ptr<BatchSender> sender_;                // null: this is no capture node
+  std::unique_ptr<RingSnapshots> snapshots_of_rings_;  // null without rings
+  std::shared_ptr<BatchSender> sender_;                // null: not a capture node
   std::optional<StandbyStart> along_;                  // of a worker that has stood by
   std::unique_ptr<OwnerLog> log_;                      // of a worker, from claim() to open()
-  SiteStart start_;                                    // as `log_` has it
-  std::unique_ptr<SiteFeed> feed_;                     // null: this is no worker
-  std::unique_ptr<LaterFrames> later_frames_;          // null: this is no worker
-  std::unique_ptr<OutStage> results_;                  // null: this is no worker
+  SiteStart start_;                                    // as in `log_`
+  std::unique_ptr<SiteFeed> feed_;                     // null: not a worker
+  std::unique_ptr<LaterFrames> later_frames_;          // null: not a worker
+  std::unique_ptr<OutStage> results_;                  // null: not a worker
   std::unique_ptr<Broker::Subscription> owner_words_;  // null: it does not stand by
   std::unique_ptr<Pipeline> pipeline_;
   StatusSources status_;

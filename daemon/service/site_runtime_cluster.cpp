@@ -9,13 +9,13 @@
 namespace rayloc {
 namespace {
 
-// Between the states that a successor may go on from.
+// Between the states that a successor may continue from.
 constexpr std::chrono::seconds kCarryEvery{1};
 
 }  // namespace
 
 Expected<void> SiteRuntime::claim(std::uint64_t generation) {
-  owner_words_.reset();  // what is said from here on is our own
+  owner_words_.reset();  // from here on the output is its own
   OwnerLog::Options options;
   options.site = setup_.site.name;
   options.generation = generation;
@@ -45,7 +45,7 @@ Expected<void> SiteRuntime::claim(std::uint64_t generation) {
 Expected<void> SiteRuntime::stand_by(StandbyStart along) {
   along_ = std::move(along);
   start_ = along_->start;
-  start_.generation = 0;  // it owns nothing
+  start_.generation = 0;  // it owns no site
   return start_.carried ? tell_estimators(start_.carried) : Expected<void>();
 }
 
@@ -67,14 +67,14 @@ std::optional<OutStage::Standby> SiteRuntime::standby() const {
   return standby;
 }
 
-// Its room was prepared before anybody knew from where it would go on.
+// The room was prepared before the start of the processing was determined.
 Expected<void> SiteRuntime::tell_estimators(const std::shared_ptr<const Carried>& before) {
   Expected<void> told = estimators_->go_on(before);
   status_.people = estimators_->people();
   return told;
 }
 
-// What it is of a cluster, where it is of one.
+// Opens its part of a cluster, if it has one.
 Expected<void> SiteRuntime::open_cluster(SiteOutput& output) {
   if (surroundings_.capture != nullptr) {
     auto sender = surroundings_.capture->add_site(setup_.site.name);
@@ -93,7 +93,7 @@ Expected<void> SiteRuntime::open_feed(SiteOutput& output) {
   options.stream = site_stream(site, stream_options(setup_.config.cluster));
   options.resume = start_.resume;
   options.only_listens = along_.has_value();
-  // What is explained ends where the earliest burst that is open begins.
+  // Processing ends where the earliest open burst begins.
   options.shed.most_lag += setup_.config.engine.burst;
   options.shed.least_lag += setup_.config.engine.burst;
   for (const SourceConfig& source : setup_.config.sources) {
@@ -149,7 +149,7 @@ LocationSink& SiteRuntime::go_on(PipelineOptions& options) {
 void SiteRuntime::give_back() {
   if (results_) {
     results_->finish();
-    pipeline_->hurry();  // nobody would hear what it finds
+    pipeline_->hurry();  // its results would have no subscriber
   }
 }
 

@@ -1,5 +1,5 @@
-// SiteSet: the sites that run, by name, and those that are to and do not. Who answers over HTTP
-// looks at it while a reload changes it.
+// SiteSet: the running sites, by name, and those that are configured but do not run. HTTP handlers
+// read it while a reload changes it.
 #pragma once
 
 #include <algorithm>
@@ -21,19 +21,19 @@ namespace rayloc {
 struct RunningSite {
   std::shared_ptr<MessageBoard> board;  // null without HTTP; outlives a reload of the site
   std::shared_ptr<SiteOutput> output;
-  std::shared_ptr<SiteRuntime> runtime;  // gives to its output, which looks at it
-  InputFiles files;                      // as they were when it was prepared
+  std::shared_ptr<SiteRuntime> runtime;  // writes to its output, which reads from it
+  InputFiles files;                      // content at the time of its preparation
   // Of that same runtime; null without HTTP.
   std::shared_ptr<const SiteApi> api;
   std::shared_ptr<BackgroundText> channel;
-  std::string trouble;     // why the last reload did not do what was asked; else empty
-  bool has_ended = false;  // the last reload ended it, and could not begin it anew
+  std::string trouble;     // reason why the last reload failed; otherwise empty
+  bool has_ended = false;  // the last reload ended it, and could not start it again
 
   const std::string& name() const { return runtime->setup().site.name; }
   std::string label() const { return runtime->setup().label(); }
 };
 
-// Thread safety: any thread; what all() returns stays as it is while somebody holds it.
+// Thread safety: any thread; the result of all() stays unchanged while it is held.
 class SiteSet {
  public:
   using Site = std::shared_ptr<const RunningSite>;
@@ -47,7 +47,7 @@ class SiteSet {
     const auto found = place_of(name);
     return found == sites_.end() ? nullptr : *found;
   }
-  // Sites of the configuration that have never begun, and why, by name.
+  // Sites of the configuration that have never started, with the reason, by name.
   using Absent = std::map<std::string, std::string>;
   Absent absent() const {
     const std::lock_guard lock(mutex_);
@@ -57,7 +57,7 @@ class SiteSet {
     const std::lock_guard lock(mutex_);
     absent_[name] = why;
   }
-  // In the place of one of that name, else behind the others.
+  // Replaces the site of that name, otherwise appends it.
   void put(RunningSite site) {
     auto shared = std::make_shared<const RunningSite>(std::move(site));
     const std::lock_guard lock(mutex_);

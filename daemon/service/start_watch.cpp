@@ -24,7 +24,7 @@ int descriptor_of_stop_signals() {
   return signalfd(-1, &signals, SFD_CLOEXEC);
 }
 
-// Without them it would neither hear signals nor ever end.
+// Without descriptors it would neither receive signals nor ever end.
 int checked(int fd) {
   if (fd < 0) {
     throw std::system_error(errno, std::generic_category(), "watching for signals");
@@ -50,7 +50,7 @@ void StartWatch::watch() const {
                                  {.fd = over_.get(), .events = POLLIN, .revents = 0}}};
   while (poll(waiting.data(), waiting.size(), -1) < 0) {
   }
-  // A signal that comes with the end of the start is left to the run loop.
+  // A signal that arrives at the end of the start is left to the run loop.
   if (waiting[1].revents != 0) {
     return;
   }

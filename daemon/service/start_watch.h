@@ -1,11 +1,11 @@
-// StartWatch: ends the process at once, with status 0, when SIGTERM or SIGINT comes while the
+// StartWatch: ends the process immediately, with status 0, when SIGTERM or SIGINT arrives while the
 // daemon is being opened: reading a calibrated site and tracing its room take seconds to minutes,
-// in which nobody waits for signals. Nothing has been received by then, so nothing is lost.
+// in which no thread waits for signals. No data have been received by then, so none are lost.
 //
 //   const sigset_t signals = block_daemon_signals();
 //   auto watch = std::make_unique<StartWatch>(manager);
 //   ... open ...
-//   watch.reset();  // from here on RunLoop hears signals; one that came in between waits for it
+//   watch.reset();  // from here on RunLoop handles signals; earlier ones wait for it
 #pragma once
 
 #include <thread>

@@ -186,7 +186,7 @@ Expected<std::vector<std::complex<double>>> CaptureSimulator::channel_at(OnChann
 
 Expected<SpotCapture> CaptureSimulator::hear(const SimulatedSpot& spot) {
   SpotCapture capture;
-  std::vector<std::vector<std::complex<double>>> h(channels_.size());  // of those in use
+  std::vector<std::vector<std::complex<double>>> h(channels_.size());  // [channel], those in use
   std::uniform_real_distribution<double> uniform;
   for (const Transmission& sent : spot.frames) {
     OnChannel& on = channels_.at(sent.channel);

@@ -1,8 +1,8 @@
-// CaptureSimulator: what an access point of a room would record of a device, or of a fixed
-// transmitter past a person: the AX-CSI datagrams, made by our own tracer.
+// CaptureSimulator: simulates an access point's recording of a device, or of a fixed transmitter
+// past a person: the AX-CSI datagrams, made by our own tracer.
 //
-// For tests, planning and studies. What is located in such a capture is located with the very model
-// that made it: it says nothing about the accuracy in a room.
+// For tests, planning and studies. Such a capture is located with the same model that made it, so
+// it gives no information about the accuracy in a real room.
 #pragma once
 
 #include <complex>
@@ -28,7 +28,7 @@
 
 namespace rayloc {
 
-// Somebody without a device, and the transmitter that stays where it is.
+// A person without a device, and the stationary transmitter.
 struct SimulatedPerson {
   Vec3d transmitter;  // [m]
   TargetBody body;
@@ -36,17 +36,17 @@ struct SimulatedPerson {
 
 struct CaptureOptions {
   MacAddress transmitter;
-  AntennaPattern pattern = AntennaPattern::kHalfWaveDipole;  // of the device
+  AntennaPattern pattern = AntennaPattern::kHalfWaveDipole;  // for the device
   Polarization polarization = Polarization::kVertical;
-  int bandwidth_mhz = 40;                 // of the channel
-  std::optional<SimulatedPerson> person;  // then spots are the person's, not the device's
-  // With `diffuse` the phases of rough surfaces are those of `seed`.
+  int bandwidth_mhz = 40;                 // width of the channel
+  std::optional<SimulatedPerson> person;  // if set, spots are the person's, not the device's
+  // With `diffuse`, the phases of rough surfaces are drawn from `seed`.
   TraceOptions trace;
-  // Channels are ChannelDraw's, traced as the likelihood does it, not by `trace`. REQUIRES: no
-  // `person`.
+  // Channels are ChannelDraw's, traced as in the
+  // likelihood, not with `trace`. REQUIRES: no `person`.
   bool model_error = false;
   Impairments impairments;
-  // Of each chain of the access point, what a power cycle multiplied it by; empty: none has been.
+  // By chain of the access point, the factor of a power cycle; empty: no power cycle.
   std::vector<std::complex<double>> chain_changes = {};
   std::uint64_t seed = 0;
 };
@@ -58,26 +58,26 @@ struct SimulatedDatagram {
 
 struct SpotCapture {
   std::vector<SimulatedDatagram> datagrams;  // in order of time
-  std::size_t paths = 0;                     // to all antennas; 0: only noise is heard
+  std::size_t paths = 0;                     // to all antennas; 0: only noise is received
   std::size_t lost = 0;                      // datagrams that do not arrive
 };
 
 class CaptureSimulator {
  public:
-  // REQUIRES: access_point < room.access_points.size(), a bandwidth of tone_plan.h.
-  // The body of CaptureOptions::person can be traced (TargetTracer::create).
+  // REQUIRES: access_point < room.access_points.size(), a bandwidth of tone_plan.h. The body of
+  // CaptureOptions::person can be traced (TargetTracer::create).
   CaptureSimulator(const RoomModel& room, std::size_t access_point, const CaptureOptions& options);
-  // For a device that hops: a room for each channel (Transmission::channel), the same but for its
-  // frequency and what materials are there. The radio is one: chains, coupling, counter.
-  // REQUIRES: as above of each; there is one.
+  // For a device that hops: one room per channel (Transmission::channel), identical except for its
+  // frequency and the material properties there. All channels use one radio: chains, coupling,
+  // counter. REQUIRES: as above for each room; at least one room.
   CaptureSimulator(std::span<const RoomModel> rooms,
                    std::size_t access_point,
                    const CaptureOptions& options);
 
-  // Spots in order of time. An Error when a person would stand on a device.
+  // Spots in order of time. Returns an Error if a person would stand on a device.
   Expected<SpotCapture> hear(const SimulatedSpot& spot);
 
-  // As on that channel, by tone from its centre.
+  // The gains on that channel, by tone from its centre.
   const ChainGains& chains(std::size_t channel = 0) const {
     return channels_.at(channel).radio.chains();
   }
@@ -87,7 +87,7 @@ class CaptureSimulator {
     DiffuseField field;
     std::vector<DiffuseField::End> antennas;
   };
-  // What is traced and received on one radio channel.
+  // Tracer and receiver state of one radio channel.
   struct OnChannel {
     OnChannel(const RoomModel& room,
               std::size_t access_point,
@@ -95,7 +95,7 @@ class CaptureSimulator {
               std::size_t number);
 
     ArrayTracer tracer;
-    std::vector<TargetLink> past_person;  // of each antenna; empty without a person
+    std::vector<TargetLink> past_person;  // by antenna; empty without a person
     std::optional<Diffuse> diffuse;
     std::optional<ChannelDraw> draw;
     SimulatedRadio radio;
@@ -104,7 +104,7 @@ class CaptureSimulator {
   static std::optional<Diffuse> diffuse_of(const RoomModel& room,
                                            const AntennaArray& array,
                                            const CaptureOptions& options);
-  // [antenna][tone] on the radio's grid; adds to `count` the paths that it is made of.
+  // [antenna][tone] on the radio's grid; adds the number of its paths to `count`.
   Expected<std::vector<std::complex<double>>> channel_at(OnChannel& on,
                                                          const SimulatedSpot& spot,
                                                          std::size_t& count) const;
@@ -112,7 +112,7 @@ class CaptureSimulator {
   CaptureOptions options_;
   std::deque<OnChannel> channels_;
   std::vector<std::uint8_t> cores_;
-  AxcsiHeader header_;  // of the last frame
+  AxcsiHeader header_;  // header of the last frame
   RandomStream losses_;
 };
 

@@ -13,7 +13,7 @@ namespace {
 
 using Value = std::complex<double>;
 
-// Echoes of the tail: far closer than 160 MHz can tell, and until e^-10 is left.
+// Echoes of the tail: far closer than 160 MHz can resolve, until e^-10 is left.
 constexpr double kTailStep = 1e-9;  // [s]
 constexpr double kTailDecays = 10.0;
 
@@ -62,7 +62,7 @@ ChannelDraw::Channel ChannelDraw::at(const Pose& pose, const OfdmGrid& grid) {
   for (std::size_t p = 0; p < rays.size(); ++p) {
     const Ray& ray = rays[p];
     power += std::norm(ray.amplitude);
-    // E[e^{j x}] = e^{-sigma^2 / 2} is what the likelihood knows of the ray.
+    // E[e^{j x}] = e^{-sigma^2 / 2} is the known fraction of the ray in the likelihood.
     const auto [known, unknown] = terms.parts[p];
     const double turn = std::sqrt(-2.0 * std::log(known)) * normal_(random_);
     const double strength = std::max(0.0, unknown - 1.0 + known * known);
@@ -74,7 +74,7 @@ ChannelDraw::Channel ChannelDraw::at(const Pose& pose, const OfdmGrid& grid) {
     }
   }
   const double diffuse = power * diffuse_share(error_, terms.first_length);
-  // The rest is a share of what the echoes of a room can be: of model_.dimension() coordinates.
+  // The rest is a share of the subspace of possible room echoes, of model_.dimension() coordinates.
   const double rest =
       std::sqrt(power * error_.noise * static_cast<double>(room_.grid.size() * offsets_.size()) /
                 static_cast<double>(model_.dimension()));

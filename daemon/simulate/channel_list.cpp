@@ -13,7 +13,7 @@
 namespace rayloc {
 namespace {
 
-// Channels of 20 MHz that lie side by side, by number; those of wider channels are in one block.
+// Adjacent channels of 20 MHz, by number; each wider channel lies within one block.
 struct Block {
   int first;
   int last;
@@ -21,8 +21,8 @@ struct Block {
 };
 
 struct Band {
-  double base_hz;          // of number 0; 5 MHz a number
-  int widest_mhz;          // that are simulated
+  double base_hz;          // frequency of number 0; 5 MHz per number
+  int widest_mhz;          // largest simulated width
   std::string_view holds;  // for messages
   std::span<const Block> blocks;
 };
@@ -58,7 +58,7 @@ std::optional<Numbers> numbers_of(std::string_view part) {
   return Numbers{*first, *last};
 }
 
-// All of the band that hold one of the numbers.
+// All channels of the band that contain one of the numbers.
 std::vector<RadioChannel> channels_of(const Band& band, const Numbers& numbers, int width_mhz) {
   const int parts = width_mhz / 20;
   std::vector<RadioChannel> found;
@@ -104,7 +104,7 @@ Expected<std::vector<RadioChannel>> parse_channels(std::string_view text,
     channels.insert(channels.end(), found.begin(), found.end());
   }
   for (RadioChannel& channel : channels) {
-    channel = is_same_channel(channel, site) ? site : channel;  // as it is stated
+    channel = is_same_channel(channel, site) ? site : channel;  // as the site states it
   }
   std::sort(channels.begin(), channels.end());
   channels.erase(std::unique(channels.begin(), channels.end()), channels.end());

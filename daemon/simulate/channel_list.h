@@ -1,5 +1,5 @@
-// The radio channels that a device hops over, as people write them: "36", "36-48",
-// "36-64,100-144".
+// Lists of the radio channels that a device hops over,
+// as typed by people: "36", "36-48", "36-64,100-144".
 #pragma once
 
 #include <string_view>
@@ -16,8 +16,8 @@ inline constexpr std::string_view kChannelListMeaning =
     "site's band and bandwidth that holds one of them: at 40 MHz 36-48 are those at 5190 and 5230 "
     "MHz";
 
-// Ascending, each once. An Error names the part of the text that is no such list, or that no
-// channel of the site's band and width holds, and which there are. `site`: the site's channel.
+// Ascending, without duplicates. An Error names the invalid part of the text, or the part that no
+// channel of the site's band and width contains, with the valid ones. `site`: the site's channel.
 Expected<std::vector<RadioChannel>> parse_channels(std::string_view text, const RadioChannel& site);
 
 }  // namespace rayloc

@@ -15,12 +15,12 @@
 namespace rayloc {
 namespace {
 
-constexpr double kHandTime = 2.0;     // [s], deviation of the correlation of a hand that moves
-constexpr std::size_t kWaves = 32;    // of a smooth random function: enough to be normal
-constexpr int kMostRedraws = 10'000;  // of a height that is not free
+constexpr double kHandTime = 2.0;     // [s], correlation time of a moving hand
+constexpr std::size_t kWaves = 32;    // in a smooth random function: enough to be normal
+constexpr int kMostRedraws = 10'000;  // for a height that is not free
 
-// A random function of time whose values are normal, of unit variance, and correlated by
-// exp(-(t / kHandTime)^2 / 2).
+// A random function of time with normal values of unit
+// variance, correlated by exp(-(t / kHandTime)^2 / 2).
 class SmoothNormal {
  public:
   explicit SmoothNormal(RandomStream random) {
@@ -47,7 +47,7 @@ class SmoothNormal {
   std::array<Wave, kWaves> waves_;
 };
 
-// One kind of normal number of every spot.
+// Draws one normal number for every spot.
 std::vector<double> draw(const std::vector<SimulatedSpot>& spots,
                          bool is_walk,
                          std::uint64_t seed,
@@ -79,7 +79,7 @@ struct Heights {
     upper = room.bounds_max.z - margin;
   }
   bool contain(double height) const { return lower <= height && height <= upper; }
-  // A height that turns back at the bounds.
+  // Reflects a height at the bounds.
   double turned_back(double height) const {
     const double range = upper - lower;
     return lower + std::abs(std::remainder(height - lower, 2.0 * range));
@@ -123,8 +123,8 @@ Expected<void> raise(std::vector<SimulatedSpot>& spots,
   return {};
 }
 
-// Upright turned towards any side. `a` and `b` are normal: the angle is uniform up to the most,
-// the side uniform all around.
+// Upright, tilted to any side. `a` and `b` are normal: the angle
+// is uniform from 0 to `most`, the side uniform all around.
 Orientation tilted(double a, double b, double most) {
   const double angle = most * (1.0 - std::exp(-0.5 * (a * a + b * b)));
   const double towards = std::atan2(b, a);

@@ -121,7 +121,7 @@ std::string impairment_text(const Impairments& impairments, const ImpairmentKey&
 }
 
 std::string impairments_help() {
-  constexpr std::size_t kWidth = 28;  // of "delay_outlier_share = 0.02"
+  constexpr std::size_t kWidth = 28;  // width of "delay_outlier_share = 0.02"
   std::string text;
   for (const ImpairmentKey& key : kImpairmentKeys) {
     std::string line = std::string(key.key) + " = " + impairment_text(default_impairments(), key);

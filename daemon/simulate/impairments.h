@@ -1,12 +1,12 @@
-// Impairments: what the radio of an access point does to the channel at its antennas on the way to
-// the reported CSI. Numbers are in the units of the file that states them, as their names say.
+// Impairments: effects of an access point's radio between the channel at its antennas and the
+// reported CSI. Values are in the units of the file, as in their names.
 //
-// A value of zero (or false) switches an impairment off; all of them off leave what the format
-// itself costs, mantissas of 11 bits and power in whole dBm. The defaults are those measured on
-// recordings of bcm43684 (AX-CSI) or, where no recording tells, those of the project's datasets.
+// A value of zero (or false) switches an impairment off; with all of them off, the losses of the
+// format remain: mantissas of 11 bits and power in whole dBm. The defaults are those measured on
+// recordings of bcm43684 (AX-CSI) or, without a recording, those of the project's datasets.
 //
-// impairment_keys() is all there is to know of the file's keys: reading, defaults and the text of
-// `rayloc simulate --help` come from it, and a row stores its value.
+// impairment_keys() defines the file's keys completely: reading, defaults and the text of `rayloc
+// simulate --help` come from it, and a row stores its value.
 #pragma once
 
 #include <filesystem>
@@ -21,7 +21,7 @@
 namespace rayloc {
 
 struct Impairments {
-  // Of every frame.
+  // In every frame.
   bool random_phase = false;
   double delay_min_ns = 0.0;
   double delay_max_ns = 0.0;
@@ -33,7 +33,7 @@ struct Impairments {
   double snr_db = 0.0;
   double transmit_snr_db = 0.0;
   bool dc_garbage = false;
-  // Of a power cycle.
+  // At a power cycle.
   bool calibrated_chains = false;
   double chain_gain_db = 0.0;
   double chain_phase_deg = 0.0;
@@ -42,7 +42,7 @@ struct Impairments {
   double ripple_deg = 0.0;
   double coupling_db = 0.0;
   double image_rejection_db = 0.0;
-  // Of the traffic.
+  // In the traffic.
   double retry_share = 0.0;
   double loss_share = 0.0;
   double transmit_power_dbm = 0.0;
@@ -51,9 +51,9 @@ struct Impairments {
 struct ImpairmentKey {
   std::string_view key;
   std::variant<bool Impairments::*, double Impairments::*> member;
-  NumberRange range;    // of a number
-  double preset = 0.0;  // the default; of a bool: 0 or 1
-  double none = 0.0;    // of a radio without impairments
+  NumberRange range;    // for a number
+  double preset = 0.0;  // the default; for a bool: 0 or 1
+  double none = 0.0;    // for a radio without impairments
   std::string_view meaning;
 };
 
@@ -67,10 +67,10 @@ Impairments no_impairments();
 Expected<Impairments> load_impairments(const std::filesystem::path& file);
 Expected<Impairments> parse_impairments(std::string_view text, const std::filesystem::path& file);
 
-// The value of a key as it is written in the file: "true", "0.3".
+// The value of a key in the file's syntax: "true", "0.3".
 std::string impairment_text(const Impairments& impairments, const ImpairmentKey& key);
 
-// A line a key: its name, default and meaning.
+// One line per key: its name, default and meaning.
 std::string impairments_help();
 
 }  // namespace rayloc

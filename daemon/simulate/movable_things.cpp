@@ -8,10 +8,10 @@
 namespace rayloc {
 namespace {
 
-constexpr double kTogether = 0.01;       // [m]: parts of one thing are as close
-constexpr double kFlat = 0.06;           // [m]: what is as thin and hangs on a wall is part of it
+constexpr double kTogether = 0.01;       // [m]: largest gap between parts of one thing
+constexpr double kFlat = 0.06;           // [m]: a thinner object on a wall is part of the wall
 constexpr double kAtWall = 0.03;         // [m]
-constexpr double kTouch = 1e-3;          // [m]: less is no collision; feet stand on floors
+constexpr double kTouch = 1e-3;          // [m]: less is no collision; feet touch floors
 constexpr double kClearOfAntenna = 0.1;  // [m]
 
 Bounds moved(const Bounds& bounds, const Vec3d& by) {
@@ -97,7 +97,7 @@ bool MovableThings::fits(std::size_t thing, const Vec3d& by) const {
     for (std::uint32_t other = 0; other < objects_.size(); ++other) {
       const Bounds& bounds = objects_[other];
       const bool own = std::find(parts.begin(), parts.end(), other) != parts.end();
-      // What is all around a thing is the hull of the room.
+      // An object all around the thing is the hull of the room.
       const bool around = bounds.contains(before.lower) && bounds.contains(before.upper);
       if (!own && !around && meet(body, bounds)) {
         return false;

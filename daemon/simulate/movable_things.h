@@ -1,4 +1,4 @@
-// MovableThings: the chairs and boxes of a scene, and where else they could stand.
+// MovableThings: the chairs and boxes of a scene, and their possible other positions.
 #pragma once
 
 #include <cstddef>
@@ -16,19 +16,19 @@ class MovableThings {
   explicit MovableThings(const RoomModel& room);
 
   std::size_t size() const { return things_.size(); }
-  // Indices of the scene's objects that touch each other and move as one: a seat and its back.
+  // Indices of scene objects that touch each other and move as one: a seat and its back.
   const std::vector<std::uint32_t>& objects(std::size_t thing) const { return things_[thing]; }
 
-  // Whether it would stand in the room and meet neither another object, where those are now, nor
-  // an access point.
+  // True if it would be inside the room and overlap neither
+  // another object at its present position nor an access point.
   bool fits(std::size_t thing, const Vec3d& by) const;
   void move(std::size_t thing, const Vec3d& by);
 
  private:
-  Vec3d lower_;  // [m], of the room
+  Vec3d lower_;  // [m], lower corner of the room
   Vec3d upper_;
   std::vector<Vec3d> access_points_;  // [m]
-  std::vector<Bounds> objects_;       // of each object of the scene
+  std::vector<Bounds> objects_;       // by object of the scene
   std::vector<std::vector<std::uint32_t>> things_;
 };
 

@@ -13,12 +13,12 @@ namespace {
 using Value = std::complex<double>;
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
-constexpr double kReferenceDistance = 4.0;  // [m], of Impairments::snr_db
-// Of two half-wave dipoles side by side: 1.64 each ([Balanis] 4.6).
+constexpr double kReferenceDistance = 4.0;  // [m], for Impairments::snr_db
+// For two parallel half-wave dipoles: 1.64 each ([Balanis] 4.6).
 constexpr double kReferenceGain = 1.64 * 1.64;
 // Root mean square of the reported values, in dB: 98 to 113 in recordings (WIRE_FORMATS 3.1).
 constexpr double kLevelDb = 105.0;
-// Without gain control: as far from the smallest as from the largest number of the format.
+// Without gain control: equally far from the format's smallest and largest number.
 constexpr double kFixedScale = 0x1p30;
 
 double amplitude(double decibels) { return std::pow(10.0, decibels / 20.0); }
@@ -26,7 +26,7 @@ double power(double decibels) { return std::pow(10.0, decibels / 10.0); }
 // Zero switches an impairment off.
 double amplitude_below(double decibels) { return decibels > 0.0 ? amplitude(-decibels) : 0.0; }
 
-// Of the grid's tone nearest to `tone`: calibrations may leave out tones of the channel.
+// Index of the grid's tone nearest to `tone`: calibrations may leave out tones of the channel.
 std::size_t nearest_tone(const OfdmGrid& grid, std::int16_t tone) {
   const auto above = std::lower_bound(grid.tone_index.begin(), grid.tone_index.end(), tone);
   if (above == grid.tone_index.end() ||
@@ -76,7 +76,7 @@ void SimulatedRadio::draw_chains(const ChainGains& calibrated) {
     const double phase = impairments_.chain_phase_deg * (2.0 * uniform_(random_) - 1.0);
     const double start_db = kTurn * uniform_(random_);
     const double start_deg = kTurn * uniform_(random_);
-    // Drawn where it is asked for only: all else is then as without.
+    // Drawn only if required: otherwise all other draws are unchanged.
     const double cable = impairments_.chain_delay_ns > 0.0
                              ? 1e-9 * impairments_.chain_delay_ns * normal_(random_)
                              : 0.0;
@@ -164,7 +164,7 @@ std::vector<Value> SimulatedRadio::at_chains(std::span<const Value> h,
   return signal;
 }
 
-// The frame's phase and timing offset, and the jitter of each core.
+// Applies the frame's phase and timing offset, and the phase jitter of each core.
 void SimulatedRadio::turn(std::vector<Value>& signal) {
   const std::size_t tones = chains_.grid.size();
   const double phase = impairments_.random_phase ? kTurn * uniform_(random_) : 0.0;
@@ -183,8 +183,8 @@ void SimulatedRadio::turn(std::vector<Value>& signal) {
   }
 }
 
-// The tones that are measured lie mirrored about the centre (tone_plan.h; HE at 160 MHz by one tone
-// not quite).
+// Measured tones are symmetric about the centre
+// (tone_plan.h; HE at 160 MHz by one tone not quite).
 void SimulatedRadio::add_image(std::vector<Value>& signal) const {
   const std::size_t tones = chains_.grid.size();
   for (std::size_t m = 0; m < chains_.cores.size(); ++m) {
@@ -231,7 +231,7 @@ RadioFrame SimulatedRadio::on_channel(const std::vector<Value>& signal) {
   return frame;
 }
 
-// Gain control holds the level to a step, and takes the step below or above by chance.
+// Gain control quantizes the power to a step, with a random choice of the step below or above.
 void SimulatedRadio::set_level(RadioFrame& frame) {
   const double chance = uniform_(random_);
   double scale = kFixedScale;

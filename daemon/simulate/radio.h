@@ -1,12 +1,12 @@
-// SimulatedRadio: the receiver of an access point for the time of one power cycle: from the channel
-// at its antennas to the CSI that it reports of a frame.
+// SimulatedRadio: the receiver of an access point during one power cycle: converts the channel at
+// its antennas to the CSI reported for a frame.
 //
 //   H[m,k] = g e^{j (phi + phi_m)} e^{-j 2 pi k df T} G[m,k] sum_n C[m,n] h[n,k] (1 + e[k])
 //            + image of the mirrored tone + noise
 //
 // with G, C and the image's phase drawn once, phi, phi_m, T, g, the transmitter's error e and the
-// noise in every frame (METHODS B1). The tones are turned as 802.11 turns them on the air; between
-// them stand noise and, at DC, garbage.
+// noise in every frame (METHODS B1). The tones have the phase rotations of 802.11; unused tones
+// contain noise and, at DC, garbage.
 #pragma once
 
 #include <array>
@@ -36,25 +36,25 @@ OfdmGrid radio_grid(const RadioSetup& setup);
 struct RadioFrame {
   // [core][tone], all tones of the channel from the lowest on.
   std::vector<std::complex<double>> tones;
-  std::array<std::int8_t, kMaxCores> power_dbm{};  // by core; 0: not one of the radio's
+  std::array<std::int8_t, kMaxCores> power_dbm{};  // by core; 0: the radio does not have this core
 };
 
 class SimulatedRadio {
  public:
-  // `calibrated`: the chains to have if the impairments say so; may be empty.
+  // `calibrated`: the chains used if the impairments require it; may be empty.
   SimulatedRadio(const RadioSetup& setup,
                  const Impairments& impairments,
                  const ChainGains& calibrated,
                  RandomStream random);
 
   const OfdmGrid& grid() const { return chains_.grid; }
-  // The truth that a calibration looks for; coupling and image apart.
+  // True chain gains that a calibration estimates; without coupling and image.
   const ChainGains& chains() const { return chains_; }
-  // What another power cycle leaves: each chain times its factor, ripple, coupling and image as
-  // they were. REQUIRES: none, or one of each chain.
+  // Applies another power cycle: multiplies each chain by its factor, with ripple, coupling and
+  // image unchanged. REQUIRES: none, or one per chain.
   void turn_chains(std::span<const std::complex<double>> factors);
-  // Phases, offsets, levels and noise of frames come from here on: those of two radios with the
-  // same chains are not the same.
+  // Draws phases, offsets, gains and noise of frames from this stream: two radios with the same
+  // chains then differ in their frames.
   void draw_frames_from(RandomStream random);
 
   // `h`: [core][tone] on grid(), of the field at the antennas. REQUIRES: that size.
@@ -80,8 +80,8 @@ class SimulatedRadio {
   std::uniform_real_distribution<double> uniform_;
   ChainGains chains_;
   std::vector<Value> coupling_;  // [core][core]
-  std::vector<Value> image_;     // of each core
-  double noise_power_ = 0.0;     // of a tone, in the scale of h
+  std::vector<Value> image_;     // by core
+  double noise_power_ = 0.0;     // per tone, in the scale of h
 };
 
 }  // namespace rayloc

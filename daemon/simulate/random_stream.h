@@ -1,6 +1,6 @@
-// Random numbers of a simulation: independent streams of one seed, told apart by what they are for,
-// so that one more draw of one kind leaves all others as they were. A purpose has at most 16
-// letters.
+// Random numbers of a simulation: independent streams of one seed,
+// identified by their purpose, so that one more draw of one kind
+// leaves all others unchanged. A purpose has at most 16 letters.
 #pragma once
 
 #include <array>

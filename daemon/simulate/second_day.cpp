@@ -16,8 +16,8 @@
 namespace rayloc {
 namespace {
 
-constexpr int kMostPlaces = 200;                  // that are tried for a thing
-constexpr std::uint64_t kMostAccessPoints = 256;  // streams of one day
+constexpr int kMostPlaces = 200;                  // attempts per thing
+constexpr std::uint64_t kMostAccessPoints = 256;  // streams per day
 
 // The stream of one access point (or of the room, the 0th) on one day.
 RandomStream stream_of(std::uint64_t seed,
@@ -52,7 +52,7 @@ std::vector<std::complex<double>> draw_chains(std::size_t chains,
   return factors;
 }
 
-// Moves the pose, and says by how much.
+// Moves the pose and returns the change.
 BumpedAccessPoint bump(Pose& pose, const SecondDay& day, RandomStream random) {
   BumpedAccessPoint bumped;
   const Vec3d direction = draw_direction(random);
@@ -75,7 +75,7 @@ BumpedAccessPoint bump(Pose& pose, const SecondDay& day, RandomStream random) {
   return bumped;
 }
 
-// Where a thing could go; zero where it has no place.
+// A free displacement of a thing; zero if there is none.
 Vec3d draw_move(const MovableThings& things,
                 std::size_t thing,
                 const SecondDay& day,
@@ -132,7 +132,7 @@ Expected<void> move_things(LivedInRoom& lived, const SecondDay& day, RandomStrea
   if (!after) {
     return tl::make_unexpected(std::move(after.error()));
   }
-  // Corrections of a calibration go by the number of the surface.
+  // Corrections of a calibration are indexed by surface.
   if (after->surfaces().size() != surfaces) {
     return bad_input("the scene has other surfaces once its furniture is moved");
   }

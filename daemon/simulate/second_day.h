@@ -1,8 +1,8 @@
-// SecondDay: what changes in a room between the day of its calibration and another: radios were
-// switched off and on, chairs were moved, access points bumped.
+// SecondDay: changes of a room between the day of its calibration and another: radios were switched
+// off and on, chairs were moved, access points bumped.
 //
-// second_day_keys() is all there is to know of the file's keys: reading, defaults and the text of
-// `rayloc simulate --help` come from it. Zero switches a change off.
+// second_day_keys() defines the file's keys completely: reading, defaults and the text of `rayloc
+// simulate --help` come from it. Zero switches a change off.
 #pragma once
 
 #include <complex>
@@ -21,7 +21,7 @@
 namespace rayloc {
 
 struct SecondDay {
-  double day = 2;  // a number: another day has other draws
+  double day = 2;  // number of the day: another day has other draws
   double chain_phase_deg = 0.0;
   double chain_gain_db = 0.0;
   double moved_things = 0;
@@ -37,7 +37,7 @@ struct SecondDayKey {
   NumberRange range;
   bool is_whole = false;
   double preset = 0.0;
-  double none = 0.0;  // of a day on which nothing changes
+  double none = 0.0;  // for a day without changes
   std::string_view meaning;
 };
 
@@ -51,10 +51,10 @@ SecondDay unchanged_day();
 Expected<SecondDay> load_second_day(const std::filesystem::path& file);
 Expected<SecondDay> parse_second_day(std::string_view text, const std::filesystem::path& file);
 
-// A line a key: its name, default and meaning.
+// One line per key: its name, default and meaning.
 std::string second_day_help();
 
-// Objects that touch and were moved as one.
+// Touching objects that were moved as one.
 struct MovedThing {
   std::vector<std::string> objects;  // their names
   Vec3d by;                          // [m]
@@ -62,19 +62,19 @@ struct MovedThing {
 
 struct BumpedAccessPoint {
   Vec3d moved;                                      // [m]
-  Orientation turned;                               // its pose's, less what it was
-  std::vector<std::complex<double>> chain_changes;  // factor of each chain; empty: none
+  Orientation turned;                               // change of its pose's angles
+  std::vector<std::complex<double>> chain_changes;  // factor by chain; empty: none
 };
 
-// The room on that day, and all that was drawn.
+// The room on that day, and all random draws.
 struct LivedInRoom {
   RoomModel room;
   std::vector<MovedThing> moved;
-  std::vector<BumpedAccessPoint> access_points;  // those of the room
+  std::vector<BumpedAccessPoint> access_points;  // by access point of the room
 };
 
-// Things are what is_movable() says, without what hangs flat on a wall, each moved along the floor
-// to where it meets nothing; one that has no such place stays. Fewer may move than are asked for.
+// Things are those of is_movable(), without flat objects on walls, each moved along the floor to a
+// position without overlap; one without such a position stays. Fewer may move than requested.
 Expected<LivedInRoom> live_in(const RoomModel& room, const SecondDay& day, std::uint64_t seed);
 
 }  // namespace rayloc

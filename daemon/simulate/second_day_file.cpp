@@ -1,4 +1,4 @@
-// The keys of a second day, and the file that states them.
+// The keys of a second day, and the reader of their file.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -108,7 +108,7 @@ Expected<SecondDay> parse_second_day(std::string_view text, const std::filesyste
 }
 
 std::string second_day_help() {
-  constexpr std::size_t kWidth = 32;  // of "access_point_moved_m = 0.002"
+  constexpr std::size_t kWidth = 32;  // width of "access_point_moved_m = 0.002"
   const SecondDay usual = default_second_day();
   std::string text;
   for (const SecondDayKey& key : kSecondDayKeys) {

@@ -48,7 +48,7 @@ Json chains_json(const ChainGains& chains) {
   return json;
 }
 
-// How the device of a spot is turned from upright, and the side to which it leans.
+// Tilt of a spot's device from upright, and the side to which it leans.
 struct Tilt {
   double angle_deg = 0.0;
   double towards_deg = 0.0;

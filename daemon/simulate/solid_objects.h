@@ -1,4 +1,4 @@
-// SolidObjects: the inside of what stands in a room, where no device is.
+// SolidObjects: the interior of objects in a room, where no device can be.
 #pragma once
 
 #include <vector>
@@ -10,8 +10,8 @@
 
 namespace rayloc {
 
-// The closed objects of the room's scene, without one that is around an access point: that is the
-// hull of the room. The scene must live as long.
+// The closed objects of the room's scene, except one around an access point, which is the hull of
+// the room. The scene must outlive it.
 class SolidObjects {
  public:
   explicit SolidObjects(const RoomModel& room);

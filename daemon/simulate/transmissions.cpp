@@ -13,7 +13,7 @@ Error error_at(const std::string& file, int line, const std::string& what) {
   return {ErrorKind::kBadInput, file + ":" + std::to_string(line) + ": " + what};
 }
 
-// Whether a device can send what is asked for at point `i`, one frame at a time.
+// Checks that a device can send the requested frames at point `i`, one at a time.
 Expected<void> check_times(std::span<const SurveyPoint> ordered,
                            std::size_t i,
                            const TransmissionOptions& options,
@@ -46,7 +46,7 @@ Expected<void> check_times(std::span<const SurveyPoint> ordered,
   return {};
 }
 
-// When a device sends that is at the point.
+// Transmission times of a device at the point.
 std::vector<Timestamp> times_at(const SurveyPoint& point, const TransmissionOptions& options) {
   if (options.walk) {
     return {point.t_start};

@@ -95,7 +95,7 @@ void read_chains(const TomlTable& table, CalibratedAccessPoint& ap) {
         static_cast<std::uint8_t>(chain.integer("core", {0.0, 255.0, ""}).value_or(0)));
     ap.gain_sigma.push_back(chain.number("sigma_rad", {}).value_or(0.0));
     ap.element_y.push_back(chain.number("element_y_m", {}).value_or(0.0));
-    if (chain.has("coupling")) {  // what the core takes from each
+    if (chain.has("coupling")) {  // coupling from each antenna to the core
       for (const auto& value :
            chain.pairs("coupling", "coupling = [[1.0, 0.0], [0.02, 0.01]], one pair a core")
                .value_or(std::vector<TomlTable::Pair>())) {
@@ -131,7 +131,7 @@ void read_levels(const TomlTable& table, CalibratedAccessPoint& ap) {
     const auto offset = level.number("offset_db", {});
     const auto sigma = level.number("sigma_db", {1e-3, 1e3, "dB"});
     if (!text || !offset || !sigma) {
-      continue;  // said
+      continue;  // already reported
     }
     if (const auto mac = parse_mac_address(*text)) {
       ap.levels.push_back({*mac, *offset, *sigma});
@@ -151,7 +151,7 @@ CalibratedAccessPoint read_calibrated_access_point(const TomlTable& table) {
   ap.id = table.string("id").value_or("");
   ap.points = static_cast<std::size_t>(table.integer("points", {0.0, 1e9, ""}).value_or(0));
   for (const NamedValue& named : calibrated_values()) {
-    // Calibrations of before have no decay.
+    // Older calibrations have no decay.
     if (named.value != &CalibratedAccessPoint::diffuse_decay || table.has(named.name)) {
       ap.*named.value = read_value(table, named.name, named.range);
     }
@@ -190,7 +190,7 @@ std::string surface_text(const CalibratedSurface& surface) {
          pair_text(surface.correction) + "]\n";
 }
 
-// A TOML string. Objects of a scene may be called anything.
+// A TOML string. Objects of a scene may have any name.
 std::string quoted(const std::string& text) {
   std::string result = "\"";
   for (const char c : text) {
@@ -222,9 +222,9 @@ Expected<CalibrationFile> read_calibration_document(TomlDocument& document) {
   calibration.id = root.string("id").value_or("");
   calibration.scene_hash = root.string("scene").value_or("");
   calibration.points_hash = root.string("points").value_or("");
-  // Above 1 where the model states more error than it has.
+  // Above 1 if the model states more error than it has.
   calibration.likelihood_exponent = read_value(root, "temper", {0.0, 2.0, ""});
-  if (root.has("least_sigma")) {  // calibrations of before have none
+  if (root.has("least_sigma")) {  // older calibrations have none
     calibration.least_sigma = read_value(root, "least_sigma", {0.0, 1.0, ""});
   }
   calibration.method = root.string("method").value_or("");
@@ -261,7 +261,7 @@ const std::vector<NamedValue>& calibrated_values() {
       {"diffuse", "share of the traced power at 3 m", &Ap::diffuse, {0.0, 1e3}},
       {"diffuse_exponent", "1", &Ap::diffuse_exponent, {-10.0, 10.0}},
       {"diffuse_decay", "s", &Ap::diffuse_decay, {1e-10, 1e-6}},
-      // Without any a covariance cannot be inverted.
+      // With zero noise a covariance cannot be inverted.
       {"noise", "share of the power", &Ap::noise, {1e-6, 1e3}},
   };
   return kValues;

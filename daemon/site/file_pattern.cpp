@@ -9,7 +9,7 @@
 namespace rayloc {
 namespace {
 
-// glob() hands its errors to a function without a context.
+// glob() passes its errors to a function without a context.
 thread_local std::vector<std::string> unreadable_folders;
 
 int note_unreadable(const char* folder, int error) {

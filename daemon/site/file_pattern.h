@@ -1,4 +1,4 @@
-// Files that a pattern names, as a shell would expand it: glob(7).
+// Files that match a pattern, expanded as by a shell: glob(7).
 #pragma once
 
 #include <filesystem>
@@ -16,7 +16,7 @@ struct FileMatches {
   std::vector<std::string> unreadable;
 };
 
-// Of a path without wildcards itself, if it is there.
+// A path without wildcards matches itself, if it exists.
 FileMatches match_files(const std::filesystem::path& pattern);
 
 }  // namespace rayloc

@@ -1,4 +1,4 @@
-// The units that lengths are written in by mistake, where metres are read.
+// Units in which lengths are written by mistake instead of metres.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@ struct LengthUnit {
   double metres = 1.0;
 };
 
-// From the one nearest to the metre on.
+// In order of closeness to the metre.
 inline constexpr std::array<LengthUnit, 4> kMistakenUnits = {
     {{"feet", 0.3048}, {"inches", 0.0254}, {"centimetres", 0.01}, {"millimetres", 0.001}}};
 

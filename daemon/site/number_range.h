@@ -1,4 +1,4 @@
-// NumberRange: the values that a key of a file may have.
+// NumberRange: the valid values of a key in a file.
 #pragma once
 
 #include <limits>

@@ -22,7 +22,7 @@ constexpr std::string_view kPathGridMagic = "RLPATHGR";
 constexpr std::size_t kPathGridHeader = 24;
 constexpr std::string_view kExtension = ".pathgrid";
 constexpr std::string_view kUnfinished = ".unfinished";
-// A program that was ended while it wrote leaves its file behind.
+// A program that ended while writing leaves its file behind.
 constexpr auto kAbandonedAfter = std::chrono::hours(1);
 
 void add_number(std::string& text, std::uint64_t value) {
@@ -48,7 +48,7 @@ std::string header_of(std::string_view bytes) {
   return header;
 }
 
-// The whole file; nothing when it cannot be read.
+// The whole file; empty if it cannot be read.
 std::optional<std::string> read_whole(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary | std::ios::ate);
   const std::streamoff size = stream ? static_cast<std::streamoff>(stream.tellg()) : -1;
@@ -63,7 +63,7 @@ std::optional<std::string> read_whole(const fs::path& file) {
   return text;
 }
 
-// Empty: it is whole.
+// Describes the damage of a file; empty if the file is whole.
 std::string fault_of(std::string_view text) {
   if (text.size() < kPathGridHeader || text.substr(0, kPathGridMagic.size()) != kPathGridMagic) {
     return "is no path grid";
@@ -105,7 +105,7 @@ std::optional<std::string> PathGridFiles::load(const std::string& key) {
     tell(file, fault + "; made anew");
     return std::nullopt;
   }
-  fs::last_write_time(file, fs::file_time_type::clock::now(), failed);  // what is used stays
+  fs::last_write_time(file, fs::file_time_type::clock::now(), failed);  // marks the file as used
   text->erase(0, kPathGridHeader);
   return text;
 }
@@ -146,7 +146,7 @@ void PathGridFiles::save(const std::string& key, std::string_view bytes) {
   drop_oldest(file);
 }
 
-// Until the rest is within the bound. `kept` stays, whatever its time.
+// Removes files until the rest is within the limit. `kept` stays, whatever its time.
 void PathGridFiles::drop_oldest(const fs::path& kept) const {
   std::error_code failed;
   std::vector<Kept> files;
@@ -155,7 +155,7 @@ void PathGridFiles::drop_oldest(const fs::path& kept) const {
     const fs::file_time_type used = entry.last_write_time(failed);
     const std::uint64_t bytes = failed ? 0 : entry.file_size(failed);
     if (failed) {
-      continue;  // another program has taken it away
+      continue;  // another program has removed it
     }
     const fs::path& file = entry.path();
     if (file.extension() == kUnfinished &&
@@ -182,7 +182,7 @@ void PathGridFiles::drop_oldest(const fs::path& kept) const {
 std::optional<fs::path> cache_directory() {
   const auto folder = [](const char* variable) -> fs::path {
     const char* const value = std::getenv(variable);
-    // systemd separates several folders by colons; a relative path is of no use to anybody.
+    // systemd separates several folders by colons; a relative path is not usable.
     const std::string text = value == nullptr ? "" : value;
     const fs::path path = text.substr(0, text.find(':'));
     return path.is_absolute() ? path : fs::path();

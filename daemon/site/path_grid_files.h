@@ -1,4 +1,4 @@
-// PathGridFiles: path grids in a folder of caches, one file each, named by its key.
+// PathGridFiles: path grids in a cache folder, one file each, named by its key.
 //
 //   offset  bytes  content
 //        0      8  "RLPATHGR"
@@ -6,10 +6,10 @@
 //       16      8  FNV-1a of the content, little-endian
 //       24      -  content (path_grid.h)
 //
-// A file is written beside its place and renamed, so that no other program sees half of one. One
-// that is cut off, damaged or of something else is left out, said in the log and replaced. The
-// folder is bounded: the grids that were used longest ago go first. No failure of a cache is one of
-// the program.
+// A file is written beside its final path and renamed, so that no other program reads a partial
+// one. A truncated, damaged or foreign file is ignored, logged and replaced. The folder is bounded:
+// the grids used longest ago are removed first. A failure of a cache is never a failure of the
+// program.
 //
 // Thread safety: several programs may use one folder; an object is for one thread.
 #pragma once
@@ -28,9 +28,9 @@ namespace rayloc {
 class PathGridFiles : public PathGridStore {
  public:
   struct Options {
-    std::filesystem::path directory;                    // made when it is first written to
-    std::uint64_t most_bytes = std::uint64_t{1} << 30;  // of all grids together
-    std::function<void(const std::string& line)> log;   // what a person may want to know
+    std::filesystem::path directory;                    // created at the first write
+    std::uint64_t most_bytes = std::uint64_t{1} << 30;  // limit for all grids together
+    std::function<void(const std::string& line)> log;   // receives messages for people
   };
   explicit PathGridFiles(Options options) : options_(std::move(options)) {}
 
@@ -47,8 +47,8 @@ class PathGridFiles : public PathGridStore {
   Options options_;
 };
 
-// Where caches belong: $CACHE_DIRECTORY, which systemd sets for a service, else rayloc/ in
-// $XDG_CACHE_HOME, else in ~/.cache. Nothing where none of them is known.
+// The folder for caches: $CACHE_DIRECTORY, which systemd sets for a service, otherwise rayloc/ in
+// $XDG_CACHE_HOME, otherwise in ~/.cache. Empty if none of them is set.
 std::optional<std::filesystem::path> cache_directory();
 
 }  // namespace rayloc

@@ -1,5 +1,5 @@
-// How the datagrams of a site's access point are to be read: CSI of another channel, or of several
-// access points on one source, is rejected.
+// Receiver options for the datagrams of a site's access point: CSI of another channel, or of
+// several access points on one source, is rejected.
 #pragma once
 
 #include <chrono>

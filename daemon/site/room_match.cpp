@@ -18,20 +18,20 @@ namespace rayloc {
 namespace {
 
 constexpr std::string_view kAxes = "xyz";
-// Rooms, flats, halls, floors of offices. Outside of this the unit is probably not the metre.
+// Rooms, flats, halls, floors of offices. Outside this range the unit is probably not the metre.
 constexpr double kSmallestPlace = 0.5;  // [m]
 constexpr double kLargestPlace = 100;   // [m]
-// An antenna may be this far outside of all meshes: before the outer face of a wall, on a mast.
+// An antenna may be this far outside all meshes: before the outer face of a wall, on a mast.
 constexpr double kOutsideSlack = 1.0;  // [m]
-// [bounds] may reach this far out of the scene: to the middle of a wall.
+// [bounds] may extend this far out of the scene: to the middle of a wall.
 constexpr double kBoundsSlack = 0.5;  // [m]
-constexpr int kMinSureSides = 4;      // of [bounds] on faces: no doubt which room is meant
+constexpr int kMinSureSides = 4;      // of [bounds] on faces: the identity of the room is certain
 
 Bounds box_of(const Scene& scene) { return {scene.bounds_min(), scene.bounds_max()}; }
 
 double longest(const Vec3d& size) { return std::max({size.x, size.y, size.z}); }
 
-// How far outside of the box [m]; 0 within.
+// Distance from the box [m]; 0 inside.
 double distance_outside(const Bounds& box, const Vec3d& p) {
   const auto beyond = [](double low, double high, double value) {
     return std::max({low - value, value - high, 0.0});
@@ -48,7 +48,7 @@ bool all_inside(const Bounds& box, const std::vector<SiteAntenna>& antennas, dou
   });
 }
 
-// Metres would not do that: a slip in one coordinate leaves the others where they are.
+// Values in metres would not: a mistake in one coordinate leaves the others unchanged.
 bool all_above(const Bounds& box, const std::vector<SiteAntenna>& antennas) {
   constexpr double kClearly = 1.2;
   return std::all_of(antennas.begin(), antennas.end(), [&](const SiteAntenna& antenna) {
@@ -56,7 +56,7 @@ bool all_above(const Bounds& box, const std::vector<SiteAntenna>& antennas) {
   });
 }
 
-// The unit in which a scene of that size would be a usual room: its height tells.
+// The unit in which a scene of that size would be a usual room, judged by its height.
 const LengthUnit* likely_unit(const Vec3d& size) {
   constexpr double kLowest = 1.8;    // [m]
   constexpr double kHighest = 12.0;  // [m]
@@ -82,8 +82,8 @@ std::string scale_advice(double scale) {
       scale);
 }
 
-// Whose lengths are not metres? Those of the larger one, unless the smaller one is no room.
-// `scale`: what the vertices are to be multiplied by.
+// Names the lengths that are not metres: those of the larger box, unless the smaller one is no
+// room. `scale`: the factor for the vertices.
 std::string unit_text(const Scene& scene, double scale) {
   const auto off = [&](const LengthUnit& unit) {
     return std::abs(std::abs(std::log(unit.metres)) - std::abs(std::log(scale)));
@@ -120,7 +120,7 @@ std::string axes_text(const SceneFrame& frame) {
   return text;
 }
 
-// What to do about a scene whose floor and ceiling lie across that axis.
+// Advice for a scene whose floor and ceiling are perpendicular to that axis.
 std::string up_advice(std::size_t axis) {
   return fmt::format(
       "exchange {0} and z: export it with z up, or write <rotate {1}=\"1\" angle=\"{2}\"/> last in "
@@ -130,7 +130,7 @@ std::string up_advice(std::size_t axis) {
       axis == 1 ? 90 : -90);
 }
 
-// A room from 0 to -4 m is one that was moved or one that was mirrored. Its box does not tell.
+// A room from 0 to -4 m was shifted or mirrored. Its box does not distinguish the two.
 std::string mirror_text(const Bounds& box, const Bounds& room) {
   constexpr double kSame = 0.3;  // [m]
   std::string axes;
@@ -237,7 +237,7 @@ class RoomMatch {
       const double from = room_->lower.*kOf.at(axis);
       const double to = room_->upper.*kOf.at(axis);
       const bool apart = to < low || from > high;
-      // In the open air nothing is as high as the room.
+      // In the open air no object is as high as the room.
       const bool beyond = from < low || (to > high && axis != 2);
       if (apart || beyond) {
         add(apart,
@@ -256,7 +256,7 @@ class RoomMatch {
     }
   }
 
-  // Without [bounds], or with such that no wall is at.
+  // For sites without [bounds], or with bounds that coincide with no wall.
   void judge_size() {
     const Vec3d size = box_.size();
     if (!room_ && !antennas_.empty() && judge_site_unit()) {
@@ -293,7 +293,7 @@ class RoomMatch {
     }
   }
 
-  // Whether another unit brings all antennas into the scene.
+  // Returns true if another unit brings all antennas into the scene.
   bool judge_site_unit() {
     if (!all_above(box_, antennas_)) {
       return false;
@@ -350,7 +350,7 @@ class RoomMatch {
     for (const SiteAntenna& antenna : antennas_) {
       const double outside = distance_outside(box_, antenna.place);
       if (outside > kOutsideSlack) {
-        // Through a wall a wave may come from the street, not from the next block.
+        // A wave may pass a wall from the street, but not from the next block.
         add(outside > norm(box_.size()),
             "antenna_outside",
             fmt::format("{} is {:.1f} m outside of the scene, at {:.6g}, {:.6g}, {:.6g}",
@@ -368,7 +368,7 @@ class RoomMatch {
   bool has_site_ = false;
   std::optional<Bounds> room_;  // as stated
   std::vector<SiteAntenna> antennas_;
-  bool sure_ = false;  // that the scene is the stated room
+  bool sure_ = false;  // the scene is certainly the stated room
   std::vector<RoomFinding> findings_;
 };
 

@@ -20,7 +20,7 @@ DeviceModel device_of(const Site& site) {
   return unlisted_device(site);
 }
 
-// Those of the transmitters that the site still says are of constant power.
+// Levels of the transmitters that the site still states to have constant power.
 std::vector<TransmitterLevel> believed(std::vector<TransmitterLevel> levels, const Site& site) {
   std::erase_if(levels, [&](const TransmitterLevel& level) {
     const SiteTransmitter* stated = find_transmitter(site, level.transmitter);
@@ -29,10 +29,10 @@ std::vector<TransmitterLevel> believed(std::vector<TransmitterLevel> levels, con
   return levels;
 }
 
-// [rad], chosen: a phase that is as uncertain as this is unknown; that of any phase is 1.8.
+// [rad], chosen: a phase with this uncertainty is unknown; that of a uniform phase is 1.8.
 constexpr double kUnknown = 1.5;
 
-// What was found of an access point, added to what was surveyed.
+// Adds the calibration results of an access point to the surveyed values.
 void apply_to(RoomAccessPoint& ap, CalibratedAccessPoint&& found, const Site& site) {
   Pose& pose = ap.array.pose;
   pose.position =

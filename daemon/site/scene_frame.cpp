@@ -12,15 +12,15 @@ namespace rayloc {
 namespace {
 
 constexpr double kReach = 0.5;         // [m], of a side of the box to a face: a wall, a panel
-constexpr double kReachShare = 0.125;  // of the room's size, at most
-constexpr double kSizeSlack = 0.6;     // [m], by which a scene is larger than its room: two walls
-constexpr double kSizeShare = 0.1;     // and a part of it
-constexpr double kMostShare = 0.3;     // but not more
-constexpr double kSmallestRoom = 1.2;  // [m]; less is like too much else
+constexpr double kReachShare = 0.125;  // maximum share of the room's size
+constexpr double kSizeSlack = 0.6;     // [m], excess of a scene over its room: two walls
+constexpr double kSizeShare = 0.1;     // plus this share of it
+constexpr double kMostShare = 0.3;     // maximum share
+constexpr double kSmallestRoom = 1.2;  // [m]; smaller ones match too many other objects
 constexpr double kSameOrigin = 0.1;    // [m]
 constexpr int kAllSides = 6;
-constexpr int kMinFrameSides = 5;  // the sixth may be open
-constexpr int kClearlyMore = 2;    // sides than the scene as it is
+constexpr int kMinFrameSides = 5;  // the sixth side may be open
+constexpr int kClearlyMore = 2;    // sides than with the scene's own frame
 
 std::array<double, 3> coordinates(const Vec3d& v) { return {v.x, v.y, v.z}; }
 Vec3d as_vector(const std::array<double, 3>& a) { return {a[0], a[1], a[2]}; }
@@ -50,7 +50,7 @@ bool is_as_large(const Vec3d& scene, const Vec3d& room) {
   return true;
 }
 
-// All ways to name and to turn round three axes; first the usual one, then those with y up.
+// All assignments and directions of three axes; first the usual one, then those with y up.
 std::vector<std::array<SceneFrame::Axis, 3>> all_axes() {
   std::vector<std::array<SceneFrame::Axis, 3>> all = {{{{0, 1.0}, {1, 1.0}, {2, 1.0}}},
                                                       {{{0, 1.0}, {2, -1.0}, {1, 1.0}}},
@@ -67,23 +67,23 @@ std::vector<std::array<SceneFrame::Axis, 3>> all_axes() {
   } while (std::next_permutation(order.begin(), order.end()));
   return all;
 }
-constexpr std::size_t kUsualAxes = 3;  // of all_axes(), at its beginning
+constexpr std::size_t kUsualAxes = 3;  // at the beginning of all_axes()
 
 struct Candidate {
   SceneFrame frame;
-  double doubt = 0.0;  // the less, the simpler and the better
+  double doubt = 0.0;  // smaller means simpler and better
 };
 
-// How far the corners of two boxes are apart [m].
+// Distance between the corners of two boxes [m].
 double misfit(const Bounds& a, const Bounds& b) {
   return norm(a.lower - b.lower) + norm(a.upper - b.upper);
 }
 
-// Whose box fits that of the room.
+// Frames in which the scene's box fits that of the room.
 std::vector<Candidate> candidates(const Bounds& scene, const Bounds& room) {
-  // Every change of unit, axes or origin must bring the boxes this much nearer [m].
+  // Every change of unit, axes or origin must reduce the distance of the boxes by this [m].
   constexpr double kPerChange = 0.2;
-  constexpr double kOfALargerScene = 0.5;  // its box tells nothing [m]
+  constexpr double kOfALargerScene = 0.5;  // its box is not informative [m]
   std::vector<double> scales = {1.0};
   for (const LengthUnit& unit : kMistakenUnits) {
     scales.push_back(unit.metres);
@@ -116,11 +116,11 @@ std::vector<Candidate> candidates(const Bounds& scene, const Bounds& room) {
   return found;
 }
 
-// Whether more than half of the side `axis` of the room, at the lower or the upper end, lies on a
-// face.
+// Returns true if more than half of the side `axis` of the room, at the lower or the upper end, is
+// on a face.
 bool is_covered(
     const Scene& scene, const SceneFrame& frame, const Bounds& room, std::size_t axis, bool upper) {
-  constexpr int kSamples = 9;  // each way: an odd number, so that no seam down the middle hides all
+  constexpr int kSamples = 9;  // per axis: odd, so that a seam in the middle does not hide all
   const auto low = coordinates(room.lower);
   const auto size = coordinates(room.size());
   const double reach = std::min(kReach, kReachShare * size.at(axis));

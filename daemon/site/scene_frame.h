@@ -1,8 +1,8 @@
-// SceneFrame: a way in which a scene could have been written down: in which unit, with which axis
-// up, from which origin.
+// SceneFrame: the convention in which a scene may have been written: its unit, its up axis, its
+// origin.
 //
-// A file of a scene says neither. What it must fit is the box that a site states: find_frame()
-// looks for the way in which the faces of the scene lie on the sides of that box.
+// The file of a scene states none of these. It must fit the box that a site states: find_frame()
+// searches for the frame in which faces of the scene coincide with the sides of that box.
 #pragma once
 
 #include <array>
@@ -18,7 +18,7 @@ namespace rayloc {
 // "4 x 3 x 2.5 m"
 std::string size_text(const Vec3d& size);
 
-// A point p of the scene is at scale * (one axis after another of p) + shift in the room.
+// A point p of the scene is at scale * (the permuted axes of p) + shift in the room.
 struct SceneFrame {
   struct Axis {
     std::size_t of_scene = 0;  // 0 x, 1 y, 2 z
@@ -35,14 +35,14 @@ struct SceneFrame {
   Vec3d to_scene(const Vec3d& p) const;
 };
 
-// How many of the six sides of `room` lie on faces of the scene: more than half of a side has one
-// no further away than half a metre, or an eighth of the room where that is less.
+// Number of the six sides of `room` that are on faces of the scene: for more than half of the side,
+// a face is within half a metre, or within an eighth of the room if that is less.
 int covered_sides(const Scene& scene, const SceneFrame& frame, const Bounds& room);
 
-// The simplest frame other than the scene's own in which five sides of `room` or all lie on faces;
-// nothing when there is none, or the scene as it is does nearly as well. Units are those of
-// kMistakenUnits and their inverses. The scene is as large as the room, or, where neither its
-// origin is elsewhere nor its plan is turned, larger.
+// The simplest frame other than the scene's own in which five sides of `room` or all are on faces;
+// empty if there is none, or if the scene's own frame is nearly as good. Units are those of
+// kMistakenUnits and their inverses. The scene is as large as the room, or larger if neither its
+// origin is shifted nor its plan is rotated.
 std::optional<SceneFrame> find_frame(const Scene& scene, const Bounds& room);
 
 }  // namespace rayloc

@@ -1,8 +1,8 @@
-// Site: what an operator states of a place: the room, the carrier, the access points, the
-// transmitters that are known. Read from `site.toml` in a directory (INTERFACE 4).
+// Site: the operator's description of a place: the room, the carrier, the access points, the listed
+// transmitters. Read from `site.toml` in a directory (INTERFACE 4).
 //
-// load_site() validates everything; each error names file:line:column, what is wrong and what to
-// write instead. Unknown keys are errors with a suggestion. Lengths are metres, angles radians.
+// load_site() validates everything; each error names file:line:column, the mistake and the valid
+// input. Unknown keys are errors with a suggestion. Lengths are metres, angles radians.
 #pragma once
 
 #include <array>
@@ -28,34 +28,34 @@
 namespace rayloc {
 
 struct Carrier {
-  int channel = 0;  // 802.11 channel number, 0 when not stated
+  int channel = 0;  // 802.11 channel number, 0 if not stated
   int bandwidth_mhz = 0;
   OfdmGrid grid;  // the active tones
 };
 
 struct SiteAccessPoint {
   std::string id;
-  std::string format;               // wire format, empty: recognised
+  std::string format;               // wire format; empty: detected
   AntennaArray array;               // as surveyed
   std::vector<std::uint8_t> cores;  // receive chain of each element of `array`
 };
 
 enum class TransmitterRole { kDevice, kFixed };
 
-// [m], of what can be stated as the standard deviation of a height.
+// [m], valid values of the standard deviation of a height.
 inline constexpr NumberRange kHeightSigmaRange = {0.0, 3.0, "m"};
 
 struct SiteTransmitter {
   TransmitterRole role = TransmitterRole::kDevice;
   MacAddress mac;
   std::string name;               // for people, may be empty
-  std::optional<Vec3d> position;  // of a fixed transmitter
-  double height = 1.2;            // [m], of a device
-  // [m], standard deviation of a device's height; 0: it is known.
+  std::optional<Vec3d> position;  // for a fixed transmitter
+  double height = 1.2;            // [m], for a device
+  // [m], standard deviation of a device's height; 0: the height is exact.
   double height_sigma = 0.3;
   AntennaPattern pattern = AntennaPattern::kHalfWaveDipole;
   Polarization polarization = Polarization::kVertical;
-  // Of a device: it never changes its power, so the level that is heard tells how far it is.
+  // For a device: its power never changes, so that the received power indicates its distance.
   bool constant_power = false;
 };
 
@@ -93,13 +93,13 @@ struct SiteZone {
   Duration enter_after = std::chrono::milliseconds(500);
   Duration leave_after = std::chrono::seconds(1);
   Duration dwell_after = std::chrono::seconds(10);
-  std::string place;  // "site.toml:50:1: ", as messages begin
+  std::string place;  // "site.toml:50:1: ", the prefix of messages
 };
 
 struct TargetDefaults {
   bool track_unlisted = true;
   double height = 1.2;        // [m]
-  double height_sigma = 0.3;  // [m], standard deviation; 0: the height is known
+  double height_sigma = 0.3;  // [m], standard deviation; 0: the height is exact
 };
 
 struct Site {
@@ -107,7 +107,7 @@ struct Site {
   std::filesystem::path directory;
   std::filesystem::path scene_file;
   std::vector<std::filesystem::path> files;  // site.toml, and every file that it names
-  Vec3d bounds_min;  // [m]; from [bounds], else from the scene when it is loaded
+  Vec3d bounds_min;  // [m]; from [bounds], otherwise from the scene when it is loaded
   Vec3d bounds_max;
   bool has_bounds = false;
   Carrier carrier;
@@ -128,25 +128,25 @@ struct Site {
 // other files that the site names must exist; they are read by load_room_model().
 Expected<Site> load_site(const std::filesystem::path& directory);
 
-// The same of a text; `file` is for messages and for relative paths.
+// The same for a text; `file` is for messages and for relative paths.
 Expected<Site> parse_site(std::string_view text, const std::filesystem::path& file);
 
-// What is allowed and probably a slip of the pen, by file:line:column: zones that reach out of the
+// Values that are allowed and probably mistakes, by file:line:column: zones that extend out of the
 // room, whose bounding box is given.
 std::vector<std::string> zone_warnings(const Site& site, const Vec3d& lower, const Vec3d& upper);
 
-// Whether `text` can be the id of an access point: letters, digits, '-' and '_'.
+// True if `text` is valid as the id of an access point: letters, digits, '-' and '_'.
 bool is_access_point_id(std::string_view text);
 
-// Of all access points, in their order.
+// Ids of all access points, in their order.
 std::vector<std::string> access_point_ids(const Site& site);
 
-// Position in `access_points` of `id`; an error that lists the ids there are.
+// Position in `access_points` of `id`; otherwise an error that lists the valid ids.
 Expected<int> find_access_point(const Site& site, const std::string& id);
 
 // The stated transmitter with that address, or nullptr.
 const SiteTransmitter* find_transmitter(const Site& site, const MacAddress& mac);
-// The same when its role is kFixed, else nullptr.
+// The same if its role is kFixed, otherwise nullptr.
 const SiteTransmitter* find_fixed_transmitter(const Site& site, const MacAddress& mac);
 
 }  // namespace rayloc

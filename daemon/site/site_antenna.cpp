@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 
 constexpr std::uintmax_t kLargestTable = 64 << 20;  // [bytes]; every degree takes 0.5 MB
 
-// The text of a table of gains, or what is wrong.
+// The text of a table of gains, or an Error.
 Expected<std::string> read_table(const fs::path& file) {
   std::error_code status;
   if (fs::file_size(file, status) > kLargestTable || status) {

@@ -23,7 +23,7 @@ tl::unexpected<Error> cannot(const std::string& what,
   return make_error(ErrorKind::kUnavailable, file.string() + ": cannot be " + what + ": " + why);
 }
 
-// Gives each table of gains a name of its own in the copy; their contents by that name.
+// Gives each table of gains its own name in the copy; returns their contents by that name.
 Expected<std::map<std::string, std::string>> take_patterns(toml::table& root,
                                                            const fs::path& directory) {
   std::map<std::string, std::string> patterns;
@@ -50,7 +50,7 @@ struct SiteFiles {
   std::map<std::string, std::string> others;  // content by file, relative to the copy
 };
 
-// What was trained with this calibration, as text; of another one it is worth nothing.
+// Trainings made with this calibration, as text; those of another one are not usable.
 Expected<std::map<std::string, std::string>> take_trainings(const Site& site,
                                                             const std::string& calibration,
                                                             toml::table& root) {
@@ -127,12 +127,12 @@ struct SceneFiles {
   std::map<std::string, std::string> meshes;  // content by file, relative to the copy
 };
 
-bool is_outside(const fs::path& path) {  // of the scene's folder
+bool is_outside(const fs::path& path) {  // true if not in the scene's folder
   const fs::path normal = path.lexically_normal();
   return path.is_absolute() || (!normal.empty() && *normal.begin() == fs::path(".."));
 }
 
-// Changes the name of a mesh wherever it is a value; false where it is none, as written.
+// Changes the name of a mesh wherever it is a value; false if it is not found as written.
 bool rename_mesh(std::string& xml, const std::string& name, const std::string& own) {
   bool found = false;
   std::string of_windows = name;

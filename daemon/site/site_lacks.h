@@ -1,5 +1,5 @@
-// What a site lacks to locate as it might be expected to: a calibration, a recording of the empty
-// room. Said where somebody starts to locate or asks why nothing is located.
+// Data missing for the expected quality of localization: a calibration, a recording of the empty
+// room. Reported when a person starts localization or asks why no target is located.
 #pragma once
 
 #include <span>
@@ -12,14 +12,14 @@
 namespace rayloc {
 
 struct SiteLacks {
-  std::vector<std::string> obstacles;  // nothing can be located
-  std::vector<std::string> warnings;   // less is located than might be expected
+  std::vector<std::string> obstacles;  // reasons why no target can be located
+  std::vector<std::string> warnings;   // reasons for less localization than might be expected
 
   std::vector<std::string> all() const;  // the obstacles first
 };
 
-// `heard`: positions in Site::access_points of those whose datagrams come; empty: of all of them.
-// REQUIRES: `room` was loaded of `site`.
+// `heard`: positions in Site::access_points of those that send datagrams; empty: all of them.
+// REQUIRES: `room` was loaded for `site`.
 SiteLacks site_lacks(const Site& site, const RoomModel& room, std::span<const int> heard = {});
 
 }  // namespace rayloc

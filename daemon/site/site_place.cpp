@@ -6,8 +6,8 @@
 namespace rayloc {
 namespace {
 
-// An access point or transmitter may stand this far outside the stated bounds: behind a panel, on
-// the far side of a wall.
+// An access point or transmitter may be this far outside the stated bounds: behind a panel, on the
+// far side of a wall.
 constexpr double kBoundsSlack = 0.5;  // [m]
 
 }  // namespace

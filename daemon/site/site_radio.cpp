@@ -24,7 +24,7 @@ std::vector<double> channel_centres_mhz(int channel) {
   return centres;
 }
 
-// The channel must be one of those that the stated band consists of, or its centre.
+// The channel must be one of those in the stated band, or its centre.
 void check_channel(const SiteTable& table, int channel, double bandwidth_mhz, double centre_hz) {
   const std::vector<double> centres = channel_centres_mhz(channel);
   const double reach = (bandwidth_mhz - 20.0) / 2.0 + 1.0;
@@ -98,7 +98,7 @@ void read_antenna(const SiteTable& table, SiteAccessPoint& access_point) {
       table.error_at("offset", "another antenna of this access point is at the same place");
     }
   }
-  if (core && offset) {  // else there is an error, and the lists would go out of step
+  if (core && offset) {  // otherwise an error exists, and the lists would get out of step
     access_point.cores.push_back(static_cast<std::uint8_t>(*core));
     access_point.array.element_offset.push_back(position);
   }

@@ -7,7 +7,7 @@
 namespace rayloc {
 namespace {
 
-// A zone may reach this far out of the room: to the far side of a wall.
+// A zone may extend this far out of the room: to the far side of a wall.
 constexpr double kReach = 0.5;  // [m]
 
 using Point = FloorPoint;

@@ -10,12 +10,12 @@
 namespace rayloc {
 namespace {
 
-// Nobody writes more by hand, and a wrong path (a recording) is refused at once.
+// No file written by hand is longer, and a wrong path (a recording) is rejected at once.
 constexpr std::size_t kMaxFileBytes = std::size_t{1} << 20U;
-// Errors past this many are counted, not listed: they follow from the first ones.
+// Further errors are counted, not listed: they follow from the first ones.
 constexpr std::size_t kMaxListed = 50;
 // Our files nest three deep. toml++ bounds nested values but not dotted keys, and recurses over
-// both: a.a.a.a... of a hostile file would exhaust the stack.
+// both: a.a.a.a... in a hostile file would exhaust the stack.
 constexpr int kMaxDots = 8;
 
 Error configuration_error(std::string message) {
@@ -47,12 +47,12 @@ Expected<std::string> read_text_file(const std::filesystem::path& file) {
 }
 
 // Finds the place of a key with more than kMaxDots dots. Strings and comments are skipped as TOML
-// defines them; a number has one dot, and what separates numbers starts a new count.
+// defines them; a number has one dot, and separators of numbers start a new count.
 class DotCounter {
  public:
   explicit DotCounter(std::string_view text) : text_(text) {}
 
-  // The line of the first such key, 0 when there is none.
+  // The line of the first such key, 0 if there is none.
   std::uint32_t first_deep_line() {
     while (at_ < text_.size()) {
       const char c = text_[at_];
@@ -92,7 +92,7 @@ class DotCounter {
     at_ += end.size();
     while (at_ < text_.size() && text_.substr(at_, end.size()) != end) {
       if (!multi_line && text_[at_] == '\n') {
-        return;  // not closed: the parser says so
+        return;  // not closed: the parser reports it
       }
       if (quote == '"' && text_[at_] == '\\' && at_ + 1 < text_.size()) {
         step();
@@ -159,7 +159,7 @@ TomlPosition TomlDocument::begin_of(const toml::source_region& region) const {
 }
 
 void TomlDocument::error(TomlPosition position, std::string message) {
-  // Messages quote the file; what it says must not control the terminal.
+  // Messages quote the file; its content must not control the terminal.
   notes_.push_back({std::move(position), printable(std::move(message))});
 }
 

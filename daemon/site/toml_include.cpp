@@ -8,7 +8,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Why a file that is named without wildcards was not found.
+// The reason why a file that is named without wildcards was not found.
 std::string reason_of_absence(const fs::path& file) {
   std::error_code failed;
   if (!fs::exists(file, failed) && failed) {
@@ -17,7 +17,7 @@ std::string reason_of_absence(const fs::path& file) {
   return "is not there; paths are taken from the folder of this file";
 }
 
-// The path as toml++ keeps it is that of the stated text; two ways to write it are one file.
+// toml++ stores the path of the stated text; two notations may denote one file.
 bool is_same_file(const fs::path& a, const fs::path& b) {
   std::error_code failed;
   return fs::equivalent(a, b, failed) && !failed;
@@ -68,7 +68,7 @@ void TomlDocument::merge(toml::table& from, toml::table& into, int depth) {
   }
 }
 
-// Nodes are moved: toml++ forgets the places of copied ones.
+// Nodes are moved: toml++ drops the places of copied ones.
 void TomlDocument::merge_node(const toml::key& key,
                               toml::node& from,
                               toml::table& into,

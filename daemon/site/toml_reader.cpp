@@ -51,7 +51,7 @@ std::string in_single_quotes(std::string_view text) { return "'" + std::string(t
 
 std::string to_text(double value) {
   std::array<char, 32> buffer{};
-  // Integers that a double holds exactly without an exponent: 5190000000, not 5.19e+09.
+  // Integers that a double represents exactly without an exponent: 5190000000, not 5.19e+09.
   const bool whole = std::abs(value) < 1e15 && value == std::trunc(value);
   const auto result =
       whole ? std::to_chars(

@@ -1,16 +1,16 @@
-// Reading TOML that people write: every access names what is wanted, every error its place.
+// Reads TOML written by people: every access states the expected value, every error its place.
 //
 //   auto document = TomlDocument::read("site.toml");
 //   TomlTable root = (*document)->root();
 //   root.require({{"name", "name = \"office\""}});
 //   const double height = root.number("height_m", {.min = 0.0, .unit = "m"}).value_or(1.2);
-//   return (*document)->finish();   // all errors, keys that nobody asked for among them
+//   return (*document)->finish();   // all errors, including unrequested keys
 //
-// Errors are collected, not thrown: an accessor that finds something wrong notes it and returns
-// nothing, as it does for a key that is absent. Reading goes on with a default, and finish() says
-// that the values are worth nothing. A key is known once it has been asked for, present or not.
+// Errors are collected, not thrown: an accessor that finds an error records it and returns empty,
+// as it does for an absent key. Reading continues with a default, and finish() reports that the
+// values are unusable. A key is a known key once it has been requested, present or not.
 //
-// Included only by the .cpp files that read a file: it brings toml++.
+// Included only by the .cpp files that read a file: it includes toml++.
 #pragma once
 
 #include <array>
@@ -39,11 +39,11 @@ namespace rayloc {
 struct TomlPosition {
   std::uint32_t line = 1;
   std::uint32_t column = 1;  // in characters, from 1
-  // Where the place is in an included file; null in the document's own.
+  // The place in an included file; null in the document's own.
   std::shared_ptr<const std::string> included_file = nullptr;
 };
 
-// A key that must be there, and what to write.
+// A key that must be present, and an example.
 struct RequiredKey {
   std::string_view key;
   std::string_view example;  // "id = \"ap1\""
@@ -51,38 +51,38 @@ struct RequiredKey {
 
 class TomlDocument;
 
-// A table of a document; a cheap handle that lives no longer than its document.
+// A table of a document; a cheap handle that must not outlive its document.
 class TomlTable {
  public:
   TomlTable(TomlDocument& document, const toml::table& table, std::string name)
       : document_(&document), table_(&table), name_(std::move(name)) {}
 
   const std::string& name() const { return name_; }   // "[carrier]", for messages
-  TomlPosition position() const;                      // of its header
-  TomlPosition position(std::string_view key) const;  // of the key's value, else of the table
-  // Of an entry, from 0, of the key's array; else as position(key).
+  TomlPosition position() const;                      // place of its header
+  TomlPosition position(std::string_view key) const;  // place of the key's value, or of the table
+  // Place of an entry, from 0, of the key's array; otherwise as position(key).
   TomlPosition position(std::string_view key, std::size_t entry) const;
   bool has(std::string_view key) const { return table_->contains(key); }
   bool is_string(std::string_view key) const;
-  // Makes the key known without reading it.
+  // Marks the key as a known key without reading it.
   void ask_for(std::string_view key) const { ask(key); }
 
-  // Notes an error for each key that is absent.
+  // Records an error for each key that is absent.
   void require(std::initializer_list<RequiredKey> keys) const;
 
   std::optional<bool> boolean(std::string_view key) const;
   std::optional<std::int64_t> integer(std::string_view key, const NumberRange& range) const;
-  // Integers are numbers as well. NaN and infinity are refused.
+  // Integers are numbers as well. NaN and infinity are rejected.
   std::optional<double> number(std::string_view key, const NumberRange& range) const;
   // Not empty, without control characters.
   std::optional<std::string> string(std::string_view key) const;
   // One of `names`.
   std::optional<std::string> choice(std::string_view key,
                                     std::span<const std::string_view> names) const;
-  // A path; relative ones from the folder of the file that states it.
+  // A path; relative ones start at the folder of the file that states it.
   std::optional<std::filesystem::path> path(std::string_view key) const;
 
-  // An array of `count` numbers; `example` is a whole line to write instead.
+  // An array of `count` numbers; `example` is a whole line with valid input.
   template <std::size_t kCount>
   std::optional<std::array<double, kCount>> numbers(std::string_view key,
                                                     std::string_view example) const {
@@ -98,7 +98,7 @@ class TomlTable {
   };
   std::optional<std::vector<Pair>> pairs(std::string_view key, std::string_view example) const;
 
-  // One value, or an array of one or more of them; empty when absent or wrong.
+  // One value, or an array of one or more of them; empty if absent or wrong.
   std::vector<bool> booleans(std::string_view key) const;
   std::vector<double> numbers(std::string_view key, const NumberRange& range) const;
   std::vector<std::string> strings(std::string_view key) const;
@@ -106,17 +106,17 @@ class TomlTable {
   bool is_array(std::string_view key) const;
 
   std::optional<TomlTable> table(std::string_view key) const;
-  // [[key]]; none when absent.
+  // [[key]]; empty if absent.
   std::vector<TomlTable> tables(std::string_view key) const;
   // The tables [key.NAME], in order of the name.
   std::vector<std::pair<std::string, TomlTable>> named_tables(std::string_view key) const;
 
   const std::filesystem::path& file() const;  // of the document
-  // "raylocd.toml:4:1: ", as errors begin.
+  // "raylocd.toml:4:1: ", the prefix of errors.
   std::string place() const;
   std::string place(std::string_view key, std::size_t entry) const;  // as position()
 
-  // Notes an error at the key's value, or at the table's header.
+  // Records an error at the key's value, or at the table's header.
   void error_at(std::string_view key, std::string message) const;
   void error_at(std::string_view key, std::size_t entry, std::string message) const;
   void error(std::string message) const;
@@ -139,28 +139,28 @@ class TomlTable {
 
 class TomlDocument {
  public:
-  // Errors: a file that cannot be read, is too large to be written by a person, or is not TOML.
+  // Errors: a file that cannot be read, is too large for a handwritten one, or is not TOML.
   static Expected<std::unique_ptr<TomlDocument>> read(const std::filesystem::path& file);
   // `file` is for messages and for relative paths.
   static Expected<std::unique_ptr<TomlDocument>> parse(std::string_view text,
                                                        const std::filesystem::path& file);
 
-  // Adds what the files hold that the array of patterns at the root's `key` names (glob(7), from
-  // the document's folder, in alphabetical order): keys to their tables, tables to their arrays. A
-  // key that two files state is an error, so that no order of files can matter. A pattern without
-  // wildcards must name a file. To be called before anything is read.
+  // Adds the content of the files that match the array of patterns at the root's `key` (glob(7),
+  // from the document's folder, in alphabetical order): keys to their tables, tables to their
+  // arrays. A key that two files state is an error, so that no order of files can matter. A pattern
+  // without wildcards must name a file. To be called before any value is read.
   void include(std::string_view key);
 
   TomlTable root() { return {*this, root_, ""}; }
-  // Stands for the table [name] where the document has none.
+  // Replaces the table [name] if the document has none.
   TomlTable empty_table(const std::string& name) { return {*this, empty_, "[" + name + "]"}; }
   const std::filesystem::path& file() const { return file_; }
-  // Those that keys were asked for and name, in this order: TomlTable::path().
+  // Files named by the keys that were requested, in this order: TomlTable::path().
   const std::vector<std::filesystem::path>& named_paths() const { return named_paths_; }
 
   void error(TomlPosition position, std::string message);
 
-  // All errors by line and column, one a line, unknown keys among them; kConfiguration.
+  // All errors by line and column, one a line, including unknown keys; kConfiguration.
   Expected<void> finish();
 
  private:
@@ -187,11 +187,11 @@ class TomlDocument {
   toml::table empty_;
   std::map<const toml::table*, Asked> asked_;
   std::vector<Note> notes_;
-  std::vector<std::string> broken_files_;  // why included files are not TOML, one each
+  std::vector<std::string> broken_files_;  // reasons why included files are not TOML, one each
   std::vector<std::filesystem::path> named_paths_;
 };
 
-// The shortest text that reads back as the number: "0.2", "5190000000".
+// The shortest text that parses to the number: "0.2", "5190000000".
 std::string to_text(double value);
 // "[1.5, -2]".
 std::string pair_text(const std::complex<double>& value);

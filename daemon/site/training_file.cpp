@@ -156,7 +156,7 @@ void read_settings(const TomlTable& root,
   }
 }
 
-// What the file was learned with, against the site's.
+// Compares the carrier of the training with the site's.
 void check_radio(const TomlTable& root, const Site& site, const Training& training) {
   const double bandwidth = root.number("bandwidth_mhz", {0.0, 1e4, "MHz"}).value_or(0.0);
   const double centre = root.number("centre_hz", {0.0, 1e12, "Hz"}).value_or(0.0);

@@ -1,5 +1,5 @@
-// The training file: what `rayloc train` has learned for a method, as TOML, in the folder training/
-// of a site. It says what it was learned from, and is valid for that calibration and radio alone.
+// The training file: the data that `rayloc train` learned for a method, as TOML, in the folder
+// training/ of a site. It names its origin, and is valid for that calibration and radio only.
 #pragma once
 
 #include <memory>
@@ -13,13 +13,13 @@
 
 namespace rayloc {
 
-// `content`: hash of the recordings and points that it was learned from. The weights of a network
-// are a file of their own beside it (weights_file.h), METHOD.f32.
+// `content`: hash of the recordings and points used for training. The weights of a network are in a
+// separate file beside it (weights_file.h), METHOD.f32.
 std::string training_toml(const Training& training, const Site& site, const std::string& content);
 
-// Of the file that the site names for the method; null where it names none. An Error
-// (kConfiguration) for a file that is broken, of another method, calibration or radio, or whose
-// weights are. Laws of level hold for the transmitters whose power the site still states to be
+// Reads the file that the site names for the method; null if it names none. An Error
+// (kConfiguration) for a file that is damaged, of another method, calibration or radio, or whose
+// weights are. Laws of level are valid for the transmitters whose power the site still states to be
 // constant. `settings`: of the method.
 Expected<std::shared_ptr<const Training>> load_training(const Site& site,
                                                         const std::string& method,

@@ -39,8 +39,8 @@ bool has_word(const std::string& name, std::initializer_list<std::string_view> w
 // The faces of all objects of one kind.
 struct Kind {
   double area = 0.0;  // [m^2]
-  Vector across{};    // of faces across each axis [m^2]
-  Vector moment{};    // area times place, along each axis
+  Vector across{};    // area of faces across each axis [m^2]
+  Vector moment{};    // area times position, along each axis
 
   void add(const Surface& surface) {
     const Vector normal = as_array(surface.plane().normal);
@@ -59,8 +59,8 @@ struct Kind {
   double place(std::size_t axis) const { return moment.at(axis) / area; }
 };
 
-// The least area of a rectangle around the scene as seen along the axis [m^2], within a few
-// percent: a corridor may lie askew.
+// The minimum area of a rectangle around the scene as seen along the axis [m^2], within a few
+// percent: a corridor may be oblique to the axes.
 double footprint(const Scene& scene, std::size_t axis) {
   constexpr int kDirections = 18;
   const std::size_t u = (axis + 1) % 3;
@@ -125,8 +125,8 @@ std::optional<NamedUp> wrong_up_by_name(const Scene& scene) {
 
 int large_faces(const Scene& scene, std::size_t axis) {
   constexpr double kFlat = 0.5;        // cosine of 60 degrees: below that a roof is a wall
-  constexpr double kLowest = 1.0 / 3;  // of the height
-  constexpr double kLarge = 0.15;      // of the footprint: a ring of corridors covers a quarter
+  constexpr double kLowest = 1.0 / 3;  // share of the height
+  constexpr double kLarge = 0.15;      // share of the footprint: a ring of corridors covers 1/4
   const Vector low = as_array(scene.bounds_min());
   const Vector size = as_array(scene.bounds_max() - scene.bounds_min());
   double floor = 0.0;

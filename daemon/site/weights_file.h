@@ -13,11 +13,11 @@
 namespace rayloc {
 
 std::string weights_bytes(std::span<const float> weights);
-// Of these bytes, in 16 hexadecimal digits.
+// Hash of these bytes, in 16 hexadecimal digits.
 std::string weights_hash(std::string_view bytes);
 
-// `file`: for messages. An Error (kConfiguration) for what is cut off, longer, of another format or
-// has a number that is not finite.
+// `file`: for messages. An Error (kConfiguration) for a file that is truncated, longer, of another
+// format or has a number that is not finite.
 Expected<std::vector<float>> parse_weights(std::string_view bytes,
                                            const std::filesystem::path& file);
 

@@ -1,4 +1,4 @@
-// The first files of a site, from a plan or from a drawing of another program.
+// Creates the first files of a site from a plan or from a drawing of another program.
 #include <filesystem>
 #include <map>
 #include <string>
@@ -58,7 +58,7 @@ Expected<Json> begin_room(const SiteEditor& editor, const std::string& body) {
   return editor.state();
 }
 
-// Of the name that a browser tells only the kind is used.
+// File type from the name sent by the browser; the rest of the name is not used.
 std::string kind_of(const HttpParameters& parameters) {
   const auto found = parameters.find("name");
   std::string kind = found == parameters.end() ? "" : fs::path(found->second).extension().string();

@@ -17,10 +17,10 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-// "progress SHARE TEXT", a line, of `rayloc calibrate --progress`.
+// "progress SHARE TEXT": a line of `rayloc calibrate --progress`.
 constexpr std::string_view kProgress = "progress ";
 
-// A folder in that of the site that is not there.
+// A new folder name within the site's folder.
 fs::path free_folder(const fs::path& site) {
   fs::path folder = site / "calibrated";
   std::error_code unknown;
@@ -40,7 +40,7 @@ std::vector<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
-// Why there is no report: what was said last, without the lines of progress.
+// Reason for a missing report: the last messages, without the progress lines.
 std::string last_words(const std::string& said) {
   std::string words;
   for (const std::string& line : lines_of(said)) {
@@ -87,7 +87,7 @@ Json CalibrationJob::outcome(int status) const {
 Json CalibrationJob::state() {
   const std::optional<int> status = process_ ? process_->status() : std::nullopt;
   if (status && process_->was_stopped() && !out_.empty()) {
-    std::error_code none;  // nothing was there before, and half a fit is none
+    std::error_code none;  // it is a new folder, and a partial fit is of no use
     fs::remove_all(std::exchange(out_, fs::path()), none);
   }
   Json state = {{"offered", true}, {"running", process_ && !status}};

@@ -1,9 +1,9 @@
-// CalibrationJob: `rayloc calibrate` of the site that is drawn, from the survey that was walked,
-// for a button of the page. It works as a process of its own, so that what it costs or breaks is
-// not its parent's, and ends with it.
+// CalibrationJob: runs `rayloc calibrate` for the drawn site with the walked survey, started by a
+// button of the page. It is a separate process, so that its memory use and faults do not affect the
+// parent, and it ends with the parent.
 //
 // The calibrated site goes to a new folder in that of the site: "calibrated", "calibrated-2", ...
-// Nothing that is there is changed.
+// Existing files are not changed.
 //
 // Thread safety: one thread at a time.
 #pragma once
@@ -26,21 +26,21 @@ namespace rayloc {
 
 class CalibrationJob {
  public:
-  // What was recorded since then, as `rayloc calibrate --capture` takes it: AP=FILE.
+  // Recordings since that time, as arguments of `rayloc calibrate --capture`: AP=FILE.
   using Recordings = std::function<Expected<std::vector<std::string>>(Timestamp since)>;
 
   CalibrationJob(std::filesystem::path site, Recordings recordings)
       : site_(std::move(site)), recordings_(std::move(recordings)) {}
 
-  // "running"; while it does "share" (0 to 1), "text" and "seconds"; when it has ended "success",
-  // "verdict" (one sentence), "folder", and "report" where there is one.
+  // "running"; while it runs "share" (0 to 1), "text" and "seconds"; after it has ended "success",
+  // "verdict" (one sentence), "folder", and "report" if there is one.
   nlohmann::ordered_json state();
-  // `what`: "all" (surfaces, arrays, chains, materials) or "chains". An Error where one runs, or
-  // where there is no survey or no recording of it.
+  // `what`: "all" (surfaces, arrays, chains, materials) or "chains". Returns an Error if a job is
+  // running, or if there is no survey or no recording of it.
   Expected<void> start(const std::string& what);
-  // Nothing that it wrote counts.
+  // Ends the job and discards its output.
   void stop();
-  // report.html of the one that ended last.
+  // report.html of the last completed job.
   Expected<std::string> report() const;
 
  private:
@@ -50,7 +50,7 @@ class CalibrationJob {
   std::filesystem::path site_;
   Recordings recordings_;
   std::unique_ptr<ChildProcess> process_;
-  std::filesystem::path out_;  // of that process
+  std::filesystem::path out_;  // output folder of that process
   std::chrono::steady_clock::time_point begun_;
 };
 

@@ -21,11 +21,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kNiceness = 10;                    // chosen: of what nobody waits for in real time
-constexpr off_t kMostSaid = off_t{1} << 16;      // [bytes], chosen: of the end of what it said
-constexpr std::string_view kFirstToGo = "1000";  // of oom_score_adj: proc(5)
+constexpr int kNiceness = 10;                    // chosen: for work that is not time-critical
+constexpr off_t kMostSaid = off_t{1} << 16;      // [bytes], chosen: end of its standard error
+constexpr std::string_view kFirstToGo = "1000";  // for oom_score_adj: proc(5)
 constexpr std::string_view kNotStarted = "the program rayloc cannot be started\n";
-constexpr int kCannotStart = 127;  // as a shell says it
+constexpr int kCannotStart = 127;  // as in a shell
 
 // The parent has threads: between fork() and execv() only async-signal-safe calls are allowed.
 [[noreturn]] void become(char* const* arguments, int nothing, int said, pid_t parent) {
@@ -35,15 +35,15 @@ constexpr int kCannotStart = 127;  // as a shell says it
   sigset_t none;
   sigemptyset(&none);
   sigprocmask(SIG_SETMASK, &none, nullptr);
-  setpgid(0, 0);  // a Ctrl-C is for the parent, which decides
+  setpgid(0, 0);  // Ctrl-C goes to the parent only, which decides
   if (!end_with_parent(parent)) {
     _exit(kCannotStart);
   }
-  if (nice(kNiceness) < 0) {  // which the unit of raylocd denies
+  if (nice(kNiceness) < 0) {  // which the systemd unit of raylocd forbids
     const sched_param idle{};
     sched_setscheduler(0, SCHED_IDLE, &idle);
   }
-  // Where memory ends this process goes first. close_range() below closes it.
+  // Makes this process the first to be killed without memory. close_range() below closes it.
   const int score = open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC);
   if (score >= 0 && write(score, kFirstToGo.data(), kFirstToGo.size()) < 0) {
     close(score);
@@ -81,7 +81,7 @@ Expected<fs::path> rayloc_program() {
 
 Expected<std::unique_ptr<ChildProcess>> ChildProcess::start(
     const fs::path& program, const std::vector<std::string>& arguments) {
-  std::signal(SIGCHLD, SIG_DFL);  // one that was inherited as ignored lets nobody wait
+  std::signal(SIGCHLD, SIG_DFL);  // an inherited SIG_IGN would make waitpid() fail
   std::vector<std::string> words{program.string()};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> pointers;
@@ -94,7 +94,7 @@ Expected<std::unique_ptr<ChildProcess>> ChildProcess::start(
   if (!said) {
     return cannot_start(program, errno);
   }
-  // Above the places that the process copies them to.
+  // Above the descriptors to which the process copies them.
   const int its_said = fcntl(fileno(said.get()), F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
   const int opened = open("/dev/null", O_RDWR | O_CLOEXEC);
   const int nothing = opened < 0 ? -1 : fcntl(opened, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
@@ -130,7 +130,7 @@ std::optional<int> ChildProcess::status() {
     constexpr int kBySignal = 128;
     status_ = WIFEXITED(status) ? WEXITSTATUS(status) : kBySignal + WTERMSIG(status);
   } else if (ended < 0 && errno == ECHILD) {
-    status_ = kCannotStart;  // it has ended, and nobody can tell how
+    status_ = kCannotStart;  // it has ended, with an unknown status
   }
   return status_;
 }
@@ -144,7 +144,7 @@ void ChildProcess::stop() {
 
 std::string ChildProcess::said() const {
   const int file = fileno(said_.get());
-  struct stat known {};  // the place to write is the process's, so nobody seeks
+  struct stat known {};  // the offset is shared with the process: no seek
   const off_t end = fstat(file, &known) == 0 ? known.st_size : 0;
   const off_t begin = std::max<off_t>(0, end - kMostSaid);
   std::string text(static_cast<std::size_t>(end - begin), '\0');

@@ -1,12 +1,12 @@
-// ChildProcess: a program of ours that works beside this one, for a person who looks at a page.
+// ChildProcess: a program of ours that runs beside this one, for a person who uses a page.
 //
-// It has the environment, folder, limits and cgroup of this process, and nothing else: no
-// descriptor, no signal mask, no group. Where the memory of the cgroup ends it goes first. What
-// it says on standard error goes to a file without a name, so that it never waits for somebody who
-// reads. It yields the processor to this process, and the kernel ends it when the thread that
-// started it is gone, however it went.
+// It inherits the environment, folder, limits and cgroup of this process, and
+// nothing else: no descriptor, signal mask or group. If the memory of the cgroup
+// is exhausted it is killed first. Its standard error goes to an unnamed file, so
+// that it never waits for a reader. It has a lower priority than this process,
+// and the kernel ends it when the thread that started it ends, for any reason.
 //
-// Thread safety: one thread at a time; the one that starts it lives as long as it.
+// Thread safety: one thread at a time; the starting thread must outlive it.
 #pragma once
 
 #include <sys/types.h>
@@ -22,24 +22,24 @@
 
 namespace rayloc {
 
-// The program `rayloc` that came with this one: beside it, or in bin beside its folder.
+// The program `rayloc` of this installation: beside this one, or in bin beside its folder.
 Expected<std::filesystem::path> rayloc_program();
 
 class ChildProcess {
  public:
   static Expected<std::unique_ptr<ChildProcess>> start(const std::filesystem::path& program,
                                                        const std::vector<std::string>& arguments);
-  // Kills it where it has not ended.
+  // Kills it if it has not ended.
   ~ChildProcess();
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
 
-  // As a shell tells it (128 and the signal that ended it); nothing while it runs. Never waits.
+  // As reported by a shell (128 plus the ending signal); empty while it runs. Never waits.
   std::optional<int> status();
-  // Asks it to end (SIGTERM); who asks again has no patience (SIGKILL).
+  // Asks it to end (SIGTERM); the second call kills it (SIGKILL).
   void stop();
   bool was_stopped() const { return stopped_; }
-  // The last that it said.
+  // The last part of its standard error.
   std::string said() const;
 
  private:

@@ -45,11 +45,11 @@ std::optional<Vec3d> node_vector(const pugi::xml_node& node, double missing) {
   return x && y && z && !node.attribute("value") ? std::optional(Vec3d{*x, *y, *z}) : std::nullopt;
 }
 
-// The steps of a transform that this editor writes.
+// The steps of a transform written by this editor.
 struct Steps {
   pugi::xml_node scale;
-  pugi::xml_node lift;  // by 90 degrees about x
-  pugi::xml_node turn;  // about z
+  pugi::xml_node lift;  // rotation by 90 degrees about x
+  pugi::xml_node turn;  // rotation about z
   pugi::xml_node shift;
 };
 
@@ -172,7 +172,7 @@ std::string shape_text(const DraftObject& one, const std::string& material_id) {
                      material_id);
 }
 
-// What is thinner than a millimetre is a slip of the pen.
+// An object thinner than a millimetre is a typing error.
 bool has_size(const DraftObject& one) {
   constexpr double kLeast = 1e-3;  // [m]
   if (one.form == DraftForm::kBox) {
@@ -234,7 +234,7 @@ class SceneEditing {
   }
 
  private:
-  // npos: the text is not where the parser says.
+  // npos: the text is not at the position given by the parser.
   std::size_t begin_of(const pugi::xml_node& node) const {
     const auto at = static_cast<std::size_t>(node.offset_debug());
     const bool there = node.offset_debug() > 0 && at < xml_.size() && xml_[at - 1] == '<' &&
@@ -242,7 +242,7 @@ class SceneEditing {
     return there ? at - 1 : std::string::npos;
   }
 
-  // Behind the tag or comment that begins there.
+  // Position after the tag or comment that begins there.
   std::size_t end_of_tag(std::size_t at) const {
     if (xml_.compare(at, 4, "<!--") == 0) {
       return xml_.find("-->", at) + 3;
@@ -260,7 +260,7 @@ class SceneEditing {
     return xml_.size();
   }
 
-  // Behind the end of an element, which was parsed: its tags are balanced.
+  // Position after the end of a parsed element: its tags are balanced.
   std::size_t end_of(const pugi::xml_node& node) const {
     std::size_t at = begin_of(node);
     for (int depth = 0; at != std::string::npos && at < xml_.size(); at = xml_.find('<', at)) {
@@ -319,7 +319,7 @@ class SceneEditing {
     }
     const StepTexts before = texts_of(is);
     const StepTexts after = texts_of(wanted);
-    // What nobody touched stays, however it is written.
+    // An unchanged transform stays in its original notation.
     if (is.form == wanted.form && before.scale == after.scale && before.turn == after.turn &&
         before.shift == after.shift) {
       return;
@@ -395,7 +395,7 @@ class SceneEditing {
     return {};
   }
 
-  // The id of the <bsdf>, which is written where there is none yet.
+  // The id of the <bsdf>, which is added if it does not exist.
   std::string material(const DraftObject& one) {
     const std::string& name = one.material;
     const auto names = itu_material_names();
@@ -433,7 +433,7 @@ class SceneEditing {
   const std::string& name_;
   pugi::xml_document document_;
   TextEdits edits_;
-  std::set<std::string> written_;  // ids of <bsdf>s that are new
+  std::set<std::string> written_;  // ids of new <bsdf>s
   std::optional<Error> error_;
 };
 

@@ -44,7 +44,7 @@ Json json_of(const DraftObject& one) {
   return json;
 }
 
-// Of the page; what is missing or of another type throws, which parse_draft() catches.
+// From the page; missing values or wrong types throw, which parse_draft() catches.
 Vec3d json_vector(const Json& json) {
   const auto v = json.get<std::array<double, 3>>();
   return {v[0], v[1], v[2]};

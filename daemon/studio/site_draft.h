@@ -1,7 +1,7 @@
-// SiteDraft: what the editor shows and changes of a site, as plain values.
+// SiteDraft: the parts of a site that the editor shows and changes, as plain values.
 //
-// The page gets one, changes it and sends it back whole. What it was in the file when it was read
-// travels along as `was`, so that a thing that was renamed is no new one.
+// The page gets a draft, changes it and sends it back whole. The original name of each thing in the
+// file is kept as `was`, so that a renamed thing is not treated as new.
 #pragma once
 
 #include <array>
@@ -24,49 +24,49 @@ struct DraftAntenna {
 };
 
 struct DraftAccessPoint {
-  std::string was;  // its id in the file; empty: it is new
+  std::string was;  // its id in the file; empty: new
   std::string id;
-  std::string model;                // of a preset, for the comment of a new one
+  std::string model;                // preset name, for the comment of a new one
   Vec3d position;                   // [m]
   std::array<double, 3> degrees{};  // yaw, pitch, roll
   std::vector<DraftAntenna> antennas;
 };
 
 struct DraftZone {
-  std::string was;  // its name in the file; empty: it is new
+  std::string was;  // its name in the file; empty: new
   std::string name;
   std::vector<FloorPoint> polygon;  // [m]
 };
 
 struct DraftDevice {
-  std::string was;  // its address as the file writes it; empty: it is new
+  std::string was;  // its address as written in the file; empty: new
   std::string mac;
   std::string name;    // empty: none
-  bool fixed = false;  // shown, and named; its place is not changed here
+  bool fixed = false;  // shown with its name; its place is not changed here
 };
 
-// kBox: a cube that was scaled, turned about z and moved. kWall: a sheet that stands upright.
-// kMesh: anything else, which can be moved and taken out.
+// kBox: a cube that was scaled, rotated about z and moved. kWall: an upright sheet. kMesh: any
+// other shape, which can be moved and removed.
 enum class DraftForm { kBox, kWall, kMesh };
 
 struct DraftObject {
-  std::string was = {};  // the id of its shape in the file; empty: it is new
+  std::string was = {};  // the id of its shape in the file; empty: new
   std::string name;
-  std::string material;     // as its <bsdf> is called without "mat-", or of ITU-R P.2040-4
-  double thickness = 0.02;  // [m], of a material that the file does not have yet
+  std::string material;     // name of its <bsdf> without "mat-", or from ITU-R P.2040-4
+  double thickness = 0.02;  // [m], for a material that the file does not have
   DraftForm form = DraftForm::kMesh;
-  Vec3d centre = {};              // [m], of a box
-  Vec3d size = {};                // [m], of a box
-  double yaw_deg = 0.0;           // of a box
-  FloorPoint from{};              // [m], of a wall
+  Vec3d centre = {};              // [m], for a box
+  Vec3d size = {};                // [m], for a box
+  double yaw_deg = 0.0;           // for a box
+  FloorPoint from{};              // [m], for a wall
   FloorPoint to{};                // [m]
   double bottom = 0.0;            // [m]
   double height = 0.0;            // [m]
-  std::array<double, 2> moved{};  // [m], of a mesh, since it was read
+  std::array<double, 2> moved{};  // [m], for a mesh, since it was read
 };
 
 struct SiteDraft {
-  std::string revision;  // of the files that it was read from
+  std::string revision;  // revision of the files it was read from
   std::vector<DraftAccessPoint> access_points;
   std::vector<DraftZone> zones;
   std::vector<DraftDevice> devices;
@@ -74,7 +74,7 @@ struct SiteDraft {
 };
 
 nlohmann::ordered_json json_of(const SiteDraft& draft);
-// An Error where the text is no draft.
+// Returns an Error if the text is no draft.
 Expected<SiteDraft> parse_draft(const std::string& text);
 
 }  // namespace rayloc

@@ -52,7 +52,7 @@ Json materials_json(const std::string& xml) {
   return list;
 }
 
-// Meshes are taken from beside the scene.
+// Meshes are read from the scene's folder.
 Expected<Scene> scene_of(const std::string& xml,
                          const fs::path& file,
                          const SceneOptions& options) {
@@ -167,7 +167,7 @@ Expected<Json> SiteEditor::state() const {
   if (auto objects = read_scene_text(files->xml, files->scene.string())) {
     draft->objects = *std::move(objects);
   }
-  // A site that is not whole yet is drawn, too.
+  // An incomplete site is drawn, too.
   SceneOptions options;
   options.carrier_hz = kDefaultFrequency;
   if (const auto site = parse_site(files->toml, site_file())) {
@@ -215,7 +215,7 @@ Expected<Json> SiteEditor::save(const std::string& text) const {
     return tl::make_unexpected(warnings.error());
   }
   const bool changed = now.toml != was->toml || now.xml != was->xml;
-  // A large scene is checked for seconds.
+  // The check of a large scene takes seconds.
   if (const auto meanwhile = read(); !meanwhile || meanwhile->revision != was->revision) {
     return make_error(ErrorKind::kUnavailable,
                       "the files of the site have changed while this was checked; what you drew is "
@@ -240,7 +240,7 @@ Expected<void> SiteEditor::replace(const Files& was, const Files& now) const {
                        "copy it there, with its meshes");
     }
   }
-  // The old ones first: whatever fails then, they are there.
+  // Writes the backups first, so that they exist if a later step fails.
   const auto write = [](const fs::path& file, const std::string& old, const std::string& text) {
     if (old == text) {
       return Expected<void>();

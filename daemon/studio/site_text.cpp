@@ -13,7 +13,7 @@
 namespace rayloc {
 namespace {
 
-constexpr double kRounding = 1e-3;  // [m, degrees], more than writing a number rounds it by
+constexpr double kRounding = 1e-3;  // [m, degrees], above the rounding of a written number
 constexpr std::array<const char*, 3> kAngles = {"yaw_deg", "pitch_deg", "roll_deg"};
 
 // ---- Reading -----------------------------------------------------------------------------------
@@ -146,7 +146,7 @@ class SiteEditing {
  public:
   explicit SiteEditing(TomlText& text) : text_(text) {}
 
-  // Brings the tables of `kind` to what is wanted. `change`: of one that stays.
+  // Changes the tables of `kind` to the requested ones. `change`: applied to one that stays.
   template <typename One>
   void edit(std::string_view kind,
             const std::vector<One>& is,
@@ -199,7 +199,7 @@ class SiteEditing {
     }
   }
 
-  // What could not be done, if anything.
+  // The first edit that failed, if any.
   const std::optional<Error>& error() const { return error_; }
 
  private:
@@ -245,7 +245,7 @@ class SiteEditing {
   std::optional<Error> error_;
 };
 
-// ---- Is it what was wanted?
+// ---- Verification of the result
 // ----------------------------------------------------------------------
 bool near(const Vec3d& a, const Vec3d& b) { return norm(a - b) < kRounding; }
 
@@ -288,7 +288,7 @@ bool printable_text(const std::string& text) {
   });
 }
 
-// What would end a line of the file goes into none.
+// Refuses texts with characters that would end a line of the file.
 Expected<void> check_texts(const SiteDraft& draft) {
   std::vector<std::string> texts;
   for (const DraftAccessPoint& one : draft.access_points) {

@@ -12,7 +12,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kMostOfDraft = std::size_t{1} << 20U;  // [bytes], as of a site.toml
+constexpr std::size_t kMostOfDraft = std::size_t{1} << 20U;  // [bytes], as for a site.toml
 
 double number_of(const HttpParameters& parameters, const char* key) {
   double value = std::numeric_limits<double>::quiet_NaN();

@@ -1,4 +1,4 @@
-// TextEdits: places of a text and what is to stand there instead; all refer to the text as it was.
+// TextEdits: replacements of parts of a text; all positions refer to the original text.
 #pragma once
 
 #include <algorithm>
@@ -11,14 +11,14 @@ namespace rayloc {
 
 class TextEdits {
  public:
-  // What stands from `begin` up to `end`; an insertion where both are the same. Places
-  // do not overlap.
+  // Replaces the part from `begin` up to `end`; an
+  // insertion if both are equal. Parts do not overlap.
   void replace(std::size_t begin, std::size_t end, std::string text) {
     edits_.push_back({begin, end, std::move(text)});
   }
   bool empty() const { return edits_.empty(); }
 
-  // Insertions at one place come in the order in which they were asked for.
+  // Insertions at one position are applied in the order of the calls.
   std::string apply(const std::string& text) const {
     std::vector<Edit> sorted = edits_;
     std::stable_sort(sorted.begin(), sorted.end(), [](const Edit& a, const Edit& b) {

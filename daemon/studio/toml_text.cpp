@@ -17,7 +17,7 @@ bool is_table_list(const toml::node& node) {
 }  // namespace
 
 Expected<TomlText> TomlText::parse(std::string text, const std::filesystem::path& file) {
-  // Refuses what toml++ must not see, and says in our words what is no TOML.
+  // Refuses input that toml++ cannot handle, and gives our own messages for invalid TOML.
   if (const auto checked = TomlDocument::parse(text, file); !checked) {
     return tl::make_unexpected(checked.error());
   }
@@ -58,7 +58,7 @@ bool TomlText::has_header(const toml::table& table) const {
          at < text_.size() && text_[at] == '[';
 }
 
-// Of the node and all below it.
+// Records the headers of the node and its descendants.
 void TomlText::note_headers(const toml::node& node, std::vector<Header>& headers) const {
   if (const toml::table* const table = node.as_table(); table != nullptr) {
     if (has_header(*table)) {
@@ -95,7 +95,7 @@ std::size_t TomlText::with_comments_above(std::size_t line) const {
   return line;
 }
 
-// Behind the last value that stands below the table's own header; 0: there is none.
+// Position after the last value below the table's own header; 0: none.
 std::size_t TomlText::end_of_values(const toml::table& table) const {
   std::size_t end = 0;
   for (const auto& [key, node] : table) {

@@ -15,7 +15,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kFarthest = 10'000.0;  // [m], as positions of site.toml
+constexpr double kFarthest = 10'000.0;  // [m], as for positions in site.toml
 
 }  // namespace
 
@@ -33,7 +33,7 @@ Expected<Json> WalkedSurvey::state() const {
   Json state = {{"file", file_.string()}, {"points", Json::array()}};
   std::error_code status;
   if (std::filesystem::exists(file_, status)) {
-    // One without a row yet is no error here.
+    // A file without a row is no error here.
     if (const auto points = load_points_csv(file_)) {
       for (const SurveyPoint& point : *points) {
         state["points"].push_back({point.position.x, point.position.y, point.position.z});

@@ -1,5 +1,5 @@
-// WalkedSurvey: a survey that is walked with the map in the hand: tap where you stand, frames are
-// counted by raylocd, next. Points go to the csv that `rayloc calibrate --points` reads.
+// WalkedSurvey: a survey made on foot with the map: the person taps the own position, raylocd
+// counts frames, then the next point. Points go to the csv that `rayloc calibrate --points` reads.
 //
 // Thread safety: one thread at a time.
 #pragma once
@@ -24,17 +24,17 @@ class WalkedSurvey {
  public:
   using Frames = std::map<std::string, std::uint64_t>;  // since the start, by access point
 
-  // `frames`: asked for when somebody asks for a state.
+  // `frames`: called when a state is requested.
   WalkedSurvey(std::filesystem::path file, std::function<Frames()> frames)
       : file_(std::move(file)), frames_(std::move(frames)) {}
 
-  // "file", "points" ([x, y, z] each), and while somebody stands: "standing" with "position",
-  // "seconds" and "frames" since then.
+  // "file", "points" ([x, y, z] each), and while a person stands at a point: "standing" with
+  // "position", "seconds" and "frames" since then.
   Expected<nlohmann::ordered_json> state() const;
-  // Somebody stands there from now on; it takes the place of where he stood before.
+  // A person stands there from now on; replaces the previous position.
   Expected<void> stand(const Vec3d& position);
-  // He has stood there long enough: the point is written. An Error where he stands nowhere or
-  // nothing was heard.
+  // Ends the stay: the point is written. Returns an Error
+  // if no position is set or no frame was received.
   Expected<void> keep();
   void leave() { standing_.reset(); }
 
@@ -42,10 +42,10 @@ class WalkedSurvey {
   struct Standing {
     Vec3d position;
     Timestamp since;
-    Frames frames;  // then
+    Frames frames;  // frame counts then
   };
 
-  Frames heard() const;  // since he stands there
+  Frames heard() const;  // since the begin of the stay
 
   std::filesystem::path file_;
   std::function<Frames()> frames_;

@@ -23,7 +23,7 @@ std::string in_small_letters(std::string_view text) {
   return result;
 }
 
-// How many cells there are up to the last that is not empty.
+// Number of cells up to the last one that is not empty.
 std::size_t filled(const CsvReader::Record& record) {
   std::size_t count = record.size();
   while (count > 0 && record[count - 1].empty()) {
@@ -41,7 +41,7 @@ std::string too_long(const std::string& name) {
 
 std::optional<Duration> parse_decimal_seconds(std::string_view text) {
   constexpr std::int64_t kPerSecond = 1'000'000'000;
-  // One second short of what Duration holds, so that the fraction always fits.
+  // One second less than the maximum of Duration, so that the fraction always fits.
   constexpr std::int64_t kMostSeconds = std::numeric_limits<std::int64_t>::max() / kPerSecond - 1;
   const bool negative = !text.empty() && text.front() == '-';
   std::size_t at = !text.empty() && (negative || text.front() == '+') ? 1 : 0;
@@ -79,11 +79,11 @@ std::optional<Duration> parse_decimal_seconds(std::string_view text) {
 Expected<CsvTable> CsvTable::load(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
   std::error_code ignored;
-  // A directory can be opened too.
+  // Opening a directory succeeds as well.
   if (!stream.is_open() || std::filesystem::is_directory(file, ignored)) {
     return bad_input(file.string() + ": cannot be read");
   }
-  // Of a pipe nobody knows the length before.
+  // The length of a pipe is unknown in advance.
   std::string text;
   constexpr std::size_t kBlock = 64U << 10U;
   while (stream && text.size() <= kMostBytes) {
@@ -128,7 +128,7 @@ Expected<CsvTable> CsvTable::parse(std::string_view text, std::string name) {
   return table;
 }
 
-// The first is the header.
+// The first record is the header.
 Expected<void> CsvTable::add_row(const CsvReader::Record& record) {
   const auto place = [&] { return name_ + ":" + std::to_string(record.cells[0].line) + ":1: "; };
   if (columns_.empty()) {
@@ -202,7 +202,7 @@ Expected<Timestamp> CsvTable::time(std::size_t row, std::size_t column) const {
   const std::string_view cell = text(row, column);
   const auto seconds = parse_decimal_seconds(with_decimal_point(cell, separator_));
   if (!seconds) {
-    // A spreadsheet has rounded it, and the digits are gone.
+    // A spreadsheet has rounded it, and the digits are lost.
     const bool rounded = parse_csv_number(cell, separator_).has_value();
     return tl::make_unexpected(error_at(
         row,

@@ -1,9 +1,9 @@
 // CsvTable: a comma-separated file with a header line, as surveys are written by hand, by scripts
-// and by spreadsheets. Columns are found by name, in any order and case; further ones are ignored.
+// and by spreadsheets. Columns are found by name, in any order and case; others are ignored.
 //
-// What is accepted of separators, quotes, line ends and comments: csv_reader.h. Rows without any
-// value, and empty cells beyond the header, as spreadsheets leave them behind, are left out. Errors
-// name file:line:column. A file beyond 64 MiB or a million rows is refused before it is in memory.
+// csv_reader.h defines the accepted separators, quotes, line ends and comments. Rows without any
+// value, and empty cells beyond the header, as spreadsheets write them, are left out. Errors name
+// file:line:column. A file beyond 64 MiB or a million rows is rejected before it is in memory.
 #pragma once
 
 #include <cstddef>
@@ -21,24 +21,24 @@
 
 namespace rayloc {
 
-// A decimal number of seconds ("1718000125.3680", "-0.5") to the nearest nanosecond, by way of
-// integers: a double since the epoch is 240 ns off. Nothing when it is not one, or beyond the year
-// 2262.
+// Converts a decimal number of seconds ("1718000125.3680", "-0.5") to the nearest nanosecond, by
+// integer arithmetic: a double since the epoch is 240 ns off. Empty if it is no such number, or
+// beyond the year 2262.
 std::optional<Duration> parse_decimal_seconds(std::string_view text);
 
 class CsvTable {
  public:
   static Expected<CsvTable> load(const std::filesystem::path& file);
-  // `name` stands for the file in errors.
+  // `name` denotes the file in errors.
   static Expected<CsvTable> parse(std::string_view text, std::string name);
 
   bool has_column(std::string_view name) const { return find_column(name).has_value(); }
-  // The positions of these columns, in their order; an Error that says which are missing.
+  // The positions of these columns, in their order; an Error that lists the missing ones.
   Expected<std::vector<std::size_t>> require(std::initializer_list<std::string_view> columns) const;
 
   std::size_t rows() const { return cells_.size() / columns_.size(); }
   int line(std::size_t row) const { return cell_at(row, 0).line; }
-  // ',' but in files of other habits.
+  // ',' unless the file uses another one.
   char separator() const { return separator_; }
 
   std::string_view text(std::size_t row, std::size_t column) const {
@@ -46,15 +46,15 @@ class CsvTable {
     return std::string_view(texts_).substr(cell.begin, cell.size);
   }
   Expected<double> number(std::size_t row, std::size_t column) const;
-  // Seconds since 1970 as time.
+  // Converts seconds since 1970 to a time.
   Expected<Timestamp> time(std::size_t row, std::size_t column) const;
 
-  // An Error at that cell.
+  // Returns an Error located at that cell.
   Error error_at(std::size_t row, std::size_t column, const std::string& what) const;
 
  private:
   struct Cell {               // 32 bits each: a file is shorter than 4 GiB
-    std::uint32_t begin = 0;  // in texts_
+    std::uint32_t begin = 0;  // offset in texts_
     std::uint32_t size = 0;
     std::int32_t line = 0;     // from 1
     std::uint32_t column = 0;  // byte in the line, from 1
@@ -69,9 +69,9 @@ class CsvTable {
   std::string name_;
   char separator_ = ',';
   int header_line_ = 1;
-  std::vector<std::string> columns_;  // in small letters
+  std::vector<std::string> columns_;  // names in lower case
   std::vector<Cell> cells_;           // row by row
-  std::string texts_;                 // of all cells
+  std::string texts_;                 // contents of all cells
 };
 
 }  // namespace rayloc

@@ -1,7 +1,7 @@
-// Planned spots of a survey: where a device is to stand, each with a name for people.
+// Planned points of a survey: positions for a device, each with a name for people.
 //
 // `x,y,z,name`: metres in the frame of the site. Written by `rayloc calibrate --plan`, read by
-// `rayloc survey`; by hand the column `name` may be left out: the spots are then p1, p2, ...
+// `rayloc survey`; by hand the column `name` may be left out: the points are then p1, p2, ...
 #pragma once
 
 #include <filesystem>
@@ -19,10 +19,10 @@ struct PlannedPoint {
   Vec3d position;  // [m]
 };
 
-// In the order of the file; at least one. A name that comes twice is an error.
+// In the order of the file; at least one. A repeated name is an error.
 Expected<std::vector<PlannedPoint>> load_planned_points(const std::filesystem::path& file);
 
-// The csv: whole millimetres.
+// The csv text, in whole millimetres.
 std::string to_csv(std::span<const PlannedPoint> points);
 
 }  // namespace rayloc

@@ -13,7 +13,7 @@ Expected<std::vector<SurveyPoint>> load_points_csv(const std::filesystem::path& 
   if (points && points->empty()) {
     return bad_input(path.string() + ": no spots, only a header");
   }
-  // A survey is walked by a person, and its rows are compared with each other.
+  // A person walks the survey, and its rows are compared with each other.
   constexpr std::size_t kMostSpots = 20'000;
   if (points && points->size() > kMostSpots) {
     return bad_input(path.string() + ": " + std::to_string(points->size()) + " spots; at most " +

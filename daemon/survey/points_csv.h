@@ -1,4 +1,4 @@
-// Surveyed spots: where a target stood still, from when to when.
+// Surveyed points: the positions of a stationary target, each with its begin and end.
 //
 // `t_start,t_end,x,y,z`: seconds since 1970 by the clock of the recording, metres in the frame of
 // the site. Further columns are ignored.
@@ -19,14 +19,14 @@ struct SurveyPoint {
   Timestamp t_start;
   Timestamp t_end;  // not before t_start
   Vec3d position;   // [m]
-  int line = 0;     // of the file, for messages
+  int line = 0;     // line in the file, for messages
 };
 
 // In the order of the file; at least one.
 Expected<std::vector<SurveyPoint>> load_points_csv(const std::filesystem::path& path);
 Expected<std::vector<SurveyPoint>> read_points(const CsvTable& table);
 
-// `t,x,y,z`: where a target was at instants, each from and until which it is there the same.
+// `t,x,y,z`: positions of a target at instants, each being both begin and end.
 bool has_instants(const CsvTable& table);
 Expected<std::vector<SurveyPoint>> read_instants(const CsvTable& table);
 

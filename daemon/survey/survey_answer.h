@@ -1,4 +1,4 @@
-// What a person types at the prompt of `rayloc survey`.
+// The input of a person at the prompt of `rayloc survey`.
 #pragma once
 
 #include <optional>
@@ -13,11 +13,11 @@ namespace rayloc::cli {
 
 struct SurveyAnswer {
   bool quit = false;
-  PlannedPoint point;  // its name empty where a place was typed
+  PlannedPoint point;  // without a name if coordinates were typed
 };
 
 // "q" ends; "x,y,z" or, at the usual height, "x,y" is a place [m]; a name is that planned point;
-// nothing is `next`. An Error says what to type instead.
+// empty input is `next`. An Error states the valid input.
 Expected<SurveyAnswer> parse_survey_answer(std::string_view line,
                                            std::span<const PlannedPoint> plan,
                                            const PlannedPoint* next,

@@ -21,7 +21,7 @@ Error cannot_write(const std::string& path) {
   return {ErrorKind::kUnavailable, path + ": cannot be written: " + std::strerror(errno)};
 }
 
-// Whole lines by one write(2) each, then to the disk.
+// Appends whole lines by one write(2) each, then syncs to the disk.
 Expected<void> append_text(const std::string& path, const std::string& text) {
   const int descriptor = ::open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
   if (descriptor < 0) {
@@ -34,7 +34,7 @@ Expected<void> append_text(const std::string& path, const std::string& text) {
   return written ? Expected<void>() : tl::make_unexpected(error);
 }
 
-// Microseconds, the resolution of recordings.
+// In microseconds, the resolution of recordings.
 std::string seconds_text(Timestamp time) {
   const auto microseconds =
       std::chrono::floor<std::chrono::microseconds>(time.time_since_epoch()).count();
@@ -60,7 +60,7 @@ bool ends_with_a_line(const std::string& path) {
 }  // namespace
 
 Expected<SurveyFile> SurveyFile::open(const std::string& path) {
-  std::error_code ignored;  // what is wrong is told by whoever reads or writes
+  std::error_code ignored;  // the later read or write reports the error
   if (!std::filesystem::exists(path, ignored) || std::filesystem::file_size(path, ignored) == 0) {
     if (auto written = append_text(path, kHeader); !written) {
       return tl::make_unexpected(std::move(written.error()));

@@ -13,11 +13,11 @@ namespace rayloc::cli {
 
 class SurveyFile {
  public:
-  // A file that exists is continued: its points are those of an earlier part of the survey. An
-  // Error when it is no points file or ends inside a line.
+  // An existing file is continued: its points are those of an earlier part of the survey. An Error
+  // if it is no points file or ends inside a line.
   static Expected<SurveyFile> open(const std::string& path);
 
-  // Of this survey and of the parts before.
+  // Points of this part of the survey and of earlier parts.
   const std::vector<SurveyPoint>& points() const { return points_; }
   Expected<void> append(const SurveyPoint& point);
 

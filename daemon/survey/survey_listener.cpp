@@ -41,7 +41,7 @@ Expected<SurveyListener> SurveyListener::open(const Site& site,
   return listener;
 }
 
-// As a calibration takes them: where the site lists devices, no other phone counts.
+// As in a calibration: if the site lists devices, no other phone counts.
 bool SurveyListener::is_surveyed(const MacAddress& transmitter) const {
   const SiteTransmitter* stated = find_transmitter(*site_, transmitter);
   if (stated != nullptr) {

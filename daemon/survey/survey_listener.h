@@ -1,7 +1,7 @@
-// SurveyListener: the ports of a site's access points: what arrives is decoded and counted, and
+// SurveyListener: reads the ports of a site's access points: datagrams are decoded and counted, and
 // recorded on request.
 //
-// Always read, also between points: a port that nobody reads fills up with old frames. One thread.
+// Read also between points: a port without a reader fills up with old frames. One thread.
 #pragma once
 
 #include <cstddef>
@@ -19,8 +19,8 @@ namespace rayloc::cli {
 
 struct SurveyPort {
   std::size_t access_point = 0;  // position in the site's list
-  std::string address;           // HOST:PORT, or a URL (transport_schemes.h) of what is live
-  std::string recording;         // a file to make, or a URL; empty: none
+  std::string address;           // HOST:PORT, or a URL (transport_schemes.h) of a live source
+  std::string recording;         // a file to create, or a URL; empty: none
 };
 
 class SurveyListener {
@@ -28,17 +28,17 @@ class SurveyListener {
   // `site` must outlive it.
   static Expected<SurveyListener> open(const Site& site, const std::vector<SurveyPort>& ports);
 
-  // Takes what has arrived; waits for it up to `timeout` for each port.
+  // Reads the received datagrams; waits for them up to `timeout` for each port.
   Expected<void> listen(Duration timeout);
 
-  // Whole frames of devices since `start`, of each port: frames of fixed transmitters, of devices
-  // that the site does not list where it lists any, and those that lack a core of the access point,
-  // do not count.
+  // Number of whole frames of devices since `start`, for each port: frames of fixed transmitters,
+  // of devices that the site does not list if it lists any, and those that lack a core of the
+  // access point, do not count.
   void start_counting(Timestamp start);
   std::vector<std::size_t> counts() const;
   const std::string& access_point(std::size_t port) const { return ports_[port].id; }
 
-  // Brings the recordings to the disk; an Error where something could not be written.
+  // Syncs the recordings to the disk; an Error if any data could not be written.
   Expected<void> finish();
 
  private:
@@ -47,7 +47,7 @@ class SurveyListener {
     std::vector<std::uint8_t> cores;
     std::unique_ptr<DatagramSource> source;
     CsiReceiver receiver;
-    std::unique_ptr<DatagramSink> recorder;  // null: nothing is recorded
+    std::unique_ptr<DatagramSink> recorder;  // null: no recording
     std::size_t count = 0;
   };
 

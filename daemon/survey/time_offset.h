@@ -1,5 +1,5 @@
-// --time-offset: seconds that are added to the times of surveyed points, where the clock of the
-// survey and that of the recordings differ.
+// --time-offset: seconds to be added to the times of surveyed points if the clock of the survey and
+// that of the recordings differ.
 #pragma once
 
 #include <filesystem>
@@ -16,7 +16,7 @@ inline constexpr const char* kTimeOffsetHelp =
     "seconds added to the times of the points, where they were noted by another clock than that of "
     "the recordings: -7200 for a time zone two hours ahead";
 
-// A decimal number of seconds of at most a century; else an Error of usage.
+// A decimal number of seconds of at most a century; otherwise an Error of usage.
 Expected<Duration> parse_time_offset(const std::string& text);
 
 // load_points_csv() with the offset added to all times.

@@ -7,7 +7,7 @@ namespace rayloc {
 
 constexpr int kExitUsage = 64;
 constexpr int kExitInternal = 70;
-// Behind those of sysexits.h: all was done, and a calibration is no success.
+// In addition to sysexits.h: the run was completed, and a calibration is no success.
 constexpr int kExitUnexplained = 79;
 
 constexpr int exit_status(ErrorKind kind) {

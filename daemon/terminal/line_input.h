@@ -1,4 +1,4 @@
-// LineInput: lines of standard input for a loop that has other things to wait for.
+// LineInput: lines of standard input for a loop that also waits for other events.
 #pragma once
 
 #include <deque>
@@ -11,18 +11,18 @@ class LineInput {
  public:
   explicit LineInput(int descriptor) : descriptor_(descriptor) {}
 
-  // Reads what is there without waiting.
+  // Reads the available input without waiting.
   void poll();
-  // Whether nothing will come any more; lines that came before may still be waiting.
+  // True after the end of the input; earlier lines may still be pending.
   bool ended() const { return ended_; }
-  // The oldest line that was not taken yet, without its end.
+  // The oldest line that was not taken yet, without its line end.
   const std::string* front() const { return lines_.empty() ? nullptr : &lines_.front(); }
   void pop() { lines_.pop_front(); }
 
  private:
   int descriptor_;
   bool ended_ = false;
-  std::string rest_;  // of a line whose end has not come
+  std::string rest_;  // part of a line that is incomplete
   std::deque<std::string> lines_;
 };
 

@@ -1,5 +1,5 @@
-// OutputFile: where a verb writes its data: a file, or standard output for "-". Errors of writing
-// (disk full, reader gone) are kept and told at close().
+// OutputFile: the output of a verb: a file, or standard output for "-". Write errors (disk full,
+// reader closed) are stored and reported by close().
 #pragma once
 
 #include <cstdio>
@@ -15,7 +15,7 @@ class OutputFile {
  public:
   static Expected<OutputFile> open(const std::string& path);
 
-  // Text reaches a terminal or a pipe at once; a file when its buffer is full.
+  // Writes to a terminal or a pipe at once, to a file when its buffer is full.
   void write(std::string_view bytes);
   Expected<void> close();
 

@@ -13,7 +13,7 @@ std::atomic<bool>& flag() {
 }
 
 void install_handler(void (*handler)(int)) {
-  flag();  // made before the handler can need it
+  flag();  // initialised before the handler needs it
   struct sigaction action {};
   action.sa_handler = handler;
   sigaction(SIGINT, &action, nullptr);

@@ -1,14 +1,14 @@
-// StopSignal: lets a verb that runs until it is interrupted end cleanly on SIGINT and SIGTERM.
+// StopSignal: lets a verb that runs until interrupted end cleanly on SIGINT and SIGTERM.
 #pragma once
 
 namespace rayloc::cli {
 
 class StopSignal {
  public:
-  // From now on the two signals end no process but interrupt waiting calls (EINTR).
+  // After this call the two signals no longer end the process but interrupt waiting calls (EINTR).
   static void install();
-  // The same for the first of them: another one ends the process at once, for what takes long to
-  // end cleanly.
+  // The same for the first signal only: another one ends the
+  // process at once, for verbs that take long to end cleanly.
   static void install_once();
   static bool requested();
 };

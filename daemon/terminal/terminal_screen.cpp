@@ -13,13 +13,13 @@
 namespace rayloc::cli {
 namespace {
 
-constexpr std::string_view kEnter = "\x1b[?1049h\x1b[?25l";  // other screen, no cursor
+constexpr std::string_view kEnter = "\x1b[?1049h\x1b[?25l";  // alternate screen, no cursor
 constexpr std::string_view kLeave = "\x1b[?25h\x1b[?1049l";
 constexpr std::string_view kHome = "\x1b[H";
 constexpr std::string_view kEndOfLine = "\x1b[K";
 constexpr std::string_view kRest = "\x1b[J";
 
-// Set by the handler alone; of the one screen that there can be.
+// Set by the handler alone; for the single screen.
 volatile std::sig_atomic_t end_asked = 0;    // NOLINT: a signal handler has nowhere else to write
 volatile std::sig_atomic_t pause_asked = 0;  // NOLINT
 volatile std::sig_atomic_t stale = 0;        // NOLINT
@@ -102,7 +102,7 @@ void TerminalScreen::leave() {
   }
 }
 
-// As the shell's job control wants it: the terminal as it was, then stopped by the same signal.
+// As required by the shell's job control: restores the terminal, then stops by the same signal.
 void TerminalScreen::pause_if_asked() {
   if (pause_asked == 0) {
     return;
@@ -122,7 +122,7 @@ std::size_t TerminalScreen::columns() { return size_of_terminal().columns; }
 
 bool TerminalScreen::draw(const std::vector<std::string>& lines) {
   pause_if_asked();
-  stale = 0;  // before the size is read: a change after that is noticed
+  stale = 0;  // before the size is read, to notice later changes
   const Size size = size_of_terminal();
   std::string frame(kHome);
   const std::size_t count = std::min(lines.size(), size.rows);

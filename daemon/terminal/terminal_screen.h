@@ -1,13 +1,13 @@
 // TerminalScreen: a full screen of text on the terminal of standard output, by the escape sequences
-// that every terminal of ECMA-48 and xterm's descent understands.
+// common to all terminals derived from ECMA-48 and xterm.
 //
-//   TerminalScreen screen;                 // other screen, cursor hidden, keys come one by one
+//   TerminalScreen screen;                 // alternate screen, no cursor, unbuffered keys
 //   while (!screen.ended()) { screen.draw(lines); ... if (screen.key() == 'q') break; }
-//                                          // the destructor gives back what there was
+//                                          // the destructor restores the terminal
 //
-// SIGINT, SIGTERM, SIGHUP and SIGQUIT make ended() true; SIGTSTP gives the terminal back until
-// SIGCONT. Each of them, and SIGWINCH, interrupts a waiting call (EINTR), so that what they ask for
-// happens at the next draw().
+// SIGINT, SIGTERM, SIGHUP and SIGQUIT make ended() true; SIGTSTP restores the terminal until
+// SIGCONT. Each of them, and SIGWINCH, interrupts a waiting call (EINTR), so that the requested
+// action is taken at the next draw().
 //
 // At most one at a time. Thread safety: one thread.
 #pragma once
@@ -31,18 +31,18 @@ class TerminalScreen {
   TerminalScreen(const TerminalScreen&) = delete;
   TerminalScreen& operator=(const TerminalScreen&) = delete;
 
-  // Standard output is a terminal that understands more than lines.
+  // True if standard output is a terminal with cursor control.
   static bool is_possible();
 
-  // Characters in a line, now.
+  // Present number of characters per line.
   static std::size_t columns();
-  // What fits of the lines, in the size that the terminal has now. False when it is gone.
+  // Draws the lines that fit into the present size of the terminal. False if it is gone.
   bool draw(const std::vector<std::string>& lines);
-  // A key that was pressed since the last call.
+  // A key pressed since the last call.
   std::optional<char> key();
-  // A signal asked for the end.
+  // True if a signal requested the end.
   bool ended() const;
-  // The size has changed, or we come back from the background, since the last draw().
+  // True if the size has changed, or the process was resumed, since the last draw().
   bool is_stale() const;
 
  private:
@@ -53,7 +53,7 @@ class TerminalScreen {
   void leave();
   void pause_if_asked();
 
-  bool has_keys_ = false;  // standard input is a terminal, and its settings are ours
+  bool has_keys_ = false;  // standard input is a terminal with our settings
   termios before_{};
   std::array<struct sigaction, kSignals.size()> handlers_{};
 };

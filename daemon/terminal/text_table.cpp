@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::string_view kBetween = "  ";
 
-// Whether the byte begins a character.
+// True if the byte begins a character.
 bool begins(char c) { return (static_cast<unsigned char>(c) & 0xc0U) != 0x80U; }
 
 }  // namespace
@@ -36,7 +36,7 @@ std::vector<std::string> wrapped(const std::string& text, std::size_t width, std
   while (text_width(rest) > width) {
     const std::string piece = cut(rest, width + 1);
     const std::size_t space = piece.rfind(' ');
-    // Not within what indents the line, which would leave it as long as it was.
+    // Not within the indentation, since that would not shorten the line.
     if (space == std::string::npos || piece.find_last_not_of(' ', space) == std::string::npos) {
       break;
     }
@@ -60,7 +60,7 @@ void TextTable::add(std::vector<std::string> cells) {
   rows_.push_back(std::move(cells));
 }
 
-// Numbers of the columns.
+// Indices of the columns.
 std::vector<std::size_t> TextTable::shown_within(std::size_t width,
                                                  const std::vector<std::size_t>& widths) const {
   std::vector<std::size_t> shown(widths.size());

@@ -1,4 +1,4 @@
-// What a calibration says at its end, on stderr.
+// Final summary of a calibration on stderr.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@ namespace rayloc::cli {
 
 struct AccessPointUse {
   std::size_t index = 0;
-  std::size_t points = 0;  // that were used
+  std::size_t points = 0;  // used points
 };
 
 void print_summary(const CalibrationReport& report, std::span<const AccessPointUse> used);

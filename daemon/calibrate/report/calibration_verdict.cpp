@@ -10,8 +10,8 @@
 namespace rayloc {
 namespace {
 
-// Both the middle of the points and all of them together: where one falls alone, points were
-// exchanged for others.
+// True if both the median and the mean have fallen: if
+// only one falls, points were exchanged for others.
 bool has_fallen(const FitSummary& fit) {
   return fit.points >= kLeastPairs && fit.before && fit.after &&
          fit.after->median < fit.before->median && fit.after->mean < fit.before->mean;

@@ -1,4 +1,4 @@
-// CalibrationVerdict: whether a calibration is a success, and if not, what may be wrong.
+// CalibrationVerdict: success or failure of a calibration, with likely causes of a failure.
 #pragma once
 
 #include <string>
@@ -11,28 +11,28 @@ namespace rayloc {
 struct CalibrationReport;
 
 struct CalibrationVerdict {
-  std::vector<std::string> reasons;  // why it is none; empty: a success, as far as anybody can tell
-  std::vector<TriedMistake> found;   // what explains the survey clearly better than what was stated
-  std::vector<TriedMistake> tried;   // what gains most first
+  std::vector<std::string> reasons;  // reasons of a failure; empty: a success, as far as known
+  std::vector<TriedMistake> found;   // changes that explain the survey clearly better
+  std::vector<TriedMistake> tried;   // largest gain first
 
   bool is_success() const { return reasons.empty(); }
 };
 
-// The verdict of the inputs alone: each mistake that was found is a reason.
+// The verdict on the inputs alone: each error that was found is a reason.
 CalibrationVerdict verdict_of_inputs(const InputCheck& check);
 
-// Adds what the points held out say of the first method: that they are explained less than before,
-// or that at half of them or more the room explains what was heard no better than diffuse
-// scattering does, so that there is no fix. Of the first nothing is said with fewer than
-// kLeastPairs points (of four points of a right survey the median fell from 0.73 to 0.60), of the
-// second with fewer than kLeastJudged; nor of a calibration that was interrupted: it goes on.
+// Adds the verdict of the held-out points on the first method: that they are explained less than
+// before, or that at half of them or more the room explains the observations no better than diffuse
+// scattering does, so that there is no fix. The first is not evaluated with fewer than kLeastPairs
+// points (of four points of a right survey the median fell from 0.73 to 0.60), the second with
+// fewer than kLeastJudged, and neither for an interrupted calibration, which continues.
 constexpr std::size_t kLeastJudged = 3;
 void judge_held_out(const CalibrationReport& report, CalibrationVerdict& verdict);
 
-// What else was tried, of a calibration that is none; where one is clearly better it is found.
+// Adds other carriers tried after a failure; one that is clearly better is added to `found`.
 void add_carriers(const std::vector<TriedMistake>& carriers, CalibrationVerdict& verdict);
 
-// A line for each reason, and what was tried; of a success nothing.
+// A line for each reason, and the alternatives that were tried; empty for a success.
 std::string to_text(const CalibrationVerdict& verdict);
 
 }  // namespace rayloc

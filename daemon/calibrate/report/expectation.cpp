@@ -11,24 +11,24 @@
 namespace rayloc {
 namespace {
 
-// Shares of the power that is explained, chosen: from here on the walls are where the site has
-// them; below, diffuse power and clutter are as strong as what is traced.
+// Shares of explained power, chosen: above the first, the walls are where the site states; below
+// the second, diffuse power and clutter are as strong as the traced paths.
 constexpr double kGoodShare = 0.8;
 constexpr double kUsableShare = 0.5;
 // [m], chosen: a desk, and the half of a small room.
 constexpr double kGoodError = 0.1;
 constexpr double kUsableError = 0.5;
-constexpr double kGoodFixes = 0.9;  // a ratio, chosen: of the points held out that have a fix
-// A share of power, chosen: by which an access point is behind the best, or a column of the table
-// behind another, before anything is said.
+constexpr double kGoodFixes = 0.9;  // ratio, chosen: held-out points that have a fix
+// Share of power, chosen: the least deficit to the best access
+// point, or between two columns of the table, that is reported.
 constexpr double kMuchLess = 0.15;
-constexpr double kWorthTrying = 1.0;    // standard errors, by which a mistake explains more
-constexpr std::size_t kFewPoints = 36;  // a count of a survey that tells its own mistakes
+constexpr double kWorthTrying = 1.0;    // standard errors by which another input explains more
+constexpr std::size_t kFewPoints = 36;  // points of a survey that can reveal its own errors
 
 struct Explained {
   std::string access_point;
-  double share = 0.0;  // median of the points held out, as located where that is known
-  std::optional<double> placed = {};  // the same with the places of the points fitted
+  double share = 0.0;                 // median of the held-out points, as located if available
+  std::optional<double> placed = {};  // the same with the positions of the points fitted
 };
 
 std::vector<Explained> explained(const CalibrationReport& report) {
@@ -47,7 +47,7 @@ std::vector<Explained> explained(const CalibrationReport& report) {
   return all;
 }
 
-// Those that explain much less than the best one.
+// Access points that explain much less than the best one.
 std::vector<Explained> behind(const std::vector<Explained>& all) {
   double best = 0.0;
   for (const Explained& one : all) {
@@ -60,7 +60,7 @@ std::vector<Explained> behind(const std::vector<Explained>& all) {
   return found;
 }
 
-// The mistake about that access point which explains more than what was stated, if not clearly.
+// The error at that access point that explains more than the inputs do, if not clearly.
 std::string suspicion(const CalibrationReport& report, const std::string& access_point) {
   for (const TriedMistake& one : report.verdict.tried) {
     if (one.kind == TriedMistake::Kind::kArray && one.gained > 0.0 &&
@@ -73,7 +73,7 @@ std::string suspicion(const CalibrationReport& report, const std::string& access
 }
 
 std::string length(double metres) {
-  constexpr double kAsMetres = 0.995;  // what rounds to a hundred centimetres
+  constexpr double kAsMetres = 0.995;  // rounds to a hundred centimetres
   return metres < kAsMetres ? fmt::format("{:.2g} cm", 100.0 * metres)
                             : fmt::format("{:.1f} m", metres);
 }

@@ -1,4 +1,4 @@
-// What to expect of a calibrated site, in one sentence, and what would help most.
+// Expected accuracy of a calibrated site in one sentence, and the most useful improvements.
 #pragma once
 
 #include <string>
@@ -8,13 +8,13 @@
 
 namespace rayloc {
 
-// "Good: expect 4 cm with 3 access points (median of 28 points held out)." or, worst first,
-// "Usable", "Doubtful", and whose access point is doubtful: one that explains much less of what it
-// heard than the best one does. Of a calibration that is no success the first reason.
-// REQUIRES: at least one method.
+// "Good: expect 4 cm with 3 access points (median of 28 points held out)."
+// or, worst first, "Usable", "Doubtful", and the doubtful access point: one
+// that explains much less of its observations than the best one does. For a
+// failed calibration, the first reason. REQUIRES: at least one method.
 std::string expectation(const CalibrationReport& report);
 
-// What to do next, what helps most first; nothing where all is as good as can be told.
+// Next steps, most useful first; empty if no improvement can be identified.
 std::vector<std::string> advice(const CalibrationReport& report);
 
 }  // namespace rayloc

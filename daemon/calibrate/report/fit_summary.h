@@ -1,4 +1,4 @@
-// FitSummary: how well a method explains what one access point heard at the points held out.
+// FitSummary: how well a method explains one access point's bursts at the held-out points.
 #pragma once
 
 #include <cstddef>
@@ -22,14 +22,14 @@ struct FitSummary {
   std::size_t points = 0;
   std::optional<CorrelationSummary> before;  // absent without a point
   std::optional<CorrelationSummary> after;
-  std::optional<CorrelationSummary> placed;  // PointFit::placed; absent where no method fitted it
+  std::optional<CorrelationSummary> placed;  // PointFit::placed; absent if no method fitted it
 };
 
-// Of CalibrationReport::located, at the points held out.
+// Summary of CalibrationReport::located at the held-out points.
 std::optional<CorrelationSummary> summarize_located(const CalibrationReport& report,
                                                     std::size_t access_point);
 
-// `fits`' PointFit::`share` of the points held out, at one access point.
+// PointFit::`share` in `fits` for the held-out points of one access point.
 std::vector<double> heldout_correlations(const CalibrationReport& report,
                                          std::span<const PointFit> fits,
                                          std::size_t access_point,

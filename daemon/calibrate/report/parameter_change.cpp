@@ -6,7 +6,7 @@
 namespace rayloc {
 namespace {
 
-// Share of the prior's sigma from which a posterior tells nothing new.
+// Share of the prior's sigma above which a posterior adds no information.
 constexpr double kNoBetter = 0.9;
 constexpr double kFar = 3.0;  // prior sigmas
 

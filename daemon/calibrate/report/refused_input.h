@@ -1,4 +1,4 @@
-// RefusedInput: something that was given and not used, and why.
+// RefusedInput: an input that was not used, with the reason.
 #pragma once
 
 #include <string>

@@ -31,7 +31,7 @@ std::vector<draw::MapAntenna> antennas_of(const RoomModel& room) {
   return antennas;
 }
 
-// Where an upright surface stands on the plan: its corners furthest apart along its foot.
+// Base line of an upright surface on the plan: its corners furthest apart along its foot.
 std::pair<Vec3d, Vec3d> foot_of(const Surface& surface) {
   const Vec3d& normal = surface.plane().normal;
   const Vec3d along{-normal.y, normal.x, 0.0};
@@ -116,7 +116,7 @@ std::vector<double> surface_displacements(const Scene& before, const Scene& afte
 Drawing draw_displacements(const CalibrationReport& report) {
   RAYLOC_CHECK(report.before.scene != nullptr);
   constexpr double kUpright = 0.3;     // |z| of the normal of a wall
-  constexpr double kLeastScale = 1.0;  // [mm], so that nothing but rounding stays grey
+  constexpr double kLeastScale = 1.0;  // [mm], so that pure rounding stays grey
   const Scene& before = *report.before.scene;
   const auto& after = report.methods.front().calibration.room.scene;
   draw::RoomMap map;

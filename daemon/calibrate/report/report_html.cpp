@@ -141,7 +141,7 @@ std::string first_words(const CalibrationReport& report) {
   return html;
 }
 
-// Nothing of a success: then only the list of what was tried, behind all else.
+// Empty for a success: then the page has only the list of alternatives, at its end.
 std::string failure(const CalibrationReport& report) {
   if (report.verdict.is_success()) {
     return "";
@@ -205,7 +205,7 @@ std::string fit_distributions(const CalibrationReport& report) {
   return figures(drawings);
 }
 
-// Units that people read lengths and angles of a room in.
+// Units in which people read lengths and angles of a room.
 struct ReadableUnit {
   std::string name;
   double scale = 1.0;
@@ -241,7 +241,7 @@ std::vector<std::string> change_row(const ParameterChange& change) {
           change.caution};
 }
 
-// The first rows stand open, the others fold out.
+// The first rows are open, the others fold out.
 std::string moved_table(const CalibrationReport& report) {
   constexpr std::size_t kOpen = 25;
   const auto changes = parameter_changes(report.methods.front().calibration.parameters,

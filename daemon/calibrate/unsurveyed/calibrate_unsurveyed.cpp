@@ -21,10 +21,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kFewestPoints = 24;  // a count, chosen: two of the smallest usual survey
-constexpr double kLeastSigma = 0.005;      // [m], a place is never surer than a tape makes it
+constexpr std::size_t kFewestPoints = 24;  // count, chosen: two of the smallest usual survey
+constexpr double kLeastSigma = 0.005;      // [m], no position is surer than a tape measurement
 
-// A folder of this run, gone at its end.
+// A temporary folder of this run, removed at its end.
 class WorkFolder {
  public:
   WorkFolder() {
@@ -76,7 +76,7 @@ bool is_one_alone(const std::vector<std::string>& captures) {
   });
 }
 
-// The plan as it is, and chains that nobody knows.
+// Writes the plan unchanged, with unknown chains.
 Expected<void> write_plan(const UnsurveyedArguments& arguments) {
   const auto site = load_uncalibrated_site(arguments.site, arguments.out, arguments.force);
   if (!site) {
@@ -92,7 +92,7 @@ Expected<void> write_plan(const UnsurveyedArguments& arguments) {
   return write_site(*site, to_toml(plan_calibration(*room)), arguments.out);
 }
 
-// The site of the plan with its learned chains. The report of a calibration that failed stays;
+// Writes the site of the plan with its learned chains. The report of a failed calibration stays;
 // that of the chains is beside it.
 Expected<void> keep_plan(const std::string& learned, const UnsurveyedArguments& arguments) {
   if (auto prepared = prepare_output(arguments.out, true); !prepared) {
@@ -116,7 +116,7 @@ void say(const UnsurveyedArguments& arguments, const std::string& text) {
   }
 }
 
-// Walls, arrays and chains from where the devices were.
+// Fits walls, arrays and chains to the positions of the devices.
 Expected<void> fit_room(const std::string& learned,
                         const std::string& points,
                         const HeardPlaces& places,

@@ -1,5 +1,5 @@
-// `rayloc calibrate SITE --unsurveyed`: a calibration from recordings of devices that were
-// anywhere.
+// `rayloc calibrate SITE --unsurveyed`: a calibration
+// from recordings of devices at unknown positions.
 #pragma once
 
 #include <cstdint>
@@ -11,19 +11,19 @@
 namespace rayloc::cli {
 
 struct UnsurveyedArguments {
-  std::string site;                   // not calibrated
-  std::vector<std::string> captures;  // [AP=]FILE; none: the plan is all that is known
-  std::string out;                    // folder to create
+  std::string site;                   // uncalibrated site
+  std::vector<std::string> captures;  // [AP=]FILE; none: only the plan is available
+  std::string out;                    // output folder, created
   std::uint64_t seed = 1;
   bool force = false;
   bool quiet = false;
 };
 
-// Without recordings `out` is the plan, with chains that raylocd learns from whoever walks. With
-// them first the chains are learned with the room of the plan. Devices are then located, and where
-// they surely were is the survey from which walls, arrays and chains are calibrated; it is left as
-// `places.csv`. Where too little is sure, or the room is explained no better than before, `out`
-// keeps the plan with the learned chains, and standard error says so.
+// Without recordings `out` is the plan, with chains that raylocd learns from moving devices. With
+// recordings the chains are learned first, with the room of the plan. Devices are then located, and
+// their certain positions are the survey from which walls, arrays and chains are calibrated; it is
+// left as `places.csv`. If too few are certain, or the room is explained no better than before,
+// `out` keeps the plan with the learned chains, and standard error reports it.
 Expected<void> run_unsurveyed(const UnsurveyedArguments& arguments);
 
 }  // namespace rayloc::cli

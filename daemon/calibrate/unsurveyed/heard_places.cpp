@@ -15,10 +15,10 @@ namespace rayloc::cli {
 namespace {
 
 constexpr double kSure = 0.9;             // probability of the first hypothesis, chosen
-constexpr double kLargestSigma = 0.1;     // [m], what a survey may be off by
-constexpr std::size_t kMostPoints = 200;  // a count, chosen: as many as of a survey of a large room
+constexpr double kLargestSigma = 0.1;     // [m], largest error of a survey
+constexpr std::size_t kMostPoints = 200;  // count, chosen: as in a survey of a large room
 
-// Every n-th, so that not more than so many are left.
+// Every n-th index, so that at most kMostPoints are left.
 std::vector<std::size_t> spread(std::size_t count) {
   std::vector<std::size_t> kept;
   const std::size_t most = std::min(count, kMostPoints);
@@ -74,7 +74,7 @@ Expected<HeardPlaces> heard_places(const Site& site,
 }
 
 std::string to_csv(const std::vector<SurveyPoint>& points) {
-  // The clock of the csv is coarser than that of the frames.
+  // The csv has a coarser time resolution than the frames.
   constexpr auto kMargin = std::chrono::microseconds(10);
   const auto seconds = [](Timestamp time) {
     return std::chrono::duration<double>(time.time_since_epoch()).count();

@@ -1,5 +1,5 @@
-// Where devices were while they were recorded, as far as a site that nobody surveyed tells: points
-// for a calibration of its walls.
+// Estimates positions of devices in recordings of an
+// unsurveyed site, as points for a calibration of its walls.
 #pragma once
 
 #include <string>
@@ -14,19 +14,19 @@
 namespace rayloc::cli {
 
 struct HeardPlaces {
-  std::vector<SurveyPoint> points;  // in order of time, at most some two hundred
-  double sigma = 0.0;               // [m], along each axis, median of what their estimates state
-  std::size_t bursts = 0;           // that were located for them
+  std::vector<SurveyPoint> points;  // ordered by time, at most about two hundred
+  double sigma = 0.0;               // [m], along each axis, median of the reported sigmas
+  std::size_t bursts = 0;           // bursts located to find the points
 };
 
-// Bursts of devices whose place is sure: one hypothesis, and a decimetre at most. `site`: with
-// chains that are known. `notes` as of for_each_frame().
+// Bursts of devices with a certain position: one hypothesis, and a decimetre at most. `site`: with
+// known chains. `notes` as in for_each_frame().
 Expected<HeardPlaces> heard_places(const Site& site,
                                    const RoomModel& room,
                                    const std::vector<CaptureArgument>& captures,
                                    std::vector<std::string>& notes);
 
-// As load_points_csv() reads them.
+// In the format of load_points_csv().
 std::string to_csv(const std::vector<SurveyPoint>& points);
 
 }  // namespace rayloc::cli

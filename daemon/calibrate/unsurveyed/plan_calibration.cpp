@@ -7,7 +7,7 @@
 namespace rayloc {
 namespace {
 
-// [rad], standard deviation of a phase that may be any.
+// [rad], standard deviation of a uniform phase.
 constexpr double kAnyPhase = std::numbers::pi / std::numbers::sqrt3;
 
 Fitted<double> as_planned(double value) { return {value, value, 0.0}; }
@@ -24,7 +24,7 @@ CalibratedAccessPoint planned(const RoomAccessPoint& ap, const OfdmGrid& grid) {
   stated.gains.cores = ap.cores;
   stated.gains.gain.assign(ap.cores.size() * grid.size(), 1.0);
   stated.gain_sigma.assign(ap.cores.size(), kAnyPhase);
-  stated.gain_sigma.front() = 0.0;  // the others are against it
+  stated.gain_sigma.front() = 0.0;  // reference chain of the others
   stated.element_y.assign(ap.array.element_offset.size(), 0.0);
   return stated;
 }

@@ -1,4 +1,4 @@
-// What is known of a site that nobody surveyed: its plan, and how far plans are usually off.
+// Initial calibration of an unsurveyed site: its plan, with the usual errors of plans.
 #pragma once
 
 #include "daemon/site/calibration_file.h"
@@ -6,9 +6,9 @@
 
 namespace rayloc {
 
-// Access points stand where the plan says, nobody knows the phases of their chains, and the
-// errors of the model are those of a floor plan (ModelError). REQUIRES: a room without a
-// calibration.
+// Access points are at their positions in the plan, the phases of
+// their chains are unknown, and the errors of the model are those of
+// a floor plan (ModelError). REQUIRES: a room without a calibration.
 CalibrationFile plan_calibration(const RoomModel& plan);
 
 }  // namespace rayloc

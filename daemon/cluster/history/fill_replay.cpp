@@ -17,7 +17,7 @@ namespace {
 
 using Parts = std::map<std::string, std::vector<BatchPart>>;  // by access point
 
-// Of one access point, all there is.
+// All data of one access point.
 class FilledSource final : public DatagramSource {
  public:
   explicit FilledSource(std::vector<BatchPart> parts)
@@ -69,7 +69,7 @@ class FilledSink final : public LocationSink {
   std::size_t said_ = 0;
 };
 
-// Each batch once, whatever the broker stored; in order of time, for starts of a node have none.
+// Reads each batch once, even if stored twice; ordered by time, as starts of a node have no order.
 Expected<Parts> read_parts(Broker& broker, const StreamReplay& replay, FillReport& report) {
   const std::string stream(kFillStream);
   const Expected<StreamState> state = broker.stream_state(stream);

@@ -1,5 +1,5 @@
-// What an outage kept from a site's stream and came later, into the stream of history: located once
-// it is there, and told as history to whoever asks. Tracks begin anew where an outage begins.
+// Replay of the data that an outage kept out of a site's stream and that arrived later in the
+// history stream: located after arrival, and returned as history. Tracks restart at each outage.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@ struct FillReport {
   std::size_t items = 0;      // results
 };
 
-// An Error where the broker does not answer, or has no stream of history.
+// An Error where the broker does not answer, or has no history stream.
 Expected<FillReport> replay_fill(Broker& broker, const StreamReplay& replay);
 
 }  // namespace rayloc

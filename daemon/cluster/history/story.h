@@ -1,4 +1,4 @@
-// What the owners of a site said, one after the other, as the stream of results still has it.
+// Results of the owners of a site, in order, as far as the stream of results contains them.
 #pragma once
 
 #include <cstdint>
@@ -12,16 +12,16 @@
 
 namespace rayloc {
 
-// Of one owner.
+// Results of one owner.
 struct Chapter {
-  SiteStart start;  // as it began to compute; who had stood by computed in silence at first
+  SiteStart start;  // of its computation; a standby computed without publishing first
   v1::Begin begin;
-  Timestamp from;                     // what is before it was said by others
-  Timestamp done;                     // everything before was said
-  std::vector<v1::OutputItem> items;  // of instants from `from` up to `done`
+  Timestamp from;                     // earlier results are from others
+  Timestamp done;                     // all earlier results were published
+  std::vector<v1::OutputItem> items;  // at instants from `from` up to `done`
 };
 
-// Those whose Begin is still there. An Error where the broker does not answer, or has no results.
+// Owners whose Begin is stored. An Error where the broker does not answer, or has no results.
 Expected<std::vector<Chapter>> read_story(Broker& broker, const std::string& site);
 
 }  // namespace rayloc

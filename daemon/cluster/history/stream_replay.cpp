@@ -19,7 +19,7 @@ Likeness likeness(const StreamReplay& replay) {
   return replay.uninterrupted ? Likeness::kSameSnapshots : Likeness::kSameBytes;
 }
 
-// Says what an owner said, and compares.
+// Publishes the recomputed results of an owner, and compares.
 class ChapterSink final : public LocationSink {
  public:
   ChapterSink(const Chapter& chapter, const StreamReplay& replay, SiteFeed& feed)
@@ -81,13 +81,13 @@ class ChapterSink final : public LocationSink {
   SiteFeed& feed_;
   OutItems items_;
   std::vector<std::string> published_;
-  std::size_t looked_at_ = 0;  // of those that are compared
+  std::size_t looked_at_ = 0;  // compared results
   std::size_t said_ = 0;
   std::size_t differing_ = 0;
   std::string first_;
 };
 
-// Why its owner cannot be gone through again; empty: it can.
+// Reason why its owner cannot be replayed; empty: it can.
 std::string obstacle(const Chapter& chapter, const StreamState& stream) {
   const StreamReader::Place& place = chapter.start.resume.place;
   if (place.created != Timestamp{} && place.created != stream.created) {

@@ -1,6 +1,6 @@
-// What a cluster published of a site, again: each of its owners once more, from the same place of
-// the site's stream, told the same, up to the instant up to which it spoke. The streams alone
-// decide, so the bytes are the same; whether they are is looked at.
+// Recomputes the published results of a site: runs each of its owners again, from the same
+// place of the site's stream, with the same carried state, up to the end of its results.
+// The streams alone determine the output, so the bytes are equal; this is checked.
 #pragma once
 
 #include <cstddef>
@@ -21,26 +21,26 @@ namespace rayloc {
 struct StreamReplay {
   std::string site;
   std::vector<std::string> access_points;  // ids
-  // Runs a pipeline that begins so until its sources, one for each access point, have ended.
+  // Runs a pipeline with that start until its sources, one for each access point, have ended.
   std::function<Expected<void>(const SiteStart& start,
                                std::vector<std::unique_ptr<DatagramSource>> sources,
                                LocationSink& sink)>
       run;
-  // As if the first owner had never been replaced: what is located must then be the same at the
-  // same instants, and positions differ a little after each take-over.
+  // Computes as if the first owner had never been replaced: the located targets must then
+  // be the same at the same instants, and positions differ a little after each take-over.
   bool uninterrupted = false;
-  // Is told each result, in order.
+  // Called with each result, in order.
   std::function<void(const v1::OutputItem& item)> say;
 };
 
 struct StreamReplayReport {
-  std::size_t owners = 0;          // that were gone through again
-  std::size_t items = 0;           // results of theirs
-  std::size_t differing = 0;       // among them and those that were published: others, or missing
-  std::vector<std::string> notes;  // of what cannot be gone through again, and of differences
+  std::size_t owners = 0;          // replayed
+  std::size_t items = 0;           // their results
+  std::size_t differing = 0;       // different from the published results, or missing
+  std::vector<std::string> notes;  // obstacles to a replay, and differences
 };
 
-// An Error where nothing can be gone through again.
+// An Error where no owner can be replayed.
 Expected<StreamReplayReport> replay_stream(const std::shared_ptr<Broker>& broker,
                                            const StreamReplay& replay);
 

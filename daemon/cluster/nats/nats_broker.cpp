@@ -1,4 +1,4 @@
-// Broker over libnats: only this, nats_link and nats_options know it.
+// Broker over libnats: only this file, nats_link and nats_options use libnats.
 #include <nats/nats.h>
 
 #include <algorithm>
@@ -18,11 +18,11 @@
 namespace rayloc {
 namespace {
 
-constexpr std::int64_t kMaxPayload = 1 << 20;  // bytes: a server's, unless it says another
+constexpr std::int64_t kMaxPayload = 1 << 20;  // bytes: the default of a server
 constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
 constexpr std::int64_t kRememberIds = 60 * kNanosecondsPerSecond;
-// Between tries to connect: each twice as long as the one before, so that many machines do not
-// press a server that has come back.
+// Pause between connection attempts: each twice as long as its predecessor,
+// so that many machines do not overload a server that has come back.
 constexpr std::chrono::milliseconds kFirstPause{250};
 constexpr std::chrono::milliseconds kLongestPause{2000};
 
@@ -104,12 +104,12 @@ class NatsBroker final : public Broker {
   NatsIdentity identity_{"", "_INBOX"};
   std::atomic<std::uint64_t> connections_{0};
   std::atomic<std::uint64_t> failed_tries_{0};
-  std::mutex listening_;  // before mutex_; who listens to a link, and which link it is
+  std::mutex listening_;  // before mutex_; subscriptions of a link, and the current link
   Slots slots_;           // guarded by listening_
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  std::shared_ptr<NatsLink> link_;  // guarded by mutex_; null: none has been made
-  bool is_link_due_ = false;        // guarded by mutex_: there is none, or it has ended
+  std::shared_ptr<NatsLink> link_;  // guarded by mutex_; null: none was made yet
+  bool is_link_due_ = false;        // guarded by mutex_: missing or ended
   bool is_ending_ = false;          // guarded by mutex_
   std::string refusal_;             // guarded by mutex_
   std::thread keeper_;
@@ -119,7 +119,7 @@ class NatsSubscription final : public Broker::Subscription {
  public:
   NatsSubscription(NatsBroker& broker, std::shared_ptr<NatsSlot> slot)
       : broker_(broker), slot_(std::move(slot)) {}
-  // REQUIRES: the broker lives.
+  // REQUIRES: the broker is alive.
   ~NatsSubscription() override { broker_.ignore(slot_); }
   NatsSubscription(const NatsSubscription&) = delete;
   NatsSubscription& operator=(const NatsSubscription&) = delete;
@@ -138,7 +138,7 @@ NatsBroker::~NatsBroker() {
   if (keeper_.joinable()) {
     keeper_.join();
   }
-  link_.reset();  // its end is told to what is still there
+  link_.reset();  // its end is reported to remaining members
 }
 
 Expected<void> NatsBroker::open(const BrokerOptions& options, const std::string& nkey) {
@@ -167,10 +167,10 @@ NatsLink::Told NatsBroker::told() {
 Expected<void> NatsBroker::connect() {
   {
     const std::lock_guard lock(mutex_);
-    is_link_due_ = false;  // a new one may end before it is known here
+    is_link_due_ = false;  // a new one may end before it is stored here
   }
   auto made = NatsLink::connect(options_, identity_, told());
-  std::shared_ptr<NatsLink> before;  // ends when nothing is locked
+  std::shared_ptr<NatsLink> before;  // ends when no mutex is held
   if (made) {
     const std::lock_guard listening(listening_);
     for (const std::shared_ptr<NatsSlot>& slot : slots_) {
@@ -189,7 +189,7 @@ Expected<void> NatsBroker::connect() {
   return tl::make_unexpected(made.error());
 }
 
-// libnats connects again by itself, as a rule: where it gives up, another link is made.
+// libnats reconnects by itself, as a rule: where it gives up, another link is made.
 void NatsBroker::keep_linked() {
   std::chrono::milliseconds pause = kFirstPause;
   std::unique_lock lock(mutex_);
@@ -214,11 +214,11 @@ Expected<std::unique_ptr<Broker::Subscription>> NatsBroker::listen(const std::st
     const std::lock_guard lock(mutex_);
     link = link_;
     if (is_link_due_) {
-      link.reset();  // the next one hears of it
+      link.reset();  // the next link subscribes
     }
   }
   if (link) {
-    // Where it has just ended, the next one hears of it.
+    // Where it has just ended, the next link subscribes.
     if (const Expected<void> heard = link->listen(slot); !heard && link->is_connected()) {
       return tl::make_unexpected(heard.error());
     }
@@ -283,7 +283,7 @@ Expected<std::unique_ptr<Broker::AckedPublisher>> NatsBroker::acked_publisher(Ac
   if (const natsStatus status = natsInbox_Create(&made); status != NATS_OK) {
     return tl::make_unexpected(error_of("NATS", status));
   }
-  // The library's own begins with "_INBOX", whatever prefix its requests have.
+  // The library's own inbox begins with "_INBOX", whatever prefix its requests have.
   const std::string inbox =
       identity_.inbox + "." +
       std::string(std::string_view(made).substr(std::string_view(made).rfind('.') + 1)) + ".";
@@ -348,8 +348,8 @@ Expected<std::string> NatsBroker::ask(const std::string& subject, std::string_vi
 }
 
 Expected<void> NatsBroker::ensure_stream(const StreamOptions& stream) {
-  // Two machines that made one in the same instant have lost Debian's server for a minute, as far
-  // as could be seen. Who finds it asks for nothing.
+  // Two machines that created one in the same instant made Debian's server unavailable
+  // for a minute, as far as observed. An existing stream needs no request.
   if (stream_state(stream.name)) {
     return {};
   }
@@ -385,7 +385,7 @@ Expected<void> NatsBroker::ensure_stream(const StreamOptions& stream) {
   }
   jsErrCode code{};
   const natsStatus status = js_AddStream(nullptr, link->jetstream(), &config, nullptr, &code);
-  if (status == NATS_OK || code == JSStreamNameExistErr) {  // whoever made it knew better
+  if (status == NATS_OK || code == JSStreamNameExistErr) {  // its creator's options take precedence
     return {};
   }
   return tl::make_unexpected(error_of("stream " + stream.name, status));

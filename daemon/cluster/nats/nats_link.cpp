@@ -5,10 +5,10 @@
 namespace rayloc {
 namespace {
 
-constexpr int kPingMs = 1000;  // a server that does not answer two of them is away
+constexpr int kPingMs = 1000;  // a server that misses two replies is away
 constexpr int kReconnectMs = 250;
 constexpr int kConnectMs = 1000;
-// A server that takes nothing for so long is away: what is written waits for nobody longer.
+// A server that accepts no data for so long is away: writes do not wait longer.
 constexpr int kWriteMs = 1000;
 constexpr int kDeliveryThreads = 2;  // of this process, for all subscriptions
 
@@ -21,7 +21,7 @@ void deliver(natsConnection*, natsSubscription*, natsMsg* message, void* slot) {
   natsMsg_Destroy(message);
 }
 
-// Called by libnats when nothing is delivered to it any more.
+// Called by libnats after the last delivery to it.
 void forget(void* slot) { delete static_cast<std::shared_ptr<NatsSlot>*>(slot); }
 
 bool is_configuration(natsStatus status) {
@@ -40,7 +40,7 @@ Expected<std::shared_ptr<NatsLink>> NatsLink::connect(const BrokerOptions& optio
   return link;
 }
 
-// libnats tells of its end from another thread, and has no use of us when it has done so.
+// libnats reports the end from another thread, and does not use this object after that.
 NatsLink::~NatsLink() {
   if (connection_ != nullptr) {
     natsConnection_Close(connection_);
@@ -63,7 +63,7 @@ Expected<void> NatsLink::prepare(natsOptions* made,
     servers.push_back(server.c_str());
   }
   constexpr int kForEver = -1;
-  constexpr int kNothing = 1;  // byte; 0 is the default of 8 MiB, and -1 refused
+  constexpr int kNothing = 1;  // byte; 0 is the default of 8 MiB, and -1 is refused
   for (const natsStatus status :
        {natsOptions_SetServers(made, servers.data(), static_cast<int>(servers.size())),
         natsOptions_SetName(made, options.name.c_str()),
@@ -127,7 +127,7 @@ Expected<void> NatsLink::listen(std::shared_ptr<NatsSlot> slot) {
   }
   natsSubscription_SetOnCompleteCB(made, forget, held);
   constexpr int kAnyNumber = -1;
-  constexpr int kMostBytes = 64 << 20;  // that wait for us, of one subscription
+  constexpr int kMostBytes = 64 << 20;  // waiting for us, per subscription
   natsSubscription_SetPendingLimits(made, kAnyNumber, kMostBytes);
   const std::lock_guard lock(mutex_);
   subscriptions_.emplace_back(std::move(slot), made);
@@ -150,7 +150,7 @@ void NatsLink::ignore(const std::shared_ptr<NatsSlot>& slot) {
 
 void NatsLink::note_connected(natsConnection*, void* self) {
   auto& link = *static_cast<NatsLink*>(self);
-  link.told_.connected();  // first: who sees that it is connected knows that it was away
+  link.told_.connected();  // first: a caller that observes the connection must see the new count
   link.connected_ = true;
 }
 
@@ -167,7 +167,7 @@ void NatsLink::note_closed(natsConnection*, void* self) {
   link.changed_.notify_all();
 }
 
-// What is lost of a subscription whose reader is slow is read from the stream (StreamReader).
+// Messages lost by a subscription with a slow reader are read from the stream (StreamReader).
 void NatsLink::note_error(natsConnection* connection,
                           natsSubscription*,
                           natsStatus status,

@@ -1,8 +1,8 @@
-// NatsLink: one connection of libnats, until it ends for good. Two rules for libnats 3.4.1: a
-// subscription is never destroyed while its connection is open (what arrives then is a use after
-// free, cured in 3.6.1), and natsSubscription_Fetch() is not used (its time-out is wrong until
-// then). One limit: a server that falls silent between its greeting and its first answer holds
-// natsConnection_Connect() for as long as it is silent.
+// NatsLink: one connection of libnats, until it ends permanently. Two rules for libnats
+// 3.4.1: a subscription is never destroyed while its connection is open (messages that arrive
+// then cause a use after free, fixed in 3.6.1), and natsSubscription_Fetch() is not used (its
+// time-out is wrong until then). One limit: a server that becomes silent between its greeting
+// and its first answer blocks natsConnection_Connect() for as long as it is silent.
 //
 // Thread safety: any thread.
 #pragma once
@@ -23,15 +23,15 @@
 
 namespace rayloc {
 
-inline constexpr int kRequestMs = 2000;  // until an answer
+inline constexpr int kRequestMs = 2000;  // for a reply
 
-// What a subscription is to whoever listens: outlives its connections; its handler does not.
+// State of a subscription: it outlives its connections; its handler does not.
 class NatsSlot {
  public:
   using Take = std::function<void(natsMsg*)>;
   NatsSlot(std::string subject, Take take) : subject_(std::move(subject)), take_(std::move(take)) {}
   const std::string& subject() const { return subject_; }
-  // No handler runs any more once this has returned.
+  // After this has returned, no handler runs any more.
   void close() {
     const std::lock_guard lock(mutex_);
     take_ = nullptr;
@@ -53,14 +53,14 @@ class NatsLink {
  public:
   // Called by threads of libnats.
   struct Told {
-    std::function<void()> connected;  // again, by itself
-    std::function<void()> ended;      // for good; once
+    std::function<void()> connected;  // reconnected by itself
+    std::function<void()> ended;      // permanently; once
     std::function<void(std::string words)> refused;
   };
 
-  // Asks each server once. libnats connects again by itself, but not where a server was silent or
-  // refused us at the first try.
-  // An Error of kind kConfiguration: no other try would help.
+  // Tries each server once. libnats reconnects by itself, but not
+  // where a server was silent or refused us at the first try.
+  // An Error of kind kConfiguration: another try would fail too.
   static Expected<std::shared_ptr<NatsLink>> connect(const BrokerOptions& options,
                                                      const NatsIdentity& identity,
                                                      Told told);
@@ -68,7 +68,7 @@ class NatsLink {
   NatsLink(const NatsLink&) = delete;
   NatsLink& operator=(const NatsLink&) = delete;
 
-  // Asks nobody: libnats answers after whoever writes.
+  // Does not call libnats, which answers such calls after pending writes.
   bool is_connected() const { return connected_; }
   natsConnection* connection() const { return connection_; }
   jsCtx* jetstream() const { return jetstream_; }

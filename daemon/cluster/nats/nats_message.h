@@ -1,4 +1,4 @@
-// What the library says of a message, as a BrokerMessage.
+// Conversion of messages of the library to BrokerMessage.
 #pragma once
 
 #include <nats/nats.h>
@@ -28,7 +28,7 @@ inline std::uint64_t number_of(std::string_view text) {
   return number;
 }
 
-// Told again by a stream it names its place there.
+// A message republished by a stream has its original subject and sequence in its headers.
 inline BrokerMessage received(natsMsg* message) {
   BrokerMessage one;
   const char* subject = nullptr;
@@ -48,7 +48,7 @@ inline BrokerMessage stored(natsMsg* message) {
   return {natsMsg_GetSubject(message), natsMsg_GetSequence(message), data_of(message)};
 }
 
-// Nothing where the stream has no such message.
+// Returns nothing where the stream has no such message.
 inline Expected<std::optional<BrokerMessage>> found(const std::string& stream,
                                                     natsStatus status,
                                                     const Message& message) {

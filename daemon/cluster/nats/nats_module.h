@@ -1,5 +1,5 @@
-// The connection to NATS is a module of its own, which a program loads when it is one of a cluster:
-// nothing else needs libnats.
+// The connection to NATS is a separate module, which a program
+// loads when it belongs to a cluster: no other code needs libnats.
 #pragma once
 
 #include <memory>
@@ -9,12 +9,12 @@
 
 namespace rayloc {
 
-// `nkey`: the public one of `options`; empty: none.
+// `nkey`: the public key for `options`; empty: none.
 using OpenNats = void (*)(const BrokerOptions& options,
                           const std::string& nkey,
                           Expected<std::shared_ptr<Broker>>& opened);
 inline constexpr const char* kOpenNats = "rayloc_open_nats";
-// Beside the folder of the program: /usr/sbin/raylocd has /usr/lib/rayloc/nats.so.
+// Relative to the folder of the program: /usr/sbin/raylocd has /usr/lib/rayloc/nats.so.
 inline constexpr const char* kNatsModule = "../lib/rayloc/nats.so";
 
 }  // namespace rayloc

@@ -1,4 +1,4 @@
-// How a connection of libnats is secured; its messages and errors in words.
+// Security options of a libnats connection; its messages and errors as text.
 #pragma once
 
 #include <nats/nats.h>
@@ -10,19 +10,19 @@
 namespace rayloc {
 
 std::string data_of(natsMsg* message);
-// What the server thinks of a message that was to be stored; empty: it is.
+// Fault that the server reports for a message that was to be stored; empty: it is stored.
 std::string trouble_in(natsMsg* acknowledgement);
 
-// With what libnats says of it.
+// Error with the text of libnats.
 Error error_of(const std::string& what, natsStatus status);
 
-// Who we are to the servers.
+// Our identity towards the servers.
 struct NatsIdentity {
-  std::string nkey;   // the public one; empty: none
-  std::string inbox;  // where answers to us begin
+  std::string nkey;   // the public key; empty: none
+  std::string inbox;  // subject prefix of replies to us
 };
 
-// TLS, and who we are. `nkey`: the public one; empty: none.
+// Sets TLS and our identity. `nkey`: the public key; empty: none.
 Expected<void> secure(natsOptions* made, const BrokerOptions& options, const std::string& nkey);
 
 }  // namespace rayloc

@@ -15,10 +15,10 @@
 namespace rayloc {
 namespace {
 
-// The bytes that make the first characters 'S' and 'U'.
+// Bytes that encode to the first characters 'S' and 'U'.
 constexpr std::uint8_t kSeed = 18 << 3;
 constexpr std::uint8_t kUser = 20 << 3;
-constexpr std::string_view kAlphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZ234567";  // of base32, no padding
+constexpr std::string_view kAlphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZ234567";  // base32, no padding
 constexpr std::size_t kCharacterBits = 5;
 constexpr std::size_t kSeedHead = 2;  // bytes
 constexpr std::size_t kCrcBytes = 2;
@@ -39,7 +39,7 @@ std::uint16_t crc_of(std::span<const std::uint8_t> bytes) {
   return static_cast<std::uint16_t>(crc);
 }
 
-// With its check, as text.
+// Encodes with the checksum, as text.
 std::string text_of(Bytes bytes) {
   const std::uint32_t crc = crc_of(bytes);
   bytes.push_back(static_cast<std::uint8_t>(crc & 0xFFU));
@@ -59,7 +59,7 @@ std::string text_of(Bytes bytes) {
   return text;
 }
 
-// Without the check; nothing where that is not right.
+// Decodes without the checksum; nothing where the checksum is wrong.
 std::optional<Bytes> bytes_of(std::string_view text) {
   Bytes bytes;
   std::uint32_t held = 0;

@@ -24,7 +24,7 @@ tl::unexpected<Error> silent(const std::string& server, const std::string& why) 
   return make_error(ErrorKind::kUnavailable, server + ": " + why);
 }
 
-// Its first line.
+// Reads its first line.
 Expected<std::string> line_of(const std::string& server, std::chrono::milliseconds patience) {
   const std::size_t scheme = server.find("://");
   const std::size_t begin = scheme == std::string::npos ? 0 : scheme + 3;

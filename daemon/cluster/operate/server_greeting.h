@@ -1,4 +1,4 @@
-// What a NATS server says of itself before anybody has said who he is.
+// Data that a NATS server sends before a client has identified itself.
 #pragma once
 
 #include <chrono>
@@ -10,10 +10,10 @@ namespace rayloc {
 
 struct ServerGreeting {
   std::string version;  // "2.9.10"
-  std::string cluster;  // its name; empty: it is alone
+  std::string cluster;  // its name; empty: a single server
   bool jetstream = false;
   bool asks_for_tls = false;
-  bool asks_who = false;  // for a key, a name or a token
+  bool asks_who = false;  // requires a key, a name or a token
 };
 
 // `server`: "nats://HOST:PORT" or "tls://HOST:PORT".

@@ -21,10 +21,10 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr std::size_t kPiece = std::size_t{512} << 10U;  // bytes: half of what a server takes
+constexpr std::size_t kPiece = std::size_t{512} << 10U;           // bytes: half of a server's limit
 constexpr std::size_t kMaxBundleBytes = std::size_t{256} << 20U;  // bytes of a bundle
-constexpr std::string_view kCurrent = "_current";                 // no hash
-// What calibration needs and raylocd does not.
+constexpr std::string_view kCurrent = "_current";                 // differs from any hash
+// Files that calibration needs and raylocd does not.
 constexpr std::array<std::string_view, 6> kLeftOut = {
     ".pcap", ".pcapng", ".gz", ".csv", ".html", ".svg"};
 
@@ -38,7 +38,7 @@ tl::unexpected<Error> refuse(const std::string& what) {
 
 bool is_left_out(const fs::path& file) {
   if (file.parent_path().filename() == "patterns") {
-    return false;  // of antennas, which are tables as well
+    return false;  // tables of antennas
   }
   const std::string extension = file.extension().string();
   return std::find(kLeftOut.begin(), kLeftOut.end(), extension) != kLeftOut.end();
@@ -51,7 +51,7 @@ Expected<std::string> content_of(const fs::path& file) {
                                    : Expected<std::string>(std::move(content));
 }
 
-// What stands behind the pieces.
+// Record after the pieces.
 json manifest_of(const SiteBundle& bundle, const std::string& hash, std::size_t pieces) {
   json files = json::array();
   for (const auto& [path, content] : bundle.files) {
@@ -92,7 +92,7 @@ Expected<std::optional<json>> current_of(Broker& broker, const std::string& site
   return manifest;
 }
 
-// The entry of the site from now on; the pieces of the one before it are forgotten.
+// Sets the entry of the site; the pieces of the previous bundle are deleted.
 Expected<void> enter(Broker& broker, const std::string& site, const json& manifest) {
   const std::string entry = subject_of(site, kCurrent);
   const auto before = broker.last_of(std::string(kBundleStream), entry);
@@ -151,7 +151,7 @@ std::string SiteBundle::hash() const {
   crypto_generichash_state state;
   crypto_generichash_init(&state, nullptr, 0, crypto_generichash_BYTES);
   const auto add = [&](const std::string& text) {
-    // With its length: what is behind one another is not what is joined.
+    // With its length: otherwise different sequences could join to the same text.
     const std::string whole = std::to_string(text.size()) + ":" + text;
     crypto_generichash_update(
         &state, reinterpret_cast<const unsigned char*>(whole.data()), whole.size());
@@ -232,7 +232,7 @@ Expected<void> store_bundle(Broker& broker,
   const std::size_t pieces = (all.size() + kPiece - 1) / kPiece;
   for (std::size_t i = 0; i < pieces; ++i) {
     const std::string subject = subject_of(site, hash + "." + std::to_string(i));
-    // One that is there is the same.
+    // An existing piece is the same.
     const auto said =
         broker.publish_behind(subject, std::string_view(all).substr(i * kPiece, kPiece), 0);
     if (!said) {

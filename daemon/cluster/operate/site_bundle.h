@@ -1,7 +1,7 @@
-// SiteBundle: the files of a site as the broker keeps them, so that every worker has the same ones.
-// A bundle is known by the hash of all of it; in the stream it stands in pieces, behind which its
-// site's entry names the one that holds. So nobody reads half of one, and one that was stored
-// before is not stored again.
+// SiteBundle: the files of a site as stored on the broker, so that every worker has
+// the same ones. A bundle is identified by the hash of its content; the stream stores
+// it in pieces, followed by the entry of its site, which names the valid bundle. So no
+// worker reads half of one, and a bundle that is stored already is not stored again.
 #pragma once
 
 #include <cstdint>
@@ -23,26 +23,26 @@ struct SiteBundle {
   std::string hash() const;  // 64 hexadecimal digits (BLAKE2b)
 };
 
-// What raylocd reads of a site: all but recordings, tables and reports. An Error where the folder
-// has links, or more than a broker should keep.
+// Reads the files that raylocd uses: all but recordings, tables and reports. An
+// Error where the folder has links, or more data than a broker should store.
 Expected<SiteBundle> read_bundle(const std::filesystem::path& folder);
-// Into a folder that is made. An Error where a path of the bundle leads out of it.
+// Writes into a new folder. An Error where a path of the bundle leads out of it.
 Expected<void> write_bundle(const SiteBundle& bundle, const std::filesystem::path& folder);
 
-// The bundle that holds for a site from now on; the one before it is forgotten. `replicas`: of the
-// stream, where it is made.
+// Makes this the valid bundle of a site; its predecessor is
+// deleted. `replicas`: of the stream, where it is created.
 Expected<void> store_bundle(Broker& broker,
                             const std::string& site,
                             const SiteBundle& bundle,
                             int replicas);
-// No bundle holds for the site from now on, which whoever fetches is told.
+// Invalidates the bundle of the site; workers that fetch it receive that state.
 Expected<void> retract_bundle(Broker& broker, const std::string& site);
-// The hashes of those that hold, by site; empty: it was retracted. None where nobody has stored
-// any.
+// Returns the hashes of the valid bundles, by site;
+// empty: retracted. No entries where none was stored.
 Expected<std::map<std::string, std::string>> stored_bundles(Broker& broker);
-// An Error where it is not whole, or is another by now.
+// An Error where it is incomplete, or has been replaced meanwhile.
 Expected<SiteBundle> fetch_bundle(Broker& broker, const std::string& site, const std::string& hash);
-// Told again when a site has another bundle.
+// Subject of the notices that a site has another bundle.
 std::string bundle_news();
 
 }  // namespace rayloc

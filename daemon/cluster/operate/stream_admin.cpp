@@ -14,7 +14,7 @@ namespace {
 
 using nlohmann::json;
 
-// What JetStream answers, or its own words where that is an error.
+// Returns the reply of JetStream, or its error message.
 Expected<json> answer_of(Broker& broker, const std::string& subject, const json& question) {
   const auto said = broker.ask("$JS.API." + subject, question.dump());
   if (!said) {
@@ -61,7 +61,7 @@ StreamReport report_of(const json& stream) {
   return report;
 }
 
-// Of RFC 3339, in UTC as servers write it; nothing where it is none.
+// Parses RFC 3339, in UTC as servers write it; nothing for other text.
 std::optional<Timestamp> time_of(const std::string& text) {
   std::tm parts{};
   std::istringstream in(text);
@@ -81,7 +81,7 @@ std::optional<Timestamp> time_of(const std::string& text) {
 
 Expected<std::vector<std::string>> subjects_of(Broker& broker, const std::string& stream) {
   std::vector<std::string> subjects;
-  // The server tells so many at once that there is one page, as a rule.
+  // The server returns so many at once that there is one page, as a rule.
   for (;;) {
     const auto answer = answer_of(
         broker, "STREAM.INFO." + stream, {{"subjects_filter", ">"}, {"offset", subjects.size()}});
@@ -128,7 +128,7 @@ Expected<std::vector<StreamReport>> streams_of(Broker& broker) {
       return tl::make_unexpected(answer.error());
     }
     const json page = answer->value("streams", json::array());
-    if (!page.is_array()) {  // null: there are none
+    if (!page.is_array()) {  // null: no streams
       return streams;
     }
     for (const json& stream : page) {

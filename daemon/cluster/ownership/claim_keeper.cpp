@@ -15,10 +15,10 @@
 namespace rayloc {
 namespace {
 
-constexpr int kSaidInALease = 4;  // that it is alive: three may be lost
+constexpr int kSaidInALease = 4;  // reports that it is alive: three may be lost
 constexpr int kLooksInALease = 2 * kSaidInALease;
-constexpr int kHotLooks = 50;  // chosen: in a lease, 40 ms of the preset; they ask nobody
-// How often what is known of a claim is asked for again: a message that told it may be lost.
+constexpr int kHotLooks = 50;  // chosen: per lease, 40 ms of the preset; they send no requests
+// Interval between requests for a known claim: the message with a change may be lost.
 constexpr std::chrono::seconds kClaimLookInterval{5};
 std::uint32_t milliseconds_of(Duration lease) {
   return static_cast<std::uint32_t>(
@@ -117,7 +117,7 @@ void ClaimKeeper::take_claim(const BrokerMessage& message) {
   }
 }
 
-// What stands in the stream of claims. Whose was replaced there has been replaced.
+// Takes a record of the stream of claims. A replaced owner loses the site here.
 void ClaimKeeper::note(const std::string& site,
                        std::uint64_t sequence,
                        const v1::SiteClaim& claim) {
@@ -141,7 +141,7 @@ void ClaimKeeper::note(const std::string& site,
   }
 }
 
-// Waits for nobody who answers: a broker that is slow makes no worker look dead.
+// Waits for no replies: a slow broker makes no worker appear dead.
 void ClaimKeeper::speak() {
   pthread_setname_np(pthread_self(), "alive");  // for top -H
   std::unique_lock lock(mutex_);
@@ -151,7 +151,7 @@ void ClaimKeeper::speak() {
     const std::string alive = seal(state());
     lock.unlock();
     if (!yields && broker_->connected()) {
-      (void)broker_->publish(worker_subject(options_.worker), alive);  // said again soon
+      (void)broker_->publish(worker_subject(options_.worker), alive);  // repeated soon
     }
     lock.lock();
     speaking_.rest();
@@ -184,7 +184,7 @@ void ClaimKeeper::run() {
     {
       std::unique_lock lock(mutex_);
       progress_.rest();
-      // Who is not heard any more is found out soon, and by who stands by at once.
+      // A silent owner is detected soon, and by a standby at once.
       wake_.wait_for(lock,
                      options_.lease / (condition_.stands_by().empty() ? kLooksInALease : kHotLooks),
                      [&] { return finishing_ || look_now_; });
@@ -204,7 +204,7 @@ void ClaimKeeper::run() {
   progress_.rest();
 }
 
-// The broker may be another one since it was away, with another store. False: nobody can tell yet.
+// After a disconnection the broker may have another store. False: its state is unavailable.
 bool ClaimKeeper::see_to_streams() {
   if (broker_->connections() == connections_) {
     return true;
@@ -225,7 +225,7 @@ bool ClaimKeeper::see_to_streams() {
   return true;
 }
 
-// What a store has lost: others are to see who has the sites.
+// Restores claims that a store has lost: other workers need the owners of the sites.
 void ClaimKeeper::restore_claims() {
   for (auto one = to_restore_.begin(); one != to_restore_.end();) {
     const auto& [site, generation] = *one;
@@ -241,7 +241,7 @@ void ClaimKeeper::restore_claims() {
     if (is_lost) {
       const auto said = broker_->publish_behind(claim_subject(site), seal(claim_of(generation)), 0);
       if (!said || !said->is_last) {
-        return;  // the next look tells who was first
+        return;  // the next check shows which came first
       }
       note(site, said->sequence, claim_of(generation));
     }
@@ -258,7 +258,7 @@ v1::SiteClaim ClaimKeeper::claim_of(std::uint64_t generation) const {
   return claim;
 }
 
-// REQUIRES: the mutex is held, as for the next one.
+// REQUIRES: the mutex is held, as for is_due().
 bool ClaimKeeper::has_owner(const std::string& site, const Claim& known, Time now) const {
   if (known.sequence == 0) {
     return peers_.anybody_has(site, now);  // its claim was lost with the store
@@ -267,7 +267,7 @@ bool ClaimKeeper::has_owner(const std::string& site, const Claim& known, Time no
   if (claim.removed() && now - known.noted < kRemovedFor) {
     return true;
   }
-  // Our own that we do not know of: its answer was lost, and the next one takes its place.
+  // Our own claim without a recorded ownership: its reply was lost, and the next one replaces it.
   if (claim.worker().empty() ||
       (claim.worker() == options_.worker && claim.incarnation() == options_.incarnation)) {
     return false;
@@ -301,7 +301,7 @@ void ClaimKeeper::see_to_sites(Time now) {
   for (const std::string& site : offered) {
     progress_.beat();
     std::unique_lock lock(mutex_);
-    // What was claimed a moment ago counts.
+    // Includes sites claimed earlier in this loop.
     if (owned_.count(site) == 0 && is_due(site, claims_[site], now)) {
       lock.unlock();
       try_to_claim(site);
@@ -309,10 +309,10 @@ void ClaimKeeper::see_to_sites(Time now) {
   }
 }
 
-// Each of those that come first is given its time.
+// Gives each worker with a lower rank half a lease to claim first.
 bool ClaimKeeper::is_due(const std::string& site, Claim& known, Time now) const {
   if (known.asked == Time{} || returning_.count(site) != 0) {
-    return false;  // nobody knows yet whether somebody has it
+    return false;  // it is not known yet if another worker has it
   }
   if (has_owner(site, known, now)) {
     known.ownerless = {};
@@ -355,7 +355,7 @@ std::optional<double> ClaimKeeper::calmest() const {
   return peers_.calmest(std::chrono::steady_clock::now());
 }
 
-// What its record says now; whether that is known.
+// Reads its record; returns true if the state is known.
 bool ClaimKeeper::look(const std::string& site) {
   const auto last = broker_->last_of(std::string(kClaimStream), claim_subject(site));
   if (!last) {
@@ -364,12 +364,12 @@ bool ClaimKeeper::look(const std::string& site) {
   v1::SiteClaim claim;
   if (*last) {
     if (!unseal((*last)->data, claim)) {
-      claim.Clear();  // nobody's: it is claimed behind it
+      claim.Clear();  // unreadable: it has no owner and is claimed after it
     }
     note(site, (*last)->sequence, claim);
   }
   const std::lock_guard lock(mutex_);
-  claims_[site].sequence = *last ? claims_[site].sequence : 0;  // it may have been forgotten
+  claims_[site].sequence = *last ? claims_[site].sequence : 0;  // it may have been deleted
   claims_[site].asked = std::chrono::steady_clock::now();
   return true;
 }
@@ -392,7 +392,7 @@ void ClaimKeeper::try_to_claim(const std::string& site) {
   const v1::SiteClaim mine = claim_of(std::max(known.claim.generation(), before_all) + 1);
   const auto said = broker_->publish_behind(claim_subject(site), seal(mine), known.sequence);
   if (!said) {
-    return;  // the next look tells what became of it
+    return;  // the next check shows the outcome
   }
   if (!said->is_last) {
     look(site);
@@ -434,7 +434,7 @@ void ClaimKeeper::withdraw(std::map<std::string, std::uint64_t>::iterator owned)
   speak_.notify_one();
 }
 
-// One after the other, for as long as the broker answers.
+// Processes them one after the other, for as long as the broker answers.
 void ClaimKeeper::return_sites() {
   std::map<std::string, std::uint64_t> returning;
   {
@@ -455,15 +455,15 @@ void ClaimKeeper::return_sites() {
   }
 }
 
-// The record says that nobody has it: the best of the others need not wait for a lease. False: the
-// broker does not answer.
+// The record states that the site has no owner: the best of the others
+// need not wait for a lease. False: the broker does not answer.
 bool ClaimKeeper::return_site(const std::string& site, std::uint64_t generation) {
   std::uint64_t sequence = 0;
   {
     const std::lock_guard lock(mutex_);
     const Claim& known = claims_[site];
     if (known.claim.worker() != options_.worker || known.claim.generation() != generation) {
-      return true;  // somebody else has it
+      return true;  // another worker has it
     }
     sequence = known.sequence;
   }

@@ -1,13 +1,13 @@
-// ClaimKeeper: which sites this worker owns. Workers say several times within a lease that they are
-// alive; a site whose owner is not heard for a lease belongs to the best of the others
-// (claim_rule.h), who claims it by compare-and-set.
+// ClaimKeeper: determines which sites this worker owns. Workers report several times
+// within a lease that they are alive; a site whose owner is silent for a lease goes
+// to the best of the others (claim_rule.h), which claims it by compare-and-set.
 //
-// A claim is advice, which keeps two from computing the same; what is said twice is refused by the
-// stream of results (owner_log.h). So nobody gives up a site because the broker is away: nobody can
-// take it over then. Who lives is judged by peer_watch.h.
+// A claim is advisory and keeps two workers from computing the same; duplicate results are
+// refused by the stream of results (owner_log.h). So no worker gives up a site because the
+// broker is away: no other can take it over then. Liveness is judged by peer_watch.h.
 //
-// Generations begin with the instant at which the stream of claims was made, in milliseconds: of
-// one that was made anew they are higher than all before, also where nobody remembers those.
+// Generations begin with the creation time of the stream of claims, in milliseconds: in a stream
+// that was recreated they exceed all earlier ones, even where no record of those remains.
 //
 // Thread safety: any thread.
 #pragma once
@@ -39,10 +39,10 @@ class ClaimKeeper {
     std::string worker;
     std::uint64_t incarnation = 0;  // of this start
     Duration lease = std::chrono::seconds(2);
-    std::size_t capacity = 0;           // sites at most; 0: any number
-    std::size_t all_sites = 0;          // that there are, as far as this worker knows
-    StreamOptions stream;               // of claims, that is made where there is none
-    std::chrono::seconds result_age{};  // of the stream of results, ten minutes at least
+    std::size_t capacity = 0;           // maximum number of sites; 0: any number
+    std::size_t all_sites = 0;          // known to this worker, in total
+    StreamOptions stream;               // of claims, created where it does not exist
+    std::chrono::seconds result_age{};  // retention of the stream of results, ten minutes at least
   };
 
   static Expected<std::unique_ptr<ClaimKeeper>> open(std::shared_ptr<Broker> broker,
@@ -54,50 +54,50 @@ class ClaimKeeper {
   void start();
   void finish();
 
-  // From now on it may be claimed: all is prepared.
+  // From now on the site may be claimed: all is prepared.
   void offer(const std::string& site);
-  // It is not to be claimed any more, and given back if it is still that claim that is owned: until
-  // the broker has taken that, or somebody else has it.
+  // The site is not to be claimed any more, and is given back if that claim is
+  // still owned: until the broker has stored that, or another worker has it.
   void give_back(const std::string& site, std::uint64_t generation);
-  // The same, whatever claim is owned.
+  // Gives the site back, whatever claim is owned.
   void withdraw(const std::string& site);
-  // Takes no more, whatever is offered; says so.
+  // Takes no more sites, whatever is offered; reports so.
   void leave();
   bool is_leaving() const { return leaving_; }
-  // Whether another one who lives has the site, and this one would claim it first.
+  // Returns true if another live worker has the site, and this one would be the first to claim it.
   bool is_next(const std::string& site) const;
-  // How this worker is, as it says of itself: the sites for which it computes along, for which it
-  // is asked first; its load, and of how many sites it leaves something out.
+  // Condition that this worker reports: the sites for which it is a standby, and therefore
+  // first to claim; its load, and the number of its sites for which it leaves data out.
   void set_condition(const v1::WorkerState& condition) {
     const std::lock_guard lock(mutex_);
     condition_ = condition;
   }
-  // The least load of another worker who has room; nothing: nobody has.
+  // Returns the least load of the other workers that have capacity; nothing: none has.
   std::optional<double> calmest() const;
 
   struct Change {
     std::string site;
-    std::uint64_t generation = 0;  // of the claim; 0: it is another worker's
-    std::string owner;             // whose
+    std::uint64_t generation = 0;  // of the claim; 0: another worker's claim
+    std::string owner;             // name of the owner
   };
-  // What has changed since the last call.
+  // Returns the changes since the last call.
   std::vector<Change> take_changes();
-  // Who has a site that this one does not have; empty: nobody, as far as is known.
+  // Owner of a site that this worker does not have; empty: none, as far as known.
   std::string owner_of(const std::string& site) const;
-  // Why nothing can be claimed; empty: it can.
+  // Reason why nothing can be claimed; empty: claims are possible.
   std::string trouble() const;
   const StageProgress& progress() const { return progress_; }
   const StageProgress& speaking() const { return speaking_; }
 
  private:
   using Time = std::chrono::steady_clock::time_point;
-  // [s], chosen: a worker that offers a removed site has heard by then that it is no more.
+  // [s], chosen: by then a worker that offers a removed site has received the removal.
   static constexpr std::chrono::seconds kRemovedFor{30};
   struct Claim {
     std::uint64_t sequence = 0;  // of its record; 0: there is none
     v1::SiteClaim claim;
-    Time ownerless{};  // since when nobody has it, by our clock; zero: somebody has
-    Time noted{};      // when we learned of it
+    Time ownerless{};  // start of the period without an owner, by our clock; zero: has one
+    Time noted{};      // when we received it
     Time asked{};
   };
 
@@ -128,8 +128,8 @@ class ClaimKeeper {
   StageProgress progress_;
   StageProgress speaking_;
   std::atomic<bool> leaving_{false};
-  // Used by the thread alone: when the stream was last seen to, when it was made, and which owned
-  // sites may have no claim in it.
+  // Used by the thread alone: connections at the last check of the streams,
+  // creation time of the stream, and owned sites whose claims may be missing in it.
   std::uint64_t connections_ = 0;
   Timestamp created_{};
   std::map<std::string, std::uint64_t> to_restore_;
@@ -142,11 +142,11 @@ class ClaimKeeper {
   std::map<std::string, Claim> claims_;             // guarded by mutex_; by site
   PeerWatch peers_;                                 // guarded by mutex_
   std::vector<Change> changes_;                     // guarded by mutex_
-  v1::WorkerState condition_;                       // guarded by mutex_; what is told of it
+  v1::WorkerState condition_;                       // guarded by mutex_; as reported
   bool finishing_ = false;                          // guarded by mutex_
   bool say_now_ = false;                            // guarded by mutex_
   bool look_now_ = false;                           // guarded by mutex_
-  std::unique_ptr<Broker::Subscription> states_;    // these end before what they look at
+  std::unique_ptr<Broker::Subscription> states_;    // these end before the members they use
   std::unique_ptr<Broker::Subscription> claimed_;
   std::unique_ptr<Broker::Subscription> drains_;
   std::thread speaker_;

@@ -7,15 +7,15 @@
 namespace rayloc {
 namespace {
 
-// Of FNV-1a, 64 bits.
+// Constants of FNV-1a, 64 bits.
 constexpr std::uint64_t kOffset = 0xcbf29ce484222325;
 constexpr std::uint64_t kPrime = 0x100000001b3;
-// Of the finalizer of MurmurHash3, which spreads what differs in the last letter alone.
+// Constants of the finalizer of MurmurHash3, which spreads names that differ in the last letter.
 constexpr std::uint64_t kMix1 = 0xff51afd7ed558ccd;
 constexpr std::uint64_t kMix2 = 0xc4ceb9fe1a85ec53;
 constexpr unsigned kShift = 33;
-// What a worker has more than the mean before others are asked first, in percent: loads are then
-// nearly even and few sites go to another than their first choice.
+// Load relative to the mean above which others take precedence, in percent:
+// loads are then nearly even and few sites deviate from their first choice.
 constexpr std::size_t kShare = 115;
 
 std::uint64_t hash_of(std::string_view worker, std::string_view site) {
@@ -42,7 +42,7 @@ std::size_t rank_of(const std::string& worker,
                     const std::vector<Candidate>& candidates) {
   const std::size_t share =
       (all_sites * kShare / 100 + candidates.size()) / std::max<std::size_t>(1, candidates.size());
-  // The lower, the sooner.
+  // Lower values come first.
   const auto place = [&](const Candidate& one) {
     return std::tuple(
         !one.stands_by, one.is_behind, one.sites >= share, ~hash_of(one.worker, site));

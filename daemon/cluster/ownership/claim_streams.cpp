@@ -8,7 +8,7 @@
 namespace rayloc {
 namespace {
 
-constexpr std::chrono::minutes kKeepResults{10};  // at least: for gateways that were away
+constexpr std::chrono::minutes kKeepResults{10};  // minimum, for gateways that were away
 
 }  // namespace
 
@@ -22,7 +22,7 @@ StreamOptions claim_stream(StreamOptions options) {
   return options;
 }
 
-// Those of results as well: workers that claim their first sites would make it in the same instant.
+// Creates all of them here: workers with their first claims would create the others concurrently.
 Expected<StreamState> make_worker_streams(Broker& broker,
                                           const StreamOptions& claims,
                                           std::chrono::seconds result_age) {

@@ -1,4 +1,4 @@
-// The streams that workers make: of claims, of results and of history.
+// Streams that workers create: claims, results and history.
 #pragma once
 
 #include <chrono>
@@ -8,11 +8,11 @@
 
 namespace rayloc {
 
-// The stream of claims as it is made where nobody has made it.
+// Configuration of the stream of claims, for its creation.
 StreamOptions claim_stream(StreamOptions options);
 
-// All of them, where they are not there; how that of claims is. `result_age`: how long results are
-// kept, ten minutes at least.
+// Creates the missing ones; returns the state of the stream of
+// claims. `result_age`: retention of results, ten minutes at least.
 Expected<StreamState> make_worker_streams(Broker& broker,
                                           const StreamOptions& claims,
                                           std::chrono::seconds result_age);

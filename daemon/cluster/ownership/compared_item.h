@@ -1,4 +1,4 @@
-// What of a result has to be the same where two have computed it.
+// Part of a result that must be equal when two workers have computed it.
 #pragma once
 
 #include <cstdint>
@@ -9,13 +9,13 @@
 namespace rayloc {
 
 enum class Likeness : std::uint8_t {
-  kSameBytes,  // of two that began at the same place, told the same
-  // Of two that did not: the same snapshots are at the same instants. Positions differ a little,
-  // and so do tracks.
+  kSameBytes,  // for two with the same start and the same carried state
+  // For two with different starts: the same snapshots at the
+  // same instants. Positions differ a little, and so do tracks.
   kSameSnapshots,
 };
 
-// Two results are alike where these texts are the same; an empty one is not looked at.
+// Two results are equal where these texts are the same; an empty text is not compared.
 std::string compared(const v1::OutputItem& item, Likeness likeness);
 
 }  // namespace rayloc

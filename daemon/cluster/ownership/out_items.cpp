@@ -78,7 +78,7 @@ OutItems::Part OutItems::take(std::size_t most) {
   while (!ready_.empty()) {
     const std::int64_t instant = std::visit(InstantOf{}, ready_.front());
     std::vector<v1::OutputItem> messages;
-    std::size_t all = 0;  // of this instant
+    std::size_t all = 0;  // for this instant
     for (auto item = ready_.begin();
          item != ready_.end() && std::visit(InstantOf{}, *item) == instant;
          ++item) {

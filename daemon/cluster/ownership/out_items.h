@@ -1,5 +1,5 @@
-// OutItems: results in the order in which the stream of results has them, a function of the results
-// alone: those of one instant together, by target and kind.
+// OutItems: results in the order of the stream of results, which is a function
+// of the results alone: those of one instant together, by target and kind.
 //
 // Thread safety: one thread at a time.
 #pragma once
@@ -27,35 +27,35 @@ class OutItems {
   explicit OutItems(Timestamp done) : done_(done) {}
 
   void add(Item&& item);
-  // Everything before `time` is there; false: that was known.
+  // All results before `time` are complete; returns false if that was known.
   bool advance(Timestamp time);
-  // Up to where everything is there; whole microseconds, as records say it.
+  // End of the complete results; whole microseconds, as in records.
   Timestamp done() const { return done_; }
 
-  // Of instants before done().
+  // Number of results at instants before done().
   std::size_t ready() const { return ready_.size(); }
   std::size_t waiting() const { return ready_.size() + held_.size(); }
 
-  // What one record says.
+  // Content of one record.
   struct Part {
     std::vector<Item> items;
-    v1::SiteOutput output;  // `items` and `done_us` of it: nothing before that is left
+    v1::SiteOutput output;  // `items` and `done_us`: no earlier result is left
     std::size_t left_out = 0;
   };
-  // Takes out what is ready, as far as it has `most` bytes. Instants stay whole, for a successor
-  // goes on between two of them: of one that is larger than that the rest is left out.
+  // Removes the complete results, up to `most` bytes. Instants stay whole, because a successor
+  // continues between two of them: an instant larger than that loses its remaining results.
   Part take(std::size_t most);
-  // Takes out all of instants before `time`, as records would say it. REQUIRES: time <= done().
+  // Removes and returns all results before `time`, as in records. REQUIRES: time <= done().
   std::vector<v1::OutputItem> take_before(Timestamp time);
-  // Nothing of an instant before `time` is wanted any more, whenever it is added.
+  // Discards results at instants before `time`, whenever they are added.
   void begin_at(Timestamp time);
 
  private:
   using Key = std::tuple<Timestamp, std::string, std::size_t>;  // target, kind
 
   Timestamp done_;
-  Timestamp from_ = Timestamp::min();  // what is of an instant before is not wanted
-  std::multimap<Key, Item> held_;      // of instants that are not done
+  Timestamp from_ = Timestamp::min();  // results at earlier instants are discarded
+  std::multimap<Key, Item> held_;      // at instants that are not complete
   std::deque<Item> ready_;             // ascending
 };
 

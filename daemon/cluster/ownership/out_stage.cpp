@@ -13,20 +13,20 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr milliseconds kTryAgain{100};  // what the broker has not taken
-// How long the end waits for the broker.
+constexpr milliseconds kTryAgain{100};  // for records that the broker has not taken
+// Time limit for the broker at the end.
 constexpr std::chrono::seconds kOutFinishTimeout{2};
-// States that one that stands by keeps, about one a second, before it looks which are still needed.
+// States that a standby keeps, about one a second, before it checks which are still needed.
 constexpr std::size_t kStatesKept = 32;
 constexpr std::size_t kMostStates =
-    600;  // a count, chosen: some minutes without a word of the owner
+    600;  // a count, chosen: some minutes without a record of the owner
 
-// As records of itself, those of which the one before has told.
+// Converts the carried state of the predecessor to records.
 std::deque<Carried> records_of(const SiteStart& start) {
   if (!start.carried) {
     return {};
   }
-  Carried listened = *start.carried;  // where it begins to listen
+  Carried listened = *start.carried;  // where its input begins
   listened.done = listened.heard = std::min(listened.open.at, listened.done);
   return {std::move(listened), *start.carried};
 }
@@ -109,7 +109,7 @@ void OutStage::hear(v1::OutputRecord&& record) {
   }
 }
 
-// REQUIRES: the mutex is held, and it stands by.
+// REQUIRES: the mutex is held, and this is a standby.
 void OutStage::compare() {
   audit_->compare(items_, records_);
   closed_ = closed_ || !audit_->trouble().empty() || items_.ready() > options_.most_waiting ||
@@ -118,9 +118,9 @@ void OutStage::compare() {
     const std::vector<Carried> records(records_.begin(), records_.end());
     if (const auto start = warm_start(records, audit_->done(), options_.warm_up)) {
       forget_before(start->open.at);
-      (void)options_.resume(start->listen_from);  // the feed forgets as well
+      (void)options_.resume(start->listen_from);  // the feed drops its places too
     }
-    prune_at_ = records_.size() + kStatesKept;  // what is copied for that is large
+    prune_at_ = records_.size() + kStatesKept;  // the copy for that is large
   }
 }
 
@@ -132,7 +132,7 @@ std::optional<OutStage::Standby> OutStage::standby() const {
   return Standby{audit_->counters(), audit_->first_difference(), closed_ ? trouble() : ""};
 }
 
-// REQUIRES: the mutex is held, and it stands by.
+// REQUIRES: the mutex is held, and this is a standby.
 std::string OutStage::trouble() const {
   return audit_->trouble().empty() ? "the owner has said nothing for too long" : audit_->trouble();
 }
@@ -146,7 +146,7 @@ void OutStage::promote(std::unique_ptr<OwnerLog> log) {
   {
     const std::lock_guard lock(mutex_);
     log_ = std::move(log);
-    if (closed_ && ended_.empty()) {  // since it was asked whether it can: who asks next is told
+    if (closed_ && ended_.empty()) {  // since the check for promotion: the next check reports it
       ended_ = trouble();
     }
     audit_.reset();
@@ -171,7 +171,7 @@ void OutStage::run() {
   progress_.rest();
 }
 
-// False: it has ended.
+// Returns false when it has ended.
 bool OutStage::wait_for_something() {
   std::unique_lock lock(mutex_);
   progress_.rest();
@@ -183,7 +183,7 @@ bool OutStage::wait_for_something() {
   return ended_.empty();
 }
 
-// REQUIRES: the mutex is held. Whoever has the site then reads its stream again.
+// REQUIRES: the mutex is held. The next owner of the site reads its stream again.
 void OutStage::give_up_where_too_much_waits() {
   if (items_.ready() > options_.most_waiting && ended_.empty()) {
     ended_ = "the broker takes no results";
@@ -200,7 +200,7 @@ OutItems::Part OutStage::next_part() {
   return part;
 }
 
-// REQUIRES: the mutex is held. A start that cannot be told is a cold one: it reads everything.
+// REQUIRES: the mutex is held. A start without a state is a cold one: it reads everything.
 void OutStage::add_successor(Timestamp done, v1::SiteOutput& output) {
   Timestamp listen_from = Timestamp::min();
   const std::vector<Carried> records(records_.begin(), records_.end());
@@ -217,14 +217,14 @@ void OutStage::add_successor(Timestamp done, v1::SiteOutput& output) {
   output.set_resume_us(us_of(listen_from));
 }
 
-// REQUIRES: the mutex is held. One before the first that is listened to is of no more use.
+// REQUIRES: the mutex is held. States before the first one that is read again are not needed.
 void OutStage::forget_before(Timestamp open) {
   while (records_.size() > 2 && records_[1].open.at <= open) {
     records_.pop_front();
   }
 }
 
-// False: another worker owns the site, or it has ended.
+// Returns false if another worker owns the site, or if it has ended.
 bool OutStage::say(const v1::SiteOutput& output) {
   for (;;) {
     progress_.beat();

@@ -1,13 +1,13 @@
-// OutStage: what the owner of a site finds, into the stream of results, and from there to whoever
-// listens on this machine: nothing is said here that the broker has not taken.
+// OutStage: writes the results of the owner of a site to the stream of results, and then passes
+// them to the local subscribers: nothing is published here that the broker has not stored.
 //
-// Each record holds all that refers to instants before its `done` (out_items.h), as far as the
-// broker takes it in one message, and where and how a successor goes on. So results and the place
-// of the input change together, and nothing is said twice or left out when another worker takes
-// over.
+// Each record contains all results for instants before its `done` (out_items.h),
+// as far as the broker takes it in one message, and the state from which a
+// successor continues. So results and the input position change together, and no
+// result is published twice or lost when another worker takes over.
 //
-// Of a worker that stands by it says nothing: it compares what is found here with what the owner
-// says (standby_audit.h), until this worker is the owner, and then goes on behind its last word.
+// For a standby it publishes nothing: it compares the results computed here with the owner's
+// records (standby_audit.h), until this worker is the owner and continues after the last of them.
 //
 // Thread safety: LocationSink from one thread, the rest from any.
 #pragma once
@@ -36,22 +36,22 @@ namespace rayloc {
 class OutStage final : public LocationSink {
  public:
   struct Options {
-    Duration every = std::chrono::milliseconds(50);  // between records, at least
-    // A record without results says how far the input was taken.
+    Duration every = std::chrono::milliseconds(50);  // minimum interval between records
+    // A record without results reports the progress of the input.
     Duration at_most = std::chrono::seconds(1);
-    // What a successor listens to again.
+    // Duration of input that a successor reads again.
     Duration warm_up = std::chrono::seconds(5);
-    // From where it reads what was heard at that time or later.
+    // Returns the place that precedes all data received at that time or later.
     std::function<SiteResume(Timestamp time)> resume;
-    // Told up to where all is found, whatever the broker has taken.
+    // Called with the end of the computed results, whatever the broker has stored.
     std::function<void(Timestamp done)> progress;
-    // More items than that, which the broker does not take: the site is given up.
+    // Limit of items that the broker does not take: beyond it the site is given up.
     std::size_t most_waiting = 100'000;
   };
 
-  // `inner` is told what was stored, and outlives it.
+  // `inner` receives the stored results, and outlives it.
   OutStage(std::unique_ptr<OwnerLog> log, LocationSink& inner, Options options);
-  // Stands by for the owner that `audit` names, and has begun as `start` says.
+  // Standby for the owner that `audit` names, started from `start`.
   OutStage(const SiteStart& start,
            LocationSink& inner,
            Options options,
@@ -66,34 +66,34 @@ class OutStage final : public LocationSink {
   void advance(Timestamp time) override;
   void carried(Carried&& carried) override;
 
-  // While it stands by: a word of the owner. From any thread.
+  // While it is a standby: takes a record of the owner. From any thread.
   void hear(v1::OutputRecord&& record);
-  // Of who stands by; nothing once it is promoted.
+  // State of a standby; nothing once it is promoted.
   struct Standby {
     StandbyAudit::Counters counters;
     std::string first_difference;
     std::string trouble;
   };
   std::optional<Standby> standby() const;
-  // What is of an instant before is gone, as the owner had said it; of who stands by.
+  // Results before this instant are removed, as published by the owner; for a standby.
   Timestamp gone_before() const;
-  // It is the owner's from now on. REQUIRES: it stands by, without a trouble.
+  // This worker owns the site from now on. REQUIRES: a standby, without a trouble.
   void promote(std::unique_ptr<OwnerLog> log);
 
   void start();
-  // Nothing more is taken. Says what is ready, gives the site back, and ends the thread.
+  // Takes no more results. Publishes what is ready, gives the site back, and ends the thread.
   void finish();
 
-  // Why it says nothing any more; empty while it does.
+  // Reason why it no longer publishes; empty while it does.
   std::string ended() const;
   struct Counters {
     std::uint64_t records = 0;
     std::uint64_t items = 0;
     std::uint64_t waiting = 0;   // items
-    std::uint64_t left_out = 0;  // items of instants that were too many for the broker
+    std::uint64_t left_out = 0;  // items of instants too large for the broker
   };
   Counters counters() const;
-  // What was left out since the last call.
+  // Results left out since the last call.
   std::vector<std::string> news();
   const StageProgress& progress() const { return progress_; }
 
@@ -114,32 +114,32 @@ class OutStage final : public LocationSink {
   void give_up_where_too_much_waits();
   void end(const std::string& why);
 
-  std::unique_ptr<OwnerLog> log_;  // null while it stands by
+  std::unique_ptr<OwnerLog> log_;  // null while it is a standby
   LocationSink& inner_;
   const Options options_;
   StageProgress progress_;
-  Time said_{};  // used by the thread alone; when the last record was stored
+  Time said_{};  // used by the thread alone; time of the last stored record
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   OutItems items_;                       // guarded by mutex_
   std::deque<Carried> records_;          // guarded by mutex_; for the successor
   std::size_t prune_at_ = 32;            // guarded by mutex_; a count of records_
   std::string ended_;                    // guarded by mutex_
-  std::unique_ptr<StandbyAudit> audit_;  // guarded by mutex_; null: it does not stand by
-  bool closed_ = false;                  // guarded by mutex_: takes nothing more
+  std::unique_ptr<StandbyAudit> audit_;  // guarded by mutex_; null: it is not a standby
+  bool closed_ = false;                  // guarded by mutex_: takes no more results
   bool finishing_ = false;               // guarded by mutex_
-  Time finish_until_{};                  // guarded by mutex_; then what is left is not said
+  Time finish_until_{};                  // guarded by mutex_; then unwritten results are dropped
   Counters counters_;                    // guarded by mutex_
-  std::uint64_t told_ = 0;               // guarded by mutex_: of those left out
+  std::uint64_t told_ = 0;               // guarded by mutex_: reported part of left_out
   std::thread thread_;
 };
 
-// Passes frames on that are not older: those before were said by the owner before this one.
+// Passes on frames from `from` on: the previous owner has published earlier ones.
 class LaterFrames final : public FrameTap {
  public:
   LaterFrames(FrameTap& inner, Timestamp from) : inner_(inner), from_(from) {}
   void tap(const std::string& access_point, std::span<const CsiFrame> frames) override;
-  // Who stands by passes on nothing until it is the owner.
+  // A standby passes on nothing until it is the owner.
   void set_from(Timestamp from) { from_ = from; }
 
  private:

@@ -1,5 +1,5 @@
-// Which of its sites a worker offers to another, where leaving windows out (shed_rule.h) is not
-// enough for long: one that has had too much for a while, if somebody else has room.
+// Rule that selects a site to offer to another worker, where leaving windows out (shed_rule.h)
+// is not enough: one that was overloaded for a while, if another worker has capacity.
 #pragma once
 
 #include <chrono>
@@ -15,23 +15,23 @@ namespace rayloc {
 class OverloadRule {
  public:
   using Time = std::chrono::steady_clock::time_point;
-  // What a worker has to do with: its share of the time of the processors that it may use.
+  // Loads of workers: the used share of the processor time that they may use.
   struct Limits {
-    double full = 0.7;  // chosen: from here on another machine may be of help
-    double free = 0.4;  // chosen: who has room for one more
-    Duration stays = std::chrono::seconds(20);  // chosen: shed for so long, it does not pass
-    // Chosen: until what one move has changed can be seen.
+    double full = 0.7;                          // chosen: from here on another machine may help
+    double free = 0.4;                          // chosen: capacity for one more site
+    Duration stays = std::chrono::seconds(20);  // chosen: shedding for so long is not temporary
+    // Chosen: until the effect of one move is visible.
     Duration pause = std::chrono::seconds(60);
-    // Chosen: a site that came to us is not passed on for so long, or two workers that are both
-    // too slow for it would pass it to and fro.
+    // Chosen: minimum time until a received site is passed on; otherwise two
+    // workers that are both too slow for it would exchange it repeatedly.
     Duration keeps = std::chrono::minutes(2);
   };
 
   OverloadRule() = default;
   explicit OverloadRule(const Limits& limits) : limits_(limits) {}
 
-  // `levels`: of what is left out, by site, of all that it owns. `load`: its own. `calmest`: the
-  // least of the others who take more and leave nothing out; nothing: there is none.
+  // `levels`: shedding levels, by site, of all owned sites. `load`: of this worker. `calmest`:
+  // the least load of the others that take more sites and leave nothing out; nothing: none.
   std::optional<std::string> site_to_offer(const std::map<std::string, std::uint32_t>& levels,
                                            double load,
                                            std::optional<double> calmest,
@@ -39,13 +39,13 @@ class OverloadRule {
 
  private:
   struct Known {
-    Time owned;   // since when
-    Time shed{};  // since when something is left out; zero: nothing is
+    Time owned;   // start of ownership
+    Time shed{};  // start of shedding; zero: no shedding
   };
 
   const Limits limits_{};
   std::map<std::string, Known> sites_;
-  Time offered_{};  // when the last one was; zero: none
+  Time offered_{};  // time of the last offer; zero: none
 };
 
 }  // namespace rayloc

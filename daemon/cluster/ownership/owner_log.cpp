@@ -9,10 +9,10 @@
 namespace rayloc {
 namespace {
 
-// Chosen: how often the one before may say another word while this one reads its last.
+// Chosen: records that the previous owner may add while this one reads its last one.
 constexpr int kTries = 20;
 
-// Without the flag nothing here uses FMA, whatever the processor could.
+// Without the flag nothing here uses FMA, even if the processor supports it.
 #ifdef __FMA__
 constexpr const char* kArithmetic = "fma";
 #else
@@ -71,7 +71,7 @@ Expected<std::unique_ptr<OwnerLog>> OwnerLog::begin(std::shared_ptr<Broker> brok
     }
     v1::OutputRecord record;
     if (*last && !unseal((*last)->data, record)) {
-      record.Clear();  // nobody's word: it begins anew
+      record.Clear();  // an invalid record: the site starts anew
     }
     if (record.generation() >= log->options_.generation) {
       return tl::make_unexpected(replaced(log->options_.site, record.generation()));
@@ -119,13 +119,13 @@ OwnerLog::Said OwnerLog::say(const v1::SiteOutput& output) {
   return look(bytes);
 }
 
-// The answer was lost, or somebody else has spoken: the last word of the site tells.
+// The reply was lost, or another writer has published: the last record of the site decides.
 OwnerLog::Said OwnerLog::look(const std::string& bytes) {
   const auto last = broker_->last_of(std::string(kOutputStream), subject_);
   if (!last) {
     return Said::kNotYet;
   }
-  if (!*last) {  // what was there is older than the stream keeps, or its server has forgotten it
+  if (!*last) {  // records have expired, or the server has lost them
     const auto claimed = claimed_generation();
     if (!claimed || *claimed > options_.generation) {
       return claimed ? Said::kReplaced : Said::kNotYet;
@@ -146,11 +146,11 @@ OwnerLog::Said OwnerLog::look(const std::string& bytes) {
   if (is_record && record.generation() >= options_.generation && !is_ours) {
     return Said::kReplaced;
   }
-  last_ = (*last)->sequence;  // ours, or a word that no owner may say: readers pass it over
+  last_ = (*last)->sequence;  // ours, or an invalid record, which readers skip
   return Said::kNotYet;
 }
 
-// Claims are kept for ever: who slept for longer than results are kept sees there who was next.
+// Claims never expire: an owner suspended beyond the retention of results finds them there.
 Expected<std::uint64_t> OwnerLog::claimed_generation() {
   const auto last = broker_->last_of(std::string(kClaimStream), claim_subject(options_.site));
   if (!last) {

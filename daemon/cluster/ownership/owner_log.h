@@ -1,6 +1,6 @@
-// OwnerLog: what the owner of a site says, in the stream of results: each record behind the one
-// before it, or not at all. The broker refuses a record whose writer does not know the last one, so
-// an owner that was replaced while it slept can say nothing more.
+// OwnerLog: writes the records of the owner of a site to the stream of results: each after
+// its predecessor, or not at all. The broker refuses a record whose writer does not name the
+// last one, so an owner that was replaced while it was suspended can publish nothing more.
 //
 // Thread safety: one thread at a time.
 #pragma once
@@ -26,22 +26,22 @@ class OwnerLog {
     std::string worker;
     std::string build;  // version of the software
     StreamOptions stream;
-    // Of who has stood by: how it has computed, with the generation of the owner that it followed.
+    // For a former standby: its own start, with the generation of the owner that it followed.
     std::optional<SiteStart> along = std::nullopt;
   };
 
-  // Reads the last word of the site and says Begin behind it. An Error where somebody of a later
-  // generation has spoken, another owner than the one that it followed, or the broker does not
-  // answer.
+  // Reads the last record of the site and writes Begin after it. An
+  // Error where a later generation has published, or another owner than
+  // the one that it followed, or where the broker does not answer.
   static Expected<std::unique_ptr<OwnerLog>> begin(std::shared_ptr<Broker> broker, Options options);
 
-  // As Begin has it.
+  // Start, as in Begin.
   const SiteStart& start() const { return start_; }
 
   enum class Said : std::uint8_t { kStored, kNotYet, kReplaced };
-  // kNotYet: the same record is to be said again. kReplaced: another one owns the site.
+  // kNotYet: the same record is to be written again. kReplaced: another worker owns the site.
   Said say(const v1::SiteOutput& output);
-  // Bytes of items that a record may have, so that the broker takes it.
+  // Maximum size of the items of a record, so that the broker takes it [bytes].
   std::size_t most_items() const { return broker_->max_message() / 2; }
 
  private:
@@ -62,7 +62,7 @@ class OwnerLog {
   std::uint64_t number_ = 0;
 };
 
-// What arithmetic this program computes with, "fma" or "no_fma": they differ in the last digits.
+// Arithmetic of this program, "fma" or "no_fma": they differ in the last digits.
 std::string arithmetic();
 
 }  // namespace rayloc

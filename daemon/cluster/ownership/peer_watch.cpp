@@ -6,12 +6,12 @@
 namespace rayloc {
 namespace {
 
-// In leases. How long an owner need not have named a site that it has: some of its words are lost.
+// In leases. Period in which an owner need not name a site that it has: messages may be lost.
 constexpr int kUnnamed = 3;
-// How long one that is silent is remembered.
+// Period in which a silent worker is remembered.
 constexpr int kRemembered = 10;
 constexpr double kPermille = 1e-3;
-constexpr int kYield = 2;  // after the last word of another of our name
+constexpr int kYield = 2;  // after the last message of another worker of our name
 
 }  // namespace
 
@@ -23,7 +23,7 @@ void PeerWatch::take(const v1::WorkerState& state, std::size_t own_sites, Time n
     }
     heard_itself_ = now;
   } else if (start.first == self_.first) {
-    // Who has something stays; of two alike the later number. Both decide the same.
+    // The one with sites keeps the name; on a tie the higher incarnation. Both decide the same.
     const bool has_some = state.sites_size() > 0;
     const bool has_more = has_some && own_sites == 0;
     const bool has_as_much = has_some == (own_sites > 0);

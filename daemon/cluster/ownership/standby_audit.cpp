@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kOthersInARow = 5;  // a count, chosen: of states, one a second
 
-// Who is who, and who is where: what subscribers know of tracks and zones.
+// Identities and zones of targets: the data that subscribers have on tracks and zones.
 std::string names_in(v1::Carried carried) {
   carried.clear_done();
   carried.clear_open();
@@ -37,7 +37,7 @@ std::string names_in(v1::Carried carried) {
 }
 
 std::string words(const v1::OutputItem* item) {
-  constexpr std::size_t kMost = 400;  // letters
+  constexpr std::size_t kMost = 400;  // characters
   const std::string text = item == nullptr ? "nothing" : item->ShortDebugString();
   return text.size() > kMost ? text.substr(0, kMost) + "..." : text;
 }
@@ -47,7 +47,7 @@ std::string words(const v1::OutputItem* item) {
 void StandbyAudit::hear(v1::OutputRecord record) {
   if (record.generation() < options_.generation ||
       (record.generation() == options_.generation && record.number() <= number_)) {
-    return;  // of one that was replaced, or a repeat
+    return;  // from a replaced owner, or repeated
   }
   if (record.generation() > options_.generation) {
     trouble_ = "another worker owns the site since";
@@ -115,18 +115,18 @@ void StandbyAudit::compare_results(const Window& window, const std::vector<v1::O
   }
 }
 
-// A state is known by the instant at which it holds: it is a function of the frames before.
+// A state is identified by its instant: it is a function of the frames before.
 void StandbyAudit::compare_state(const v1::Carried& theirs, const std::deque<Carried>& states) {
   const auto told = carried_of(theirs);
   if (!told) {
-    return;  // whoever reads it says so
+    return;  // its reader reports the error
   }
   const auto own = std::find_if(
       states.rbegin(), states.rend(), [&](const Carried& one) { return one.done == told->done; });
   if (own == states.rend()) {
     return;
   }
-  // Whoever comes late has a target in a zone a burst earlier or later, and agrees again.
+  // A late standby has a target in a zone a burst earlier or later, and agrees again.
   others_ = names_in(carried_message(*own)) != names_in(theirs) ? others_ + 1 : 0;
   if (others_ >= (options_.likeness == Likeness::kSameBytes ? 1 : kOthersInARow)) {
     trouble_ = "its tracks or stays in zones are others than the owner's";

@@ -1,9 +1,9 @@
-// StandbyAudit: compares what a worker that stands by has computed with what the owner of the site
-// has published, record by record, and says whether it could go on in the owner's place.
+// StandbyAudit: compares the results of a standby with the published results of the owner of
+// the site, record by record, and determines whether it could continue in the owner's place.
 //
-// A window is what one record of the owner holds: results of instants from the `done` of the record
-// before it up to its own. What the owner carries for a successor is compared as well: where tracks
-// have other numbers, or stays in zones are others, subscribers would hear two stories.
+// A window is the content of one record of the owner: results for instants from the `done`
+// of the previous record up to its own. The carried state is compared as well: with other
+// track numbers, or other stays in zones, subscribers would receive contradictory results.
 //
 // Thread safety: one thread at a time.
 #pragma once
@@ -26,35 +26,35 @@ class StandbyAudit {
   struct Options {
     std::uint64_t generation = 0;  // of the owner
     Likeness likeness = Likeness::kSameBytes;
-    Duration most_behind = std::chrono::seconds(100);  // a record of the owner waits to be computed
+    Duration most_behind = std::chrono::seconds(100);  // maximum wait of a record of the owner
   };
 
   explicit StandbyAudit(Options options) : options_(options) {}
 
-  // A word of the owner, as the stream of results tells it.
+  // Takes a record of the owner, from the stream of results.
   void hear(v1::OutputRecord record);
-  // Compares what both know, and takes what the owner has said out of `own`. `states`: what was
-  // found that a successor is to be told.
+  // Compares the results that both have, and removes from `own` what the
+  // owner has published. `states`: the computed states for a successor.
   void compare(OutItems& own, const std::deque<Carried>& states);
-  // Up to where the owner has said everything, as far as that was compared.
+  // End of the owner's published results, as far as they were compared.
   Timestamp done() const { return done_; }
 
   struct Counters {
-    std::uint64_t windows = 0;       // that were compared
-    std::uint64_t results = 0;       // of the owner in them
+    std::uint64_t windows = 0;       // compared
+    std::uint64_t results = 0;       // results of the owner in them
     std::uint64_t differing = 0;     // windows
-    std::uint64_t not_compared = 0;  // windows of which no record came
+    std::uint64_t not_compared = 0;  // windows whose record is missing
   };
   const Counters& counters() const { return counters_; }
-  // The first window that differs, in words; empty: none does.
+  // The first window that differs, as text; empty: none does.
   const std::string& first_difference() const { return first_difference_; }
-  // Why it cannot go on in the owner's place; empty: it can.
+  // Reason why it cannot continue in the owner's place; empty: it can.
   const std::string& trouble() const { return trouble_; }
 
  private:
   struct Window {
     v1::SiteOutput output;
-    bool is_whole = false;  // the record before it was heard
+    bool is_whole = false;  // the record before it was received
     std::chrono::steady_clock::time_point heard;
   };
 
@@ -66,7 +66,7 @@ class StandbyAudit {
   std::deque<Window> waiting_;
   Timestamp done_ = Timestamp::min();
   Counters counters_;
-  int others_ = 0;  // states in a row that name others
+  int others_ = 0;  // consecutive states that differ
   std::string first_difference_;
   std::string trouble_;
 };

@@ -11,14 +11,14 @@
 namespace rayloc {
 namespace {
 
-// Chosen: as long as streams are kept by preset.
+// Chosen: the preset retention of streams.
 constexpr std::chrono::seconds kMostToComputeAgain{60};
 
 tl::unexpected<Error> nobody(const std::string& site) {
   return make_error(ErrorKind::kUnavailable, "site '" + site + "': no owner has spoken");
 }
 
-// Of the owner whose last word that is; nothing where the stream of results has forgotten it.
+// Returns the Begin of the owner of that record; nothing where the stream of results has lost it.
 std::optional<v1::Begin> begin_of(Broker& broker,
                                   const std::string& subject,
                                   const v1::OutputRecord& last) {
@@ -37,13 +37,13 @@ std::optional<v1::Begin> begin_of(Broker& broker,
   return record.begin();
 }
 
-// Whether the stream has all that whoever begins there has to read.
+// Returns true if the stream still contains all messages after that place.
 bool has_all(const StreamState& stream, const StreamReader::Place& place) {
   return (place.created == Timestamp{} || place.created == stream.created) &&
          place.sequence + 1 >= stream.first;
 }
 
-// When the first batch behind that place was heard; nothing where that is not one.
+// Time of the first batch after that place; nothing where there is no batch.
 std::optional<Timestamp> heard_behind(Broker& broker,
                                       const std::string& site,
                                       const StreamReader::Place& place) {
@@ -54,7 +54,7 @@ std::optional<Timestamp> heard_behind(Broker& broker,
                                         : std::nullopt;
 }
 
-// Whether that is not too much to compute before one can compare.
+// Returns true if the computation before the first comparison is short enough.
 bool is_near(Broker& broker,
              const std::string& site,
              const StreamReader::Place& place,
@@ -82,7 +82,7 @@ Expected<StandbyStart> standby_start(Broker& broker, const std::string& site) {
   }
   StandbyStart found;
   if (const std::optional<v1::Begin> begin = begin_of(broker, output_subject(site), last);
-      begin && begin->arithmetic() == arithmetic()) {  // another differs in the last digits
+      begin && begin->arithmetic() == arithmetic()) {  // others differ in the last digits
     if (auto start = start_of(*begin); start && has_all(*stream, start->resume.place) &&
                                        is_near(broker, site, start->resume.place, last)) {
       found.start = *std::move(start);

@@ -1,9 +1,9 @@
-// From where a worker computes along with the owner of a site.
+// Start of the computation of a standby for a site.
 //
-// Tracks are not carried from worker to worker: only who begins where the owner began, and is told
-// the same, computes the same bytes. So the place of the owner's Begin is taken while the site's
-// stream still has it, and it is at most a minute back. Who comes later begins at the last word, as
-// at a take-over: its tracks have the same numbers, and their positions differ a little.
+// Tracks are not carried from worker to worker: only a worker with the start and the carried state
+// of the owner computes the same bytes. So the place of the owner's Begin is taken while the site's
+// stream still contains it, and it is at most a minute back. A later standby begins at the last
+// record, as at a take-over: its tracks have the same numbers, and their positions differ a little.
 #pragma once
 
 #include <string>
@@ -19,7 +19,7 @@ struct StandbyStart {
   bool is_late = false;
 };
 
-// An Error where nobody owns the site, as far as results tell, or the broker does not answer.
+// An Error where the site has no owner, according to results, or the broker does not answer.
 Expected<StandbyStart> standby_start(Broker& broker, const std::string& site);
 
 }  // namespace rayloc

@@ -1,8 +1,8 @@
-// Questions to raylocd. Paths are relative to the page, which may stand below a path of another server.
-// One that is not answered in time fails, so that nothing waits for ever.
+// Requests to raylocd. Paths are relative to the page, which may be located below a path of another
+// server. A request without an answer in time fails, so that no caller waits for ever.
 const PATIENCE_MS = 5000;
 
-// What is answered, as JSON; else an Error that says why, in words for people.
+// Returns the answer as JSON; otherwise throws an Error with the reason, as text for people.
 export async function ask(path, options = {}, patience = PATIENCE_MS) {
   const answer = await fetch(path, {...options, signal: AbortSignal.timeout(patience)}).catch((error) => {
     throw new Error(error.name === 'TimeoutError' ? `no answer within ${patience / 1000} s` : 'raylocd does not answer');

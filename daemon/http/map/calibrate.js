@@ -1,10 +1,10 @@
-// The calibration of the survey that was walked: a button, how far it is, and what came of it.
+// The calibration of the current survey: a button, its progress, and its result.
 import {ask} from './ask.js';
 import {byId, setText} from './draw.js';
 
 const AGAIN_MS = 1000;
 
-// told: of api/v1/calibrate.
+// told: the answer of api/v1/calibrate.
 export function calibrationText(told) {
   if (!told.running) return told.verdict ?? 'After the last point of the survey: from it chains, antennas and walls are found.';
   const share = told.share > 0 ? `${Math.round(100 * told.share)} %, ` : '';
@@ -12,7 +12,7 @@ export function calibrationText(told) {
 }
 
 export class Calibration {
-  // isChanged(): whether something is drawn that is not saved.
+  // isChanged(): returns true if the drawing has unsaved changes.
   constructor(say, isChanged) {
     this.say = say;
     this.running = false;

@@ -1,10 +1,10 @@
-// The other sites of this raylocd, where it has several: a way from map to map.
+// The other sites of this raylocd, if it has several: links from map to map.
 import {ask} from './ask.js';
 import {byId, html} from './draw.js';
 
 const AGAIN_MS = 10_000;
 
-// isQuiet(): raylocd is not asked while it does not answer.
+// isQuiet(): returns true while raylocd does not answer; no request is sent then.
 export function offerSites(isQuiet) {
   const choice = byId('site-choice');
   const here = new URL('.', document.baseURI).pathname;
@@ -24,7 +24,7 @@ export function offerSites(isQuiet) {
         byId('edit').hidden = !mine?.editable;
       }
     } catch {
-      // The map itself says that raylocd does not answer.
+      // The map itself reports that raylocd does not answer.
     }
     setTimeout(look, AGAIN_MS);
   };

@@ -1,4 +1,4 @@
-// What is drawn in the editor: the draft that raylocd sent, as it is changed, with a way back.
+// The content of the editor: the draft that raylocd sent, with all changes, and undo.
 const DEEPEST = 200;  // steps
 
 export class Draft {
@@ -14,14 +14,14 @@ export class Draft {
     return JSON.stringify(this.content) !== this.saved;
   }
 
-  // One step of a person; what changes nothing is none.
+  // One step of a person; an edit without effect is not a step.
   change(edit) {
     const was = JSON.stringify(this.content);
     edit(this.content);
     this.note(was);
   }
 
-  // `was`: the content before a step that is made in many small ones, as a drag is.
+  // `was`: the content before a step that consists of many small ones, such as a drag.
   note(was) {
     if (was === JSON.stringify(this.content)) return;
     this.before.push(was);
@@ -46,12 +46,12 @@ export class Draft {
   }
 }
 
-// "ap1", "ap2": the first that no other has.
+// "ap1", "ap2": the first unused name.
 export function freeName(stem, taken) {
   for (let i = 1; ; i += 1) {
     if (!taken.includes(`${stem}${i}`)) return `${stem}${i}`;
   }
 }
 
-// What is drawn to the centimetre, as people measure.
+// Rounds drawn coordinates to the centimetre, the precision of people's measurements.
 export const tidy = (value) => Math.round(value * 100) / 100 + 0;

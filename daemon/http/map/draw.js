@@ -17,7 +17,7 @@ export function html(name, attributes = {}, children = []) {
 
 export const byId = (id) => document.getElementById(id);
 
-// Only when it differs: a screen reader may read what is written again.
+// Written only when it differs: a screen reader may read rewritten text again.
 export function setText(element, text) {
   if (element.textContent !== text) element.textContent = text;
 }

@@ -1,5 +1,5 @@
-// The editor of a site: draws what raylocd or `rayloc studio` reads of its files (api/v1/edit),
-// changes it, and sends it back to be checked and written.
+// The editor of a site: draws the content of its files as read by raylocd or `rayloc studio`
+// (api/v1/edit), changes it, and sends it back to be checked and written.
 import {ask} from './ask.js';
 import {Calibration} from './calibrate.js';
 import {Draft, freeName, tidy} from './draft.js';
@@ -115,7 +115,7 @@ function erase() {
   editor.select();
 }
 
-// What was read takes the place of all that was drawn.
+// The content that was read replaces the whole drawing.
 function take(told) {
   const first = !state || state.empty;
   state = told;
@@ -153,7 +153,7 @@ async function read() {
   }
 }
 
-// What is refused stays drawn.
+// A rejected draft remains drawn.
 async function save() {
   byId('save').disabled = true;
   say('Checking');

@@ -1,7 +1,7 @@
-// The fields of what is selected.
+// The fields of the selected object.
 import {byId, html} from './draw.js';
 
-// Who goes from field to field stays where he is.
+// Keeps the focus for a person who moves from field to field.
 function replace(element, children) {
   const {field} = element.contains(document.activeElement) ? document.activeElement.dataset : {};
   element.replaceChildren(...children);
@@ -26,7 +26,7 @@ function choice(name, values, value, put) {
   return html('label', {}, [html('span', {}, [name]), select]);
 }
 
-// put(change): a step that changes the one.
+// put(change): a step that changes the object.
 function ofAccessPoint(one, put, state) {
   const models = ['as it is', ...state.presets.map((preset) => preset.model)];
   const axes = ['x [m]', 'y [m]', 'height [m]'];
@@ -84,7 +84,7 @@ export function showForm(draft, selected, state, said) {
   replace(form, make(one, put, state));
 }
 
-// Devices have names, and no place.
+// Devices have names but no positions.
 export function showDevices(draft) {
   const table = byId('device-rows');
   const shown = JSON.stringify(draft.content.devices);

@@ -1,4 +1,4 @@
-// The draft on the floor plan. What can be taken hold of has data-kind and data-at, its place in
+// The draft on the floor plan. Shapes that can be dragged have data-kind and data-at, the index in
 // the draft's list of that kind.
 import {byId, svg} from './draw.js';
 import {drawnOpening} from './openings.js';
@@ -25,7 +25,7 @@ export class Shapes {
     this.view = view;
   }
 
-  // selected: {kind, at}; ghost: points of what is being drawn.
+  // selected: {kind, at}; ghost: points of the shape being drawn.
   show(state, content, selected, ghost) {
     const is = (kind, at) => selected?.kind === kind && selected.at === at;
     byId('plan').setAttribute('transform', this.view.matrix());
@@ -45,7 +45,7 @@ export class Shapes {
       ...content.access_points.map((one, at) => this.accessPoint(one, at, is('access_points', at))));
   }
 
-  // What the scene shows from above, without what the draft draws itself or has taken out.
+  // The scene as seen from above, without the objects that the draft draws itself or has removed.
   background(plan, content, is) {
     const places = new Map(content.objects.map((one, at) => [one.was.replace(/^mesh-/, ''), at]));
     const gone = (shape) => this.known.has(shape.name) && !places.has(shape.name);
@@ -65,7 +65,7 @@ export class Shapes {
     });
   }
 
-  // Those that the files had: what of them is in the draft no more was taken out.
+  // The objects in the files: those that are no longer in the draft were removed.
   remember(content) {
     this.known = new Set(content.objects.map((one) => one.was.replace(/^mesh-/, '')));
   }

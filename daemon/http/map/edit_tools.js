@@ -1,8 +1,8 @@
-// What the pointer does in the editor: it takes hold of what is selected, or draws with a tool.
+// The pointer's actions in the editor: it drags the selected object, or draws with a tool.
 import {tidy} from './draft.js';
 
-const STILL = 4;  // pixels: nearer than that a press is a click
-const ON_PICTURE = ['measure', 'carry'];  // places in a picture are where they are, to the pixel
+const STILL = 4;  // pixels: a press that moves less is a click
+const ON_PICTURE = ['measure', 'carry'];  // places in a picture are kept to the pixel
 const tidied = ([x, y]) => [tidy(x), tidy(y)];
 
 export class Tools {
@@ -11,7 +11,7 @@ export class Tools {
     this.view = view;
     this.editor = editor;
     this.name = 'select';
-    this.corners = [];  // of a zone that is being drawn corner by corner
+    this.corners = [];  // corners of a zone that is being drawn
     const listen = (event, handler) => view.element.addEventListener(event, (told) => {
       if (handler(told)) told.stopImmediatePropagation();
     }, true);
@@ -88,7 +88,7 @@ export class Tools {
     return this.name === 'wall' ? [a, b] : [a, [b[0], a[1]], b, [a[0], b[1]]];
   }
 
-  // Points one by one, for who cannot drag: a wall has two, a picture two places, furniture two corners, a zone any number.
+  // Points one by one, without dragging: wall and picture two, furniture two corners, zone any.
   click(at) {
     if (this.name === 'place' || this.name === 'stand') return this.editor.draw(this.name, [at]);
     const first = this.corners[0];

@@ -1,5 +1,5 @@
-// What raylocd publishes, as it comes. EventSource comes back by itself after a broken connection;
-// after an answer that is no stream (503: too many viewers) it gives up, and we begin again.
+// The messages that raylocd publishes. EventSource reconnects after a broken connection; after an
+// answer that is no stream (503: too many viewers) it stops, and this code reconnects.
 const AGAIN_MS = 5000;
 
 export class Feed {
@@ -10,8 +10,8 @@ export class Feed {
     this.open();
   }
 
-  // A connection that was lost without a word, as when a machine slept or went out of reach, looks
-  // like one on which nothing is said.
+  // A connection that was lost without notice, as when a machine slept or went out of reach, is
+  // indistinguishable from a silent one.
   reopen() {
     this.close();
     this.told.state('lost');

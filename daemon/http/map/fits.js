@@ -1,9 +1,9 @@
-// How well the calibrated room explains each surveyed point: on the map and as a table.
+// The share of each surveyed point that the calibrated room explains: on the map and as a table.
 import {byId, html, number, svg} from './draw.js';
 
-export const STEPS = 5;  // colours and sizes (map.css), from hardly anything explained to nearly all
+export const STEPS = 5;  // colours and sizes (map.css), by share explained, in ascending order
 
-// fits: as in /api/v1/calibration. Of each point the mean over the access points, the worst first.
+// fits: as in /api/v1/calibration. Returns each point's mean over the access points, worst first.
 export function pointsOf(fits) {
   const byPoint = new Map();
   for (const fit of fits) {
@@ -19,7 +19,7 @@ export function pointsOf(fits) {
 const stepOf = (share) => Math.min(STEPS - 1, Math.max(0, Math.floor(STEPS * share)));
 const percent = (share) => `${number(100 * share, 0)} %`;
 
-// The less is explained, the larger: colours are not told apart by everybody.
+// The smaller the share, the larger the dot: not every person can distinguish the colours.
 export function dotOf({share}) {
   const step = stepOf(share);
   const title = svg('title', {}, [`${percent(share)} of the power explained`]);

@@ -1,13 +1,13 @@
-// Where somebody was in the last hours, on the floor: the daemon's sums, of nobody in particular.
+// The places of targets in the last hours, on the floor: the daemon's sums, without identities.
 import {ask} from './ask.js';
 import {byId, setText, svg} from './draw.js';
 import {stayText} from './words.js';
 
 const ASK_MS = 5000;
 export const SHADES = 5;  // map.css
-const LEAST = 1;  // [s] worth showing
+const LEAST = 1;  // [s], shortest stay that is shown
 
-// Longer by a factor is darker by a step, as one who sits outweighs all who pass.
+// A stay longer by a factor is darker by a step, as a sitting person would outweigh all who pass.
 export function shadeOf(stay, longest) {
   if (longest <= LEAST) return SHADES - 1;
   const share = Math.log(Math.max(stay, LEAST) / LEAST) / Math.log(longest / LEAST);
@@ -30,7 +30,7 @@ export class Heat {
     this.look();
   }
 
-  // While it is looked at.
+  // Called while the panel is visible.
   async look() {
     clearTimeout(this.next);
     if (!this.shown) return;

@@ -1,11 +1,11 @@
-// Names on the drawing that do not cover one another: each takes the first of its places that is free.
-const HIGH = 17;  // of a line [pixels of a mark]
+// Names on the drawing that do not overlap: each takes the first of its places that is free.
+const HIGH = 17;  // height of a line [pixels of a mark]
 
 export const boxAbout = ([x, y], width, height) => ({left: x - width / 2, top: y - height / 2, right: x + width / 2, bottom: y + height / 2});
 
 const meet = (a, b) => a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
 
-const widths = new Map();  // of texts, by their kind and content
+const widths = new Map();  // widths of texts, by their kind and content
 
 function widthOf(text) {
   const key = `${text.getAttribute('class')} ${text.textContent}`;
@@ -24,7 +24,7 @@ export class Labels {
     this.taken = [];
   }
 
-  // size: {width, height} that the text takes, in pixels of the drawing.
+  // size: {width, height} of the text, in pixels of the drawing.
   sizeOf(text, around = 3) {
     const {unit} = this.view;
     return {width: (widthOf(text) + 2 * around) * unit, height: HIGH * unit};
@@ -34,7 +34,7 @@ export class Labels {
     this.taken.push(box);
   }
 
-  // places: middles [pixels]. Where none is free the first counts, or nothing where `must` is false.
+  // places: middles [pixels]. If none is free, the first is used, or none if `must` is false.
   place(text, places, must = true, around = 3) {
     const {width, height} = this.sizeOf(text, around);
     const boxes = places.map((at) => ({at, box: boxAbout(at, width, height)}));

@@ -1,4 +1,4 @@
-// The live map: what raylocd publishes (/events) on the floor plan of its site (/api/v1/map).
+// The live map: the messages of raylocd (/events) on the floor plan of its site (/api/v1/map).
 import {ask} from './ask.js';
 import {byId, setText} from './draw.js';
 import {Feed} from './feed.js';
@@ -16,14 +16,14 @@ import {View} from './view.js';
 import {offerSites} from './choice.js';
 
 const ANNOUNCE_MS = 1500;
-const DRAW_MS = 250;  // at least so often: ages grow without a message
+const DRAW_MS = 250;  // maximum interval: ages grow without a message
 const AGAIN_MS = 5000;
-const REOPEN_MS = 10_000;  // of silence
+const REOPEN_MS = 10_000;  // of silence before the stream is reopened
 const HIDDEN_MS = 10_000;
-const PLAN_MS = 60_000;  // the plan of a large scene comes slowly over a slow line
+const PLAN_MS = 60_000;  // the plan of a large scene takes long over a slow line
 
 const announcements = [];
-// Nothing is left of a past under review when raylocd is started again.
+// A past under review is discarded when raylocd is restarted.
 const model = new Model((text) => announcements.push(text), () => timeline.present());
 const targets = new Targets();
 const timeline = new Timeline(model);
@@ -37,14 +37,14 @@ let stirred = true;
 let drawn = 0;
 let link = null;  // 'open', 'lost' or 'refused', from the first answer on
 
-// Asks until it is answered; the tables do without the plan.
+// Repeats the request until it is answered; the tables work without the plan.
 async function fetchPlan(start) {
   mapOf = start;
   try {
     const [map, report] = await Promise.all([ask('api/v1/map', {}, PLAN_MS), ask('api/v1/calibration')]);
     if (mapOf === start) showPlan(map, report);
   } catch (error) {
-    if (mapOf !== start) return;  // another start is asked by now
+    if (mapOf !== start) return;  // another start is being requested meanwhile
     if (!plan) setText(byId('empty'), `The floor plan is not known: ${error.message}. Trying again.`);
     setTimeout(() => { if (mapOf === start) fetchPlan(start); }, AGAIN_MS);
   }
@@ -91,7 +91,7 @@ function showConnection() {
     lost: 'Connection lost: trying again',
     refused: 'No stream: raylocd gives none (it may have too many viewers); trying again',
   }[link]);
-  // Read out once and not each second: it is no part of what is live.
+  // Read out once and not each second: it is not part of a live region.
   setText(byId('connection-age'), quiet ? ` for ${Math.round(model.silence / 1000)} s` : '');
 }
 
@@ -120,7 +120,7 @@ function draw(time) {
   showChannel(isPresent);
 }
 
-// Without a plan nothing has a place on the drawing.
+// Without a plan no object has a position on the drawing.
 function showRoom(moment, isPresent) {
   byId('map').classList.toggle('planless', !plan);
   byId('empty').hidden = Boolean(plan);
@@ -128,7 +128,7 @@ function showRoom(moment, isPresent) {
   if (!plan) return;
   plan.showSources(model, isPresent);
   plan.showZones(model.inside(moment));
-  plan.place(view);  // after what names say, which may be longer now
+  plan.place(view);  // after the names, which may have become longer
   heat.place(view);
   solid.place(targets.selected, isPresent, plan.taken);
   showScale();
@@ -170,8 +170,8 @@ setInterval(watchFeed, 1000);
 const feed = new Feed('events', {snapshot: told('snapshot'), update: told('update'), state: connection});
 requestAnimationFrame(draw);
 
-// A browser has six connections to one server, all its tabs together, and raylocd has sixteen viewers:
-// a page that nobody looks at gives its own back.
+// A browser has six connections to one server, all its tabs together, and raylocd has sixteen
+// viewers: a hidden page closes its own.
 let hiding = null;
 function noticeHiding() {
   clearTimeout(hiding);

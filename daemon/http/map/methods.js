@@ -1,9 +1,9 @@
-// The methods that locate at the site: its own, and those that are compared with it ([engine] method with
-// several). Each of the others has a colour and a shape; nothing is shown of a single one.
+// The methods that locate at the site: its own, and those that are compared with it ([engine]
+// method with several). Each of the others has a colour and a shape; a single method has no list.
 import {byId, html, number, svg} from './draw.js';
 
 const SHAPES = ['M0-9L9 0L0 9L-9 0Z', 'M0-9L9 7H-9Z', 'M-7-7H7V7H-7Z'];
-const CLOSE_PX = 30;  // names of marks that are nearer than this stand below one another
+const CLOSE_PX = 30;  // names of marks closer than this are placed below one another
 const LINE_PX = 16;
 
 export class Methods {
@@ -11,7 +11,7 @@ export class Methods {
     this.names = [];
   }
 
-  // names: that of the site, then the others; absent of a daemon that does not say.
+  // names: the site's method, then the others; absent if the daemon does not send them.
   show(names = []) {
     this.names = names;
     const list = byId('methods');
@@ -23,7 +23,7 @@ export class Methods {
     ]))));
   }
 
-  // at: where the site's method puts the target; compared: as Model.at().
+  // at: the target's position by the site's method; compared: as in Model.at().
   marks(target, at, compared, view) {
     return compared.flatMap((one) => {
       const shape = this.names.indexOf(one.method) - 1;

@@ -1,28 +1,28 @@
-// What is known: targets with their past, sources, the daemon. It is filled by the feed and asked
-// for a moment: the present, or one under review.
+// The state of the map: targets with their past, sources, the daemon. The feed fills it; queries
+// give a moment: the present, or one under review.
 //
-// All times are of the daemon's clock [ms]; `now()` follows it from the last message on.
+// All times are of the daemon's clock [ms]; `now()` advances it from the last message on.
 import {isPerson, seconds, sourceText, statusText, targetName, trackText, zoneText} from './words.js';
 
 const PAST_MS = 10 * 60_000;    // for review
 const PAST = 30_000;            // estimates kept, of all targets together
-const GHOSTS = 8;               // hypotheses kept of each
+const GHOSTS = 8;               // hypotheses kept of each estimate
 const TRAIL_MS = 20_000;
-const FORGET_MS = 10 * 60_000;  // a target not heard of for so long leaves the map
-const FORGET_LOST_MS = 60_000;  // a person whose track was lost: its number does not come again
+const FORGET_MS = 10 * 60_000;  // a target without a message for this long is removed from the map
+const FORGET_LOST_MS = 60_000;  // a person whose track was lost: its number is not reused
 const PREFER_FILTERED_MS = 1000;
-const FRESH_MS = 5000;          // what is older is no news
-const SLACK_MS = 700;           // of the way here, before an estimate counts as stale
+const FRESH_MS = 5000;          // older events are not announced
+const SLACK_MS = 700;           // of transmission delay, before an estimate counts as stale
 const EVENTS = 100;
-const ZONE_EVENTS = 1000;       // kept of a zone, for review
-const BEAT_MS = 1000;           // between heartbeats, before two have come
-const QUIET_MS = 3000;          // without a word: it is not known any more what raylocd does
-const QUIET_BEATS = 2.5;        // or for so many heartbeats, where these are rarer
+const ZONE_EVENTS = 1000;       // kept for each zone, for review
+const BEAT_MS = 1000;           // between heartbeats, before two have arrived
+const QUIET_MS = 3000;          // without a message: the state of raylocd is then unknown
+const QUIET_BEATS = 2.5;        // or this many heartbeats, if these are rarer
 
 const keyOf = (target) => target.mac || target.hashed_mac || `person-${target.track}`;
 
 export class Model {
-  // told(text): something that a person should know. restarted(): what was known is void.
+  // told(text): announces a text to the person. restarted(): earlier state is void.
   constructor(told, restarted) {
     this.told = told;
     this.restarted = restarted;
@@ -33,7 +33,7 @@ export class Model {
   clear() {
     this.epoch = null;
     this.offset = null;
-    this.heard = null;  // when the last word came, by performance.now()
+    this.heard = null;  // time of the last message, by performance.now()
     this.beatMs = BEAT_MS;
     this.targets = new Map();
     this.sources = new Map();
@@ -46,8 +46,8 @@ export class Model {
     this.nobody = null;
   }
 
-  // Which room is heard of: another with each start of raylocd, and of the site by a reload; null
-  // before the first word.
+  // Identifies the room of the messages: different for each start of raylocd, and of the site by a
+  // reload; null before the first message.
   get start() {
     return this.epoch === null ? null : `${this.epoch} ${this.heartbeat?.started ?? ''}`;
   }
@@ -56,7 +56,7 @@ export class Model {
     return this.offset === null ? Date.now() : performance.now() + this.offset;
   }
 
-  // How long nothing has come [ms], and whether that is so long that what was said is out of date.
+  // The time without messages [ms], and whether it is so long that the state is out of date.
   get silence() {
     return this.heard === null ? 0 : performance.now() - this.heard;
   }
@@ -69,7 +69,7 @@ export class Model {
     return this.silence > this.patience;
   }
 
-  // What an access point does, as far as it is known by now.
+  // The activity of an access point, as currently known from messages.
   status(id) {
     if (this.quiet) return 'not known';
     const source = this.sources.get(id);
@@ -113,7 +113,7 @@ export class Model {
     if (heartbeat.playback) this.play(heartbeat.playback, sent);
   }
 
-  // What is known of receive chains has changed, as of heartbeat.proto.
+  // The state of receive chains has changed, as in heartbeat.proto.
   chains(before, now, sent) {
     for (const {access_point: id, knowledge} of now) {
       const known = before.find((one) => one.access_point === id)?.knowledge ?? 'CHAIN_KNOWLEDGE_AS_CALIBRATED';
@@ -123,8 +123,8 @@ export class Model {
     }
   }
 
-  // playback: as in a heartbeat, known at that time. One that was on its way when somebody asked for
-  // a change is older than the answer.
+  // playback: as in a heartbeat, valid at that time. One sent before a person's change is older
+  // than the answer to it.
   play(playback, at) {
     if (this.playback && at < this.playback.at) return;
     const begin = Date.parse(playback.begin);
@@ -140,7 +140,7 @@ export class Model {
     this.playback.length = this.played((Date.parse(playback.end) - begin) / 1000);
   }
 
-  // [s] after the beginning of the recordings, without what is not waited for; and back.
+  // [s] after the beginning of the recordings, without skipped periods; and back.
   played(recorded) {
     return this.playback.skipped.reduce((time, [from, to]) => time - Math.max(0, Math.min(recorded, to) - from), recorded);
   }
@@ -149,23 +149,23 @@ export class Model {
     return this.playback.skipped.reduce((time, [from, to]) => (time < from ? time : time + to - from), played);
   }
 
-  // What is paused does not grow old.
+  // A paused recording does not age.
   get held() {
     const {playback} = this;
     return playback && !playback.playing && !playback.ended ? this.latest : null;
   }
 
-  // What the target is called that has this key.
+  // The name of the target with this key.
   nameOf(key) {
     return this.targets.get(key)?.name ?? key;
   }
 
-  // What had happened by that time, the latest first.
+  // The events up to that time, the latest first.
   eventsAt(time) {
     return this.events.filter(({sent}) => sent <= time);
   }
 
-  // Why no target is shown. An empty room, too, is told each second, as a person who is not there.
+  // The reason why no target is shown. An empty room is reported each second, as an absent person.
   absence(isPresent = true) {
     if (!isPresent) return 'No target had been located by then.';
     const {nobody} = this;
@@ -189,7 +189,7 @@ export class Model {
     if (this.keep(target, location, sent)) this.latest = Math.max(this.latest ?? sent, sent);
   }
 
-  // Of a method that is compared with the site's own: where it puts a target that this one knows.
+  // From a method compared with the site's own: its position for a target that the latter located.
   compared(location, sent) {
     const methods = this.targets.get(keyOf(location.target))?.compared;
     const method = location.quality?.method;
@@ -198,9 +198,9 @@ export class Model {
     this.keep(methods.get(method), location, sent);
   }
 
-  // of: {past, filtered}. False for a snapshot beside estimates of a tracker.
+  // of: {past, filtered}. Returns false for a snapshot beside estimates of a tracker.
   keep(of, location, sent) {
-    // A recording that is played slowly says less often where it is.
+    // A recording that is played slowly sends its position less often.
     const pace = Math.min(1, this.playback?.speed || 1);
     if (location.kind === 'LOCATION_KIND_FILTERED') of.filtered = Math.max(of.filtered, sent);
     else if (sent - of.filtered < PREFER_FILTERED_MS / pace) return false;
@@ -218,7 +218,7 @@ export class Model {
     this.latest = Math.max(this.latest ?? sent, sent);
   }
 
-  // Who was in each zone at that time, by the last event of it; a Map of Sets of keys of targets.
+  // The people in each zone at that time, by its last event; a Map of Sets of keys of targets.
   inside(time) {
     return new Map([...this.zones].map(([name, past]) => [name, past[latest(past, time)]?.inside ?? new Set()]));
   }
@@ -255,15 +255,15 @@ export class Model {
     const share = Math.max(1, Math.floor(PAST / (this.targets.size + compared.length)));
     this.first = null;
     for (const {past} of [...this.targets.values(), ...compared]) {
-      // The last one before stays: it says where the target was when that time began.
+      // The last one before is kept: it has the target's position when that time began.
       const old = Math.max(latest(past, now - PAST_MS), past.length - share);
       if (old > 0) past.splice(0, old);
       if (past.length > 0) this.first = Math.min(this.first ?? now, Math.max(past[0].sent, now - PAST_MS));
     }
   }
 
-  // Each target as it was known at that time: its latest estimate, whether that was stale, its trail, the
-  // zones that it was in, and the latest estimate of each method that is compared.
+  // Each target in its state at that time: its latest estimate, whether that was stale, its trail,
+  // its zones, and the latest estimate of each method that is compared.
   at(time) {
     const shown = [];
     const inside = [...this.inside(time)];
@@ -272,10 +272,10 @@ export class Model {
       if (end < 0) continue;
       const {location, sent} = target.past[end];
       const trail = [];
-      let track;  // a snapshot between two estimates of the tracker is of none
+      let track;  // a snapshot between two estimates of the tracker has none
       for (let i = end; i >= 0 && target.past[i].sent > sent - TRAIL_MS; --i) {
         const {position, target: before} = target.past[i].location;
-        if (track && before.track && before.track !== track) break;  // another walk, or place of a recording
+        if (track && before.track && before.track !== track) break;  // a new track, or a seek
         track ||= before.track;
         if (position) trail.push({...position, age: sent - target.past[i].sent});
       }
@@ -299,7 +299,7 @@ function isGone({past}) {
   return Boolean(last) && isPerson(last.location.target) && isLost(last.location);
 }
 
-// What is shown of an estimate: thousands are kept.
+// The displayed fields of an estimate: thousands are kept.
 function drawn(location) {
   const {target, track_state, position, position_covariance, accuracy_m, accuracy_confidence, quality} = location;
   const {warnings, ambiguous, no_fix_reason} = quality || {};
@@ -315,7 +315,7 @@ function staleSince({location, sent, until}, time) {
   return time > until + SLACK_MS ? until : null;
 }
 
-// In order of time: after a reconnection they may come out of it, or be told again.
+// In order of time: after a reconnection they may arrive out of order, or be repeated.
 function insert(past, entry) {
   let at = past.length;
   while (at > 0 && past[at - 1].sent > entry.sent) --at;

@@ -1,10 +1,10 @@
-// Doors and windows as architects draw them: a door with its leaf open and the way that it swings, a
-// window with the line of its pane. In metres, y up, for a group that is put into its place as a whole.
+// Doors and windows as architects draw them: a door with its leaf open and the arc of its swing, a
+// window with the line of its pane. In metres, y up, for a group that is placed as a whole.
 import {svg} from './draw.js';
 
 const path = (name, d) => svg('path', {class: name, d});
 
-// shape: kind `door` or `window`, of api/v1/map: its area begins at the hinge, along the side of the room.
+// shape: kind `door` or `window`, of api/v1/map: its area begins at the hinge, on the room's side.
 export function drawnOpening(shape) {
   const [hinge, latch, far, back] = shape.area;
   const gap = svg('polygon', {class: 'gap', points: shape.area.map((one) => one.join()).join(' ')});

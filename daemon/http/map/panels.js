@@ -1,12 +1,12 @@
-// The panels that are asked for: what the calibration found, and the channel.
+// The panels opened on demand: the result of the calibration, and the channel.
 import {ask} from './ask.js';
 import {byId, html, number, setText, svg} from './draw.js';
 import {pointsOf, writePoints} from './fits.js';
 import {minutes} from './playback.js';
 
-const MOVED = 12;  // told here; the report has all
+const MOVED = 12;  // rows listed here; the report has all
 
-let points = [];  // of the calibration shown: how well each is explained
+let points = [];  // points of the calibration shown, with the share explained
 
 // report: as in /api/v1/calibration.
 export function showCalibration(report) {
@@ -30,7 +30,7 @@ function summary(report) {
     + `${parts.join(', ') || 'not known'}.`;
 }
 
-// On the map, where that is wanted.
+// Shown on the map on demand.
 export function showFits(plan) {
   plan.showResiduals(byId('show-residuals').checked ? points : []);
 }
@@ -39,18 +39,18 @@ const CHANNEL_MS = 1000;
 const WIDE = 300;
 const HIGH = 90;
 
-// While its panel is open: the channel of the selected target, else of the one heard last. Gives what
-// shows it anew, to be called with every picture: the selection and the moment shown change meanwhile.
+// While its panel is open: the channel of the selected target, or of the one received last. Returns
+// the function that redraws it, called with every picture: selection and moment change.
 export function watchChannel(targets, model) {
   const panel = byId('csi');
   let next = null;
-  let known = null;  // what was answered since the panel was opened
+  let known = null;  // the answer since the panel was opened
   const look = async (first) => {
     clearTimeout(next);
     if (!panel.open) return;
     try {
       const answer = await ask('api/v1/channel');
-      // The answer to the question before: to the first, of when somebody looked last.
+      // The answer belongs to the previous request: the first one is from an earlier viewing.
       known = first ? [] : answer;
     } catch (error) {
       known = null;
@@ -67,7 +67,7 @@ export function watchChannel(targets, model) {
   };
 }
 
-let drawn = null;  // the channel of the charts that stand there
+let drawn = null;  // the channel of the charts on the page
 
 function showNoChannel(why) {
   drawn = null;
@@ -75,15 +75,15 @@ function showNoChannel(why) {
   byId('csi-charts').replaceChildren();
 }
 
-// When its burst was heard, which is never now: it is asked for, and takes long to make.
+// Reception time of its burst, which is never now: it is requested, and takes long to compute.
 function heardText(time, model) {
   const {playback} = model;
   if (playback) return `${minutes(model.played((time - playback.begin) / 1000))} into the recording`;
   return `heard ${number(Math.max(0, model.now() - time) / 1000, 0)} s ago`;
 }
 
-// Whatever is said and drawn is of one burst, and of the place that it was located at: a target that
-// moves is at another one by now, which is where the map shows it.
+// All text and charts are of one burst, and of the position at which it was located: a moving
+// target has left that position, and the map shows its current one.
 export function showChannel(channels, selected, model, isPresent = true) {
   const channel = channels.find((one) => one.target === selected) || channels[0];
   if (!channel) return showNoChannel('No device has been located since this panel was opened.');

@@ -1,20 +1,20 @@
-// Where a target may be: the hypotheses of a location, put together to places that are really apart.
+// Possible places of a target: the hypotheses of a location, merged to places that are separate.
 //
-// A hypothesis is what lies within 0.3 m of a peak, so that one broad hill comes as several pieces, and one
-// hill may come as a narrow core and a broad foot. The first hypothesis is the heaviest, which need not be
-// the one that the position is of: that is the highest peak.
-const SAME = 0.3;  // [m]: nearer to one another than that, they are one place
-const TOUCH = 0.65;  // [m]: and up to that, where their spreads meet
-const SPREADS = 2.3;  // [sigma]; neighbouring pieces are 1.5 to 2 apart, peaks with a valley between 3 and more
-const LEAST_WEIGHT = 0.01;  // of another place worth telling
+// A hypothesis is the part within 0.3 m of a peak, so that one broad peak is split into several,
+// and one may consist of a narrow core and a broad foot. The first hypothesis is the heaviest,
+// which need not be that of the position: the position is the highest peak.
+const SAME = 0.3;  // [m]: closer hypotheses are one place
+const TOUCH = 0.65;  // [m]: and up to that, if their spreads meet
+const SPREADS = 2.3;  // [sigma]; adjacent pieces are 1.5 to 2 apart, separate peaks 3 and more
+const LEAST_WEIGHT = 0.01;  // smallest weight of another place that is shown
 const SAMPLES = 128;
 const GOLDEN = Math.PI * (3 - Math.sqrt(5));
 
-const known = new WeakMap();  // by location: they are asked for with every picture
+const known = new WeakMap();  // by location: needed for every picture
 
-// {mark, others}: the place that the position is of, or null, and the others, the likeliest first. A place has
-// `weight`, `at` and `region`: the ellipse (half axes [m], direction [rad]) about it in which the target is with
-// probability `holds`; null where the method states no uncertainty.
+// {mark, others}: the place of the position, or null, and the others, the likeliest first. A place
+// has `weight`, `at` and `region`: the ellipse (half axes [m], direction [rad]) about it that
+// contains the target with probability `holds`; null if the method states no uncertainty.
 export function placesOf(location) {
   if (!known.has(location)) known.set(location, makePlaces(location));
   return known.get(location);
@@ -31,7 +31,7 @@ function makePlaces({position, position_covariance: covariance, hypotheses}) {
   return {mark, others: places.filter((one) => one !== mark && one.weight >= LEAST_WEIGHT)};
 }
 
-// What is linked, directly or by others, is one group.
+// Hypotheses that are linked, directly or through others, are one group.
 function together(hypotheses) {
   const groups = [];
   for (const one of hypotheses) {
@@ -49,8 +49,8 @@ function isSame(a, b) {
   return apart < TOUCH && apart < SPREADS * (sigma(a, direction) + sigma(b, direction));
 }
 
-// position: of the location, where it is of this place. Its region is half of all that is stated, if this
-// place has so much; that of another is half of what it has itself.
+// position: of the location, if it belongs to this place. Its region holds half of the total stated
+// probability, if the place has as much; any other region holds half of its place's own.
 function placeOf(members, position) {
   const weight = members.reduce((sum, one) => sum + one.weight, 0);
   const mean = (axis) => members.reduce((sum, one) => sum + one.weight * one.position[axis], 0) / weight;
@@ -82,7 +82,7 @@ function regionOf(members, weight, centre, holds) {
   return axes(shape, Math.sqrt(quantile(points, holds)));
 }
 
-// Of all members together; never flat.
+// Covariance of all members together; never flat.
 function shapeAbout(members, weight, centre) {
   const sums = [1e-8, 0, 1e-8];
   for (const one of members) {

@@ -1,5 +1,5 @@
-// What does not move: walls and furniture, zones, access points, fixed transmitters, and how well
-// the surveyed points of the calibration fit.
+// The static part: walls and furniture, zones, access points, fixed transmitters, and the fits of
+// the calibration's surveyed points.
 import {byId, setText, svg} from './draw.js';
 import {dotOf} from './fits.js';
 import {Labels, boxAbout} from './labels.js';
@@ -7,7 +7,7 @@ import {drawnOpening} from './openings.js';
 import {colouredZones} from './zones.js';
 
 const points = (list) => list.map(([x, y]) => `${x},${y}`).join(' ');
-const MARK = 26;  // pixels that an access point takes
+const MARK = 26;  // size of an access point in pixels
 const BESIDE = 22;  // from the middle of a mark to that of its name
 
 export function drawnShape(shape) {
@@ -56,7 +56,7 @@ export class Plan {
     this.name(view);
   }
 
-  // Access points before zones before furniture: what is asked for most has its place first.
+  // Access points before zones before furniture: the most relevant names are placed first.
   name(view) {
     const labels = new Labels(view);
     for (const {at} of this.fixed) labels.reserve(boxAbout(view.toPixel(...at), MARK * view.unit, MARK * view.unit));
@@ -75,7 +75,7 @@ export class Plan {
     }
   }
 
-  // What access points do is known of the present alone.
+  // The state of access points is available for the present only.
   showSources(model, isPresent = true) {
     for (const one of this.fixed) {
       if (!one.id) continue;
@@ -106,7 +106,7 @@ function directionOf([x, y], view) {
   return (Math.atan2(to[1] - from[1], to[0] - from[0]) * 180) / Math.PI;
 }
 
-// In the mark's own pixels, about which the text is drawn.
+// In the mark's own pixels, around the origin of the text.
 function placeBeside(text, [x, y], labels, view) {
   const {width} = labels.sizeOf(text);
   const [up, aside] = [BESIDE * view.unit, 15 * view.unit + width / 2];
@@ -115,7 +115,7 @@ function placeBeside(text, [x, y], labels, view) {
   text.setAttribute('transform', `translate(${(at[0] - x) / view.unit} ${(at[1] - y) / view.unit})`);
 }
 
-// In a corner of the zone, as a tag; else on its edge or in its middle.
+// In a corner of the zone, as a tag; otherwise on its edge or in its middle.
 function placeZone({zone, name, tag, label}, labels, view) {
   const around = 7;
   const {width, height} = labels.sizeOf(name, around);
@@ -133,7 +133,7 @@ function placeZone({zone, name, tag, label}, labels, view) {
   tag.setAttribute('x', -width / view.unit / 2);
 }
 
-// Only where it has room: on the drawing of a whole floor it would be in the way.
+// Only if there is room: on the drawing of a whole floor it would be in the way.
 function placeFurniture({text, low, high}, labels, view) {
   const [[left, bottom], [right, top]] = [view.toPixel(...low), view.toPixel(...high)];
   const {width, height} = labels.sizeOf(text, 0);
@@ -145,7 +145,7 @@ function placeFurniture({text, low, high}, labels, view) {
   if (at) text.setAttribute('transform', `translate(${at.join(' ')}) scale(${view.unit})`);
 }
 
-// "chair_seat" and "chair_back" that stand together are one chair. The largest first.
+// Adjacent "chair_seat" and "chair_back" are one chair. The largest first.
 export function furnitureOf(shapes) {
   const pieces = new Map();
   for (const {kind, name, area} of shapes) {

@@ -1,4 +1,4 @@
-// The controls of the recordings that raylocd plays, where it does: they act for everybody who looks.
+// The controls of the recordings that raylocd plays, if it does: they act for all viewers.
 import {ask} from './ask.js';
 import {byId, html, number, setText} from './draw.js';
 
@@ -18,15 +18,15 @@ export class Playback {
     this.speed = byId('playback-speed');
     this.dragging = false;
     this.busy = false;
-    this.asked = null;  // what is to be asked for next
+    this.asked = null;  // the next request
     this.shownSpeed = null;
     byId('playback-play').addEventListener('click', () => this.toggle());
     this.speed.addEventListener('change', () => {
-      this.shownSpeed = null;  // what is chosen need not become of it
+      this.shownSpeed = null;  // a chosen value may be refused
       this.ask({speed: this.speed.value});
     });
     this.slider.addEventListener('input', () => { this.dragging = true; });
-    // A drag that ends where it began is no change; one that is comes first.
+    // A drag that ends where it began fires no change event; a real change is handled first.
     for (const end of ['pointerup', 'pointercancel', 'blur']) {
       this.slider.addEventListener(end, () => setTimeout(() => { this.dragging = false; }));
     }
@@ -61,7 +61,7 @@ export class Playback {
     event.preventDefault();
   }
 
-  // One question at a time; of what is asked for meanwhile the last counts.
+  // One request at a time; of the changes made meanwhile the last is sent.
   async ask(change) {
     this.asked = {...this.asked, ...change};
     if (this.busy) return;
@@ -82,12 +82,12 @@ export class Playback {
     this.busy = false;
   }
 
-  // [s] of what is played, where it is by now, or will be when what is asked for has been done.
+  // [s] of played time: the current position, or that after the pending request.
   position() {
     const wanted = this.asked?.position ?? this.sent?.position;
     if (wanted !== undefined) return this.model.played(wanted);
     const {playing, position, speed, at, length} = this.model.playback;
-    // It may have been paused since the last word.
+    // It may have been paused since the last message.
     const until = this.model.now() - (this.model.quiet ? this.model.silence : 0);
     const since = playing && speed ? (speed * (until - at)) / 1000 : 0;
     return Math.min(length, Math.max(0, position + since));
@@ -97,7 +97,7 @@ export class Playback {
     const {playback} = this.model;
     this.group.hidden = !playback;
     byId('playback-keys').hidden = !playback;
-    byId('review').hidden = Boolean(playback);  // one goes back by moving the recording itself
+    byId('review').hidden = Boolean(playback);  // with a recording, the past is reached by seeking
     if (!playback) return;
     this.slider.max = playback.length;
     const position = this.dragging ? Number(this.slider.value) : this.position();
@@ -111,7 +111,7 @@ export class Playback {
     this.showSpeed(playback.speed === undefined ? 'max' : String(playback.speed));
   }
 
-  // Only when it has changed: somebody may be about to choose another one.
+  // Only when it has changed: a person may be about to choose another one.
   showSpeed(value) {
     if (this.busy || value === this.shownSpeed) return;
     this.shownSpeed = value;

@@ -1,4 +1,4 @@
-// The sites of a raylocd that has several: each with its state, and the way to its map.
+// The sites of a raylocd that has several: each with its state, and a link to its map.
 import {ask} from './ask.js';
 import {byId, html, setText} from './draw.js';
 

@@ -1,18 +1,18 @@
-// The room in three dimensions, isometric, as `rayloc scene show` draws it; and the ways that the wave takes
-// from the device heard last, or the one that is selected, to the access points.
+// The room in three dimensions, isometric, as `rayloc scene show` draws it; and the propagation
+// paths from the device received last, or the selected one, to the access points.
 import {ask} from './ask.js';
 import {byId, setText, svg} from './draw.js';
 import {Labels} from './labels.js';
 
 const ASK_MS = 1000;
 const ROOM_MS = 60_000;
-const STEPS = [-3, -8, -14];  // [dB] below the strongest; map.css has one kind more
+const STEPS = [-3, -8, -14];  // [dB] below the strongest; map.css has one class more
 
 export class Solid {
   constructor(view, changed) {
     this.view = view;
     this.changed = changed;
-    this.names = null;  // of the room that is drawn
+    this.names = null;  // names of the drawn room
     this.channels = [];
     byId('solid-look').addEventListener('click', () => this.toggle());
     byId('map').addEventListener('keydown', (event) => {
@@ -33,14 +33,14 @@ export class Solid {
     this.look();
   }
 
-  // Another room has come.
+  // Called when the room changes.
   forget() {
     this.names = null;
     if (this.view.isSolid) this.fetch();
   }
 
   async fetch() {
-    const number = this.asked = (this.asked ?? 0) + 1;  // an answer to an older question is of another room
+    const number = this.asked = (this.asked ?? 0) + 1;  // answers to older requests are obsolete
     try {
       const room = await ask('api/v1/solid', {}, ROOM_MS);
       if (number !== this.asked) return;
@@ -68,20 +68,20 @@ export class Solid {
     byId('solid').replaceChildren(this.room, ...this.names.map(({text}) => text));
   }
 
-  // While it is looked at.
+  // Called while the view is visible.
   async look() {
     clearTimeout(this.next);
     if (!this.view.isSolid) return;
     try {
       this.channels = document.hidden ? [] : await ask('api/v1/channel');
     } catch {
-      this.channels = [];  // the map itself says that raylocd does not answer
+      this.channels = [];  // the map itself reports that raylocd does not answer
     }
     this.changed();
     this.next = setTimeout(() => this.look(), ASK_MS);
   }
 
-  // selected: the key of a target, or null. Ways are known of the present alone. taken: where names stand already.
+  // selected: the key of a target, or null. Paths: present only. taken: places of existing names.
   place(selected, isPresent, taken = []) {
     if (!this.view.isSolid || !this.names) return;
     const {view} = this;
@@ -104,7 +104,7 @@ export class Solid {
 
 const TOGETHER = 1;  // [m]
 
-// Pieces of one thing, as "chair_seat" and "chair_back", have one name, on the highest of them.
+// Pieces of an object ("chair_seat" and "chair_back") have one name, on the highest of them.
 export function wholeNames(names) {
   const whole = new Map();
   for (const {name, at} of names) {

@@ -1,4 +1,4 @@
-// The tables of access points and of events, and what the daemon says of itself.
+// The tables of access points and of events, and the daemon's messages about itself.
 import {byId, clock, html, number, setText} from './draw.js';
 import {seconds} from './words.js';
 
@@ -14,8 +14,8 @@ function rowOf(id) {
   return rows.get(id);
 }
 
-// Datagrams and frames that came, or were on their way, and are in no estimate, as in `rayloc top`
-// (daemon/http/ROUTES.md). What was refused as no CSI and frames of which a part is missing count by themselves.
+// Datagrams and frames that were received or sent and are in no estimate, as in `rayloc top`
+// (daemon/http/ROUTES.md). Datagrams rejected as no CSI and partial frames are counted separately.
 const LOSSES = {kernel_drops: 'dropped by the kernel', ring_dropped: 'dropped here', late: 'late', frames_dropped: 'frames dropped'};
 
 // "0", or "3 (late 2, frames dropped 1)".
@@ -64,9 +64,9 @@ export function showDaemon(heartbeat) {
   setText(byId('daemon'), `raylocd ${heartbeat.software_version}, ${fixes} fixes since ${clock(Date.parse(heartbeat.started))}`);
 }
 
-const items = new Map();  // of the list, by event
+const items = new Map();  // items of the list, by event
 
-// Only what is new is written: what stands there is not read again, and keeps its selection.
+// Only new items are written: existing ones are not read out again, and keep their selection.
 export function showEvents(events) {
   const list = byId('event-rows');
   const kept = new Set(events);

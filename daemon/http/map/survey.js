@@ -1,9 +1,9 @@
-// The survey that is walked: tap where you stand; raylocd counts the frames.
+// The survey in progress: the person taps the current position; raylocd counts the frames.
 import {ask} from './ask.js';
 import {byId, html, number, setText, svg} from './draw.js';
 
 const AGAIN_MS = 1000;
-const ENOUGH = 20;  // frames of each access point, as rayloc survey asks for
+const ENOUGH = 20;  // frames of each access point, as in rayloc survey
 
 export class Survey {
   constructor(view, say) {
@@ -14,7 +14,7 @@ export class Survey {
     byId('survey-leave').addEventListener('click', () => this.ask('do=leave'));
   }
 
-  // Only where somebody counts frames.
+  // Only if a survey is in progress.
   async begin() {
     try {
       this.show(await ask('api/v1/survey'));

@@ -4,8 +4,8 @@ import {placesOf} from './places.js';
 import {Methods} from './methods.js';
 import {trackStateText} from './words.js';
 
-const LIKELY = 0.2;  // drawn wider
-const CLOSE_PX = 12;  // what is nearer to the mark would only hide it
+const LIKELY = 0.2;  // probability from which it is drawn wider
+const CLOSE_PX = 12;  // closer hypotheses would be hidden by the mark
 const FADING_MS = 4000;  // from one step of a trail to the next (map.css)
 const FADED = 4;  // the last step
 
@@ -116,7 +116,7 @@ export class Targets {
   }
 }
 
-// In a room that is seen from its side a line leads down to the floor.
+// In an isometric view a line leads down to the floor.
 function place({marker, drop, text}, at, view) {
   marker.setAttribute('transform', view.mark(at.x, at.y, at.z));
   const [x, y] = view.toPixel(at.x, at.y, at.z);
@@ -127,7 +127,7 @@ function place({marker, drop, text}, at, view) {
   text.setAttribute('text-anchor', isAtEdge ? 'end' : 'start');
 }
 
-// The older, the thinner and paler: a line for each step of age, each from the last point of the one before.
+// Older parts are thinner and paler: a line for each step of age, joined to the one before.
 function fading(trail, view) {
   const stepOf = ({age}) => Math.min(FADED, Math.floor((age ?? 0) / FADING_MS));
   const lines = [];
@@ -146,7 +146,7 @@ function label(target, location, stale) {
   return doubts(location).length > 0 ? `${target.name}, doubtful` : target.name;
 }
 
-// What a person should know of where it is said to be. Of hypotheses of one place none is another place.
+// Caveats about its stated position. Hypotheses of one place are not separate places.
 function doubts(location) {
   const {position, quality} = location;
   if (!position) return [];
@@ -166,8 +166,8 @@ function drawnRegion({region: {major, minor, angle}, at}, view, name) {
   });
 }
 
-// The outer one is what is published: a circle about the position. The inner one holds half of all that is
-// stated; where this place does not have so much, half of what it has.
+// The outer one is the published one: a circle about the position. The inner one holds half of the
+// total stated probability; if this place has less, half of the place's probability.
 function regions(location, view) {
   const {position, accuracy_m: radius, accuracy_confidence: confidence} = location;
   const drawn = [];
@@ -187,7 +187,7 @@ function regions(location, view) {
   return drawn;
 }
 
-// Other places where it may be, each with its probability and half of that as a region.
+// Other possible places, each with its probability and a region of half of it.
 function ghosts(location, view) {
   const {mark, others} = placesOf(location);
   const far = ({at}) => view.scale * Math.hypot(at.x - mark.at.x, at.y - mark.at.y) > CLOSE_PX * view.unit;

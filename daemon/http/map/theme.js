@@ -1,11 +1,11 @@
-// Light or dark, as the system has it or as somebody chose.
+// Light or dark, by the system's setting or by the person's choice.
 import {byId, setText} from './draw.js';
 
 const THEMES = {auto: 'as the system', light: 'light', dark: 'dark'};
 const systemDark = matchMedia('(prefers-color-scheme: dark)');
 let theme = remembered('theme') || 'auto';
 
-// Where the browser keeps nothing of a site, it throws.
+// A browser that stores no data of a site throws here.
 function remembered(name) {
   try {
     return localStorage.getItem(`rayloc-${name}`);
@@ -18,7 +18,7 @@ function remember(name, value) {
   try {
     localStorage.setItem(`rayloc-${name}`, value);
   } catch {
-    // Then it holds as long as the page is open.
+    // The choice is then valid while the page is open.
   }
 }
 

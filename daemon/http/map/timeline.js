@@ -1,5 +1,5 @@
-// Which moment the map shows: the present, or one of those that this page has seen, standing still
-// or running at some speed.
+// The moment that the map shows: the present, or a past one that this page has received, paused or
+// advancing at some speed.
 import {byId, clock, setText} from './draw.js';
 
 export class Timeline {
@@ -32,7 +32,7 @@ export class Timeline {
     else this.running = !this.running;
   }
 
-  // A button that is disabled loses the focus, and whoever uses keys their place on the page.
+  // A disabled button loses the focus, and a keyboard user the position on the page.
   enableLive(enabled) {
     const button = byId('live');
     if (!enabled && document.activeElement === button) byId('play').focus();

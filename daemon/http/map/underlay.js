@@ -1,22 +1,22 @@
-// A picture to draw over: the floor plan that somebody has as PNG. It stays in this page; nothing of it is sent or
-// written.
+// A picture under the drawing: a person's floor plan as PNG. It stays in this page; no part of it
+// is sent or written.
 //
-// place: {corner, pixel}: where its lower left corner is on the floor, and how long one of its pixels is there [m].
+// place: {corner, pixel}: its lower left corner on the floor, and the length of a pixel [m].
 import {byId, setText, svg} from './draw.js';
 
-const USUAL = 0.5;  // of how clearly it shows
+const USUAL = 0.5;  // initial opacity
 const PDF = '%PDF';
 
-// So that it is as long as that from one place of the floor to another; what is at the first stays there.
+// Scales it to the given `length` between two places of the floor; the first place is fixed.
 export function scaled({corner, pixel}, [from, to], length) {
   const by = length / Math.hypot(to[0] - from[0], to[1] - from[1]);
   return {pixel: pixel * by, corner: corner.map((one, i) => from[i] + (one - from[i]) * by)};
 }
 
-// What is at the first place is at the other then.
+// Moves the content at the first place to the second.
 export const carried = ({corner, pixel}, [from, to]) => ({pixel, corner: corner.map((one, i) => one + to[i] - from[i])});
 
-// Before anybody has said a length: around the middle of the room, and within it.
+// Before a length is given: around the middle of the room, and within it.
 export function fitted([width, height], {min, max}) {
   const pixel = Math.min((max[0] - min[0]) / width, (max[1] - min[1]) / height);
   return {pixel, corner: [width, height].map((one, i) => (min[i] + max[i] - one * pixel) / 2)};
@@ -27,7 +27,7 @@ export class Underlay {
   constructor(editor) {
     this.editor = editor;
     this.picture = null;  // {url, size}
-    this.between = null;  // two places of the floor whose distance is asked for
+    this.between = null;  // two places of the floor whose distance is requested
     byId('underlay-file').addEventListener('change', ({target}) => {
       if (target.files[0]) this.take(target.files[0]);
       target.value = '';
@@ -111,7 +111,7 @@ export class Underlay {
     this.editor.stirred();
   }
 
-  // On the drawing, under all else.
+  // On the drawing, below all other shapes.
   show(matrix) {
     const group = byId('underlay-picture');
     byId('map').classList.toggle('over-picture', Boolean(this.picture));

@@ -1,12 +1,12 @@
-// Where the world is on the map: metres to pixels of the drawing, y down. From above, or isometric from the
-// south-west, as `rayloc scene show` draws (daemon/draw/projection.h).
+// The position of the world on the map: metres to pixels of the drawing, y down. From above, or
+// isometric from the south-west, as `rayloc scene show` draws (daemon/draw/projection.h).
 //
-// The fitting view shows the bounds of the room with 0.3 m around them, as large as they go into the
-// drawing with 16 pixels left free on each side, in its middle.
+// The fitting view shows the bounds of the room with a margin of 0.3 m, centred and as large as the
+// drawing allows with 16 free pixels on each side.
 const AROUND = 0.3;
 const FREE = 16;
 const [ACROSS, UP] = [Math.sqrt(1 / 2), Math.sqrt(1 / 6)];
-// Where a metre along x, y and z leads on the drawing.
+// Direction of a metre along x, y and z on the drawing.
 const LOOKS = {
   plan: [[1, 0], [0, -1], [0, 0]],
   solid: [[ACROSS, -UP], [-ACROSS, -UP], [0, -2 * UP]],
@@ -18,11 +18,11 @@ export class View {
     this.changed = changed;
     this.fitting = true;
     this.scale = 100;
-    this.unit = 1;  // pixels of the drawing that a mark's own pixel takes: large screens are seen from afar
+    this.unit = 1;  // drawing pixels per mark pixel: large screens are seen from a distance
     this.look = 'plan';
     this.centre = [0, 0];  // [m] on the drawing, y down
     this.bounds = {min: [0, 0, 0], max: [1, 1, 1]};
-    this.measure();  // what is drawn before the observer's first word has a place, too
+    this.measure();  // shapes drawn before the observer's first call need a position, too
     new ResizeObserver(() => this.resize()).observe(element);
     this.listen();
   }
@@ -57,7 +57,7 @@ export class View {
     this.resize();
   }
 
-  // How high the drawing is for its width, for a page that is as narrow as it (map.css).
+  // Height of the drawing relative to its width, for a page as narrow as the drawing (map.css).
   shape() {
     const {low, high} = this.extent();
     this.element.style.setProperty('--tall', (high[1] - low[1]) / (high[0] - low[0]));
@@ -97,7 +97,7 @@ export class View {
     ];
   }
 
-  // On the floor, of a pixel of the window.
+  // The point on the floor for a pixel of the window.
   toWorld(clientX, clientY) {
     const box = this.element.getBoundingClientRect();
     const across = this.centre[0] + (clientX - box.left - this.width / 2) / this.scale;
@@ -107,12 +107,12 @@ export class View {
     return [(d * across - c * down) / determinant, (a * down - b * across) / determinant];
   }
 
-  // Puts a mark there that is drawn about 0, 0.
+  // Places a mark that is drawn about 0, 0 at that point.
   mark(x, y, z = 0) {
     return `translate(${this.toPixel(x, y, z).join(' ')}) scale(${this.unit})`;
   }
 
-  // Lays on the floor there what is drawn about 0, 0 in pixels as seen from above.
+  // Places a shape that is drawn about 0, 0 in pixels, as seen from above, flat on the floor.
   flat(x, y) {
     const [[a, b], [c, d]] = LOOKS[this.look];
     return `matrix(${[a, b, -c, -d, ...this.toPixel(x, y)].join(' ')})`;
@@ -124,7 +124,7 @@ export class View {
     this.changed();
   }
 
-  // About a pixel that stays where it is.
+  // Keeps one pixel fixed.
   zoom(factor, px = this.width / 2, py = this.height / 2) {
     const fit = this.fitScale || this.scale;
     const scale = Math.min(fit * 60, Math.max(fit / 8, this.scale * factor));
@@ -135,7 +135,7 @@ export class View {
     this.changed();
   }
 
-  // Of what is drawn on the floor in metres, y up.
+  // The matrix of shapes drawn on the floor in metres, y up.
   matrix() {
     const [[a, b], [c, d]] = LOOKS[this.look];
     return `matrix(${[...[a, b, c, d].map((one) => one * this.scale), ...this.toPixel(0, 0)].join(' ')})`;

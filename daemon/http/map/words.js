@@ -1,4 +1,4 @@
-// What has happened, as somebody would tell it who knows nothing of tracks and of sources.
+// Texts of events, for a reader without knowledge of tracks and sources.
 export const seconds = (duration) => (duration ? parseFloat(duration) : 0);
 
 export const isPerson = (target) => !target.mac && !target.hashed_mac;
@@ -35,7 +35,7 @@ export function trackText({target, state, reason}) {
   }[word(state, 'TRACK_STATE_')] ?? `${name}${because}`;
 }
 
-// Why it counts as outside when it was seen there is for the log.
+// The reason for counting as outside despite being located there is for the log.
 const isUsual = (reason) => !reason || reason.startsWith('its probability was');
 
 export function zoneText(event) {

@@ -1,4 +1,4 @@
-// Zones that are near to one another look different: by colour, and by their dashes for who sees none.
+// Neighbouring zones have different colours, and different dashes for readers who see no colours.
 const KINDS = 4;  // map.css
 const NEAR = 1;   // [m]
 
@@ -8,7 +8,7 @@ function near([aLow, aHigh], [bLow, bHigh]) {
   return [0, 1].every((i) => aLow[i] < bHigh[i] + NEAR && bLow[i] < aHigh[i] + NEAR);
 }
 
-// Each with the first kind that none of its neighbours before has: {zone, kind}.
+// Assigns each the first kind that no earlier neighbour has: {zone, kind}.
 export function colouredZones(zones) {
   const boxes = zones.map(boxOf);
   const kinds = [];

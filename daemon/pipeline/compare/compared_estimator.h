@@ -1,5 +1,5 @@
-// ComparedEstimator: the estimator of a site whose bursts other methods locate as well. What it
-// says is the inner one's, unchanged; the others get each burst once that was given out.
+// ComparedEstimator: the estimator of a site whose bursts other methods locate as well. Its results
+// are the inner one's, unchanged; the others get each burst once those are published.
 #pragma once
 
 #include <memory>

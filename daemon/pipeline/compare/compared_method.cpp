@@ -15,7 +15,7 @@ namespace {
 constexpr Duration kSilenceStep = std::chrono::milliseconds(100);  // of event time
 constexpr std::size_t kThreadName = 15;                            // pthread_setname_np(3)
 
-// Where it is refused the thread keeps its priority.
+// If the scheduling policy is refused the thread keeps its priority.
 void yield_to_others() {
   const sched_param none{};
   (void)pthread_setschedparam(pthread_self(), SCHED_IDLE, &none);
@@ -56,7 +56,7 @@ void ComparedMethod::stop() {
   }
 }
 
-// Open where it could not be had.
+// Returns an unlocked lock if it could not be acquired in time.
 std::unique_lock<std::mutex> ComparedMethod::lock_soon() {
   const auto deadline = std::chrono::steady_clock::now() + options_.patience;
   std::unique_lock lock(mutex_, std::try_to_lock);
@@ -88,7 +88,7 @@ void ComparedMethod::advance(Timestamp time) {
   {
     const auto lock = lock_soon();
     if (!lock.owns_lock()) {
-      return;  // the next one says more
+      return;  // the next call covers this time as well
     }
     open_ = std::max(open_, time);
     if (!has_work()) {
@@ -115,7 +115,7 @@ void ComparedMethod::drop_waiting() {
   }
 }
 
-// Silence is looked at where nothing waits: only then do its bursts lie behind `open_`.
+// Silence is processed when no burst waits: only then do the bursts of `open_` lie before it.
 bool ComparedMethod::has_work() const {
   return !restart_.empty() || !waiting_.empty() || open_ >= advanced_ + kSilenceStep;
 }
@@ -133,7 +133,7 @@ void ComparedMethod::run() {
   }
 }
 
-// `lock` is open while an estimator works.
+// `lock` is released while an estimator works.
 void ComparedMethod::work(std::unique_lock<std::mutex>& lock) {
   Estimates estimates;
   if (const std::string reason = std::exchange(restart_, {}); !reason.empty()) {
@@ -153,7 +153,7 @@ void ComparedMethod::work(std::unique_lock<std::mutex>& lock) {
   lock.lock();
 }
 
-// Events of tracks are the site's method's own.
+// Track events are published by the site's own method only.
 void ComparedMethod::publish(Estimates& estimates) {
   for (Location& location : estimates.locations) {
     (location.is_filtered()       ? filtered_
@@ -166,7 +166,7 @@ void ComparedMethod::publish(Estimates& estimates) {
   }
 }
 
-// What is in flight is what is left: so the law holds at every instant.
+// In flight are the remaining bursts, so that the law holds at every instant.
 ComparedMethodCounters ComparedMethod::counters() const {
   ComparedMethodCounters counters;
   counters.explained = explained_.load();

@@ -1,11 +1,11 @@
-// ComparedMethod: a method that locates the same bursts as that of the site, so that both can be
-// seen side by side (COMPARED.md).
+// ComparedMethod: a method that locates the same bursts as the site's method, so that both can be
+// compared side by side (COMPARED.md).
 //
-// It works on a thread of its own, at the lowest priority and without the help of other threads.
-// What waits for it is bounded as in a BurstQueue: a newer burst of a transmitter takes the place
-// of the older, which is counted. The estimation thread waits for it no longer than
-// Options::patience: where the queue is in use for longer, as a thread of lowest priority may hold
-// it, the burst is dropped and counted, too. restart(), a seek in a recording, waits for the lock.
+// It works on its own thread, at the lowest priority and without the help of other threads. Its
+// waiting bursts are bounded as in a BurstQueue: a newer burst of a transmitter replaces the older,
+// which is counted. The estimation thread waits for it no longer than Options::patience: if the
+// queue is locked for longer, which a thread of lowest priority may cause, the burst is dropped and
+// counted, too. restart(), a seek in a recording, waits for the lock.
 //
 // Thread safety: add(), advance() and restart() for the estimation thread; start() and stop() for
 // one other; counters() from any.
@@ -28,7 +28,7 @@
 
 namespace rayloc {
 
-// bursts = explained + dropped + in_flight, of those that it wants.
+// bursts = explained + dropped + in_flight, for the bursts that it wants.
 struct ComparedMethodCounters {
   std::uint64_t bursts = 0;
   std::uint64_t explained = 0;
@@ -37,22 +37,22 @@ struct ComparedMethodCounters {
   std::uint64_t fixes = 0;  // snapshots with a position
   std::uint64_t no_fixes = 0;
   std::uint64_t filtered = 0;   // estimates of trackers
-  std::uint64_t coalesced = 0;  // estimates that gave way to newer ones before they were sent
+  std::uint64_t coalesced = 0;  // estimates that were replaced by newer ones before they were sent
 };
 
 class ComparedMethod {
  public:
   struct Options {
     std::string name;
-    std::size_t max_frames = 8192;  // that wait
+    std::size_t max_frames = 8192;  // of the waiting bursts
     std::chrono::steady_clock::duration patience = std::chrono::milliseconds(1);
-    // Whose bursts it locates by, and who comes first when there is too little time.
+    // Transmitters whose bursts it processes, and their priority when there is too little time.
     std::function<bool(const MacAddress& transmitter)> wants = [](const MacAddress&) {
       return true;
     };
     RankOf rank = [](const MacAddress&) { return Rank::kOther; };
   };
-  // Takes what it finds; true: an older estimate gave way to it.
+  // Takes a result; true: it replaced an older estimate.
   using Sink = std::function<bool(Location&& location)>;
 
   ComparedMethod(Options options, std::vector<std::unique_ptr<Estimator>> estimators);
@@ -62,7 +62,7 @@ class ComparedMethod {
 
   const std::string& name() const { return options_.name; }
   void start(Sink sink);
-  // Returns when the burst that it is at is explained; what waits is dropped.
+  // Returns when the current burst is processed; waiting bursts are dropped.
   void stop();
 
   bool wants(const MacAddress& transmitter) const { return options_.wants(transmitter); }
@@ -84,15 +84,15 @@ class ComparedMethod {
 
   const Options options_;
   const std::vector<std::unique_ptr<Estimator>> owned_;
-  EstimatorList estimators_;  // its own thread's
+  EstimatorList estimators_;  // used by its own thread
   Sink sink_;
   std::mutex mutex_;
   std::condition_variable wake_;
   BurstQueue waiting_;                     // guarded by mutex_
   Timestamp newest_ = Timestamp::min();    // guarded by mutex_; of bursts that were added
   Timestamp open_ = Timestamp::min();      // guarded by mutex_; as of advance()
-  Timestamp advanced_ = Timestamp::min();  // guarded by mutex_; what the estimators know of it
-  std::string restart_;                    // guarded by mutex_; why they begin anew
+  Timestamp advanced_ = Timestamp::min();  // guarded by mutex_; as passed to the estimators
+  std::string restart_;                    // guarded by mutex_; reason of a pending restart
   bool stopping_ = false;                  // guarded by mutex_
   std::atomic<std::uint64_t> added_{0};
   std::atomic<std::uint64_t> explained_{0};

@@ -13,7 +13,7 @@ namespace {
 
 std::string octets(const MacAddress& mac) { return {mac.octets.begin(), mac.octets.end()}; }
 
-// Of another length: no transmitter has it.
+// All zero for another length: no transmitter has that address.
 MacAddress mac_of(const std::string& octets) {
   MacAddress mac;
   if (octets.size() == mac.octets.size()) {
@@ -91,7 +91,7 @@ void set_zones(const ZoneStays& zones, v1::Carried* message) {
   }
 }
 
-// Every occupant states the same zones, and those inside of one have the places 1, 2, ...
+// Every occupant lists the same zones, and the occupants inside a zone have the places 1, 2, ...
 Expected<ZoneStays> zones_of(const v1::Carried& message) {
   ZoneStays zones;
   for (const v1::CarriedOccupant& occupant : message.occupants()) {

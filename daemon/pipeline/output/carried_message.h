@@ -1,5 +1,5 @@
-// Carried as the public message (proto/rayloc/v1/carried.proto). Both are functions of their
-// argument: the same value gives the same bytes, and comes back.
+// Carried as the public message (proto/rayloc/v1/carried.proto). Both functions depend on their
+// argument alone: the same value gives the same bytes, and the bytes give the value.
 #pragma once
 
 #include "daemon/pipeline/warm/carried.h"
@@ -10,7 +10,7 @@ namespace rayloc {
 
 v1::Carried carried_message(const Carried& carried);
 
-// An Error (kBadInput) that says what of the message contradicts itself.
+// Returns an Error (kBadInput) that describes a contradiction in the message.
 Expected<Carried> carried_of(const v1::Carried& message);
 
 }  // namespace rayloc

@@ -1,7 +1,7 @@
-// PublisherStage: the thread that owns the Publisher: takes what the sites have to say (SiteOutput)
-// and a heartbeat's worth of counters of each every so often, and says goodbye at the end.
+// PublisherStage: the thread that owns the Publisher: takes the output of the sites (SiteOutput)
+// and periodically the counters of each for a heartbeat, and sends goodbyes at the end.
 //
-// Thread safety: any thread, where nothing else is said.
+// Thread safety: any thread, unless stated otherwise.
 #pragma once
 
 #include <atomic>
@@ -32,32 +32,32 @@ class PublisherStage {
   PublisherStage(const PublisherStage&) = delete;
   PublisherStage& operator=(const PublisherStage&) = delete;
 
-  // For a site that is being opened: it may speak, and is heard once it is added.
+  // For a site that is being opened: it may produce output, which is published once it is added.
   std::shared_ptr<SiteOutput> make_output(SiteOutput::Options options);
-  // What it says is published from now on, and its status is asked for, after start().
+  // Its output is published from now on, and its status is requested, after start().
   void add(const std::shared_ptr<SiteOutput>& output);
-  // What waits of it is still published, and its last heartbeat; with `goodbye`, that too. The site
-  // is not asked any more once this has returned.
+  // Its waiting output and its last heartbeat are still published and, if given, the `goodbye`. The
+  // status of the site is not requested any more once this has returned.
   void remove(const std::shared_ptr<SiteOutput>& output, const std::optional<std::string>& goodbye);
 
   // One thread, as finish() and halt().
   void start();
-  // Publishes what waits, a last heartbeat and the goodbye of each site, and ends the thread.
+  // Publishes waiting output, a last heartbeat and the goodbye of each site; ends the thread.
   void finish(const std::string& reason);
-  // Ends the thread without a goodbye, after which no site is asked any more: for a start that came
-  // half-way. Done by the destructor as well.
+  // Ends the thread without a goodbye, after which no status is requested: for an incomplete start.
+  // Done by the destructor as well.
   void halt();
 
   const std::string& endpoint() const { return publisher_.endpoint(); }
   PublishedCounters published() const;
   const StageProgress& progress() const { return progress_; }
-  // From the next heartbeat on.
+  // Applies from the next heartbeat on.
   void set_heartbeat(Duration heartbeat) { heartbeat_ = heartbeat.count(); }
 
  private:
   struct Leaving {
     std::shared_ptr<SiteOutput> output;
-    std::optional<StatusMessages> status;  // the last
+    std::optional<StatusMessages> status;  // last status
     std::optional<std::string> goodbye;
   };
 

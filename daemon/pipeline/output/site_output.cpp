@@ -7,7 +7,7 @@
 
 namespace rayloc {
 
-// True: there were `most`, and one was replaced.
+// True: `most` were waiting, and one was replaced.
 bool SiteOutput::keep(Location&& location, std::size_t most, std::deque<WaitingLocation>& waiting) {
   std::uint32_t coalesced = 0;
   const bool is_full = waiting.size() >= most;
@@ -17,7 +17,7 @@ bool SiteOutput::keep(Location&& location, std::size_t most, std::deque<WaitingL
              one.location.context.method == location.context.method &&
              target_component(one.location.target) == target_component(location.target);
     });
-    // With more targets than places the oldest of another one has to go: it counts as well.
+    // With more targets than places the oldest of another target is removed; it counts as well.
     const auto replaced = same == waiting.end() ? waiting.begin() : same;
     coalesced = same == waiting.end() ? 0 : replaced->coalesced + 1;
     waiting.erase(replaced);
@@ -90,7 +90,7 @@ SiteOutput::Waiting SiteOutput::take() {
     const std::lock_guard lock(mutex_);
     waiting = std::exchange(waiting_, {});
   }
-  // Where the lock is held somebody is about to call wake_().
+  // If the lock is held, its holder is about to call wake_().
   if (const std::unique_lock lock(compared_mutex_, std::try_to_lock); lock.owns_lock()) {
     waiting.compared = std::exchange(compared_, {});
   }

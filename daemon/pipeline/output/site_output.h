@@ -1,13 +1,13 @@
-// SiteOutput: what one site has to say, until the publisher's thread takes it (publisher_stage.h).
+// SiteOutput: the output of one site, until the publisher's thread takes it (publisher_stage.h).
 //
 // The estimation never waits for it: when more locations wait than `max_waiting`, the oldest one of
-// the same target and kind is replaced by the newer, which says so (Envelope.coalesced); of as many
-// events the oldest is dropped, and counted. Queues are of one site alone: one that says much
-// displaces nothing of another.
+// the same target and kind is replaced by the newer, which states this (Envelope.coalesced); with
+// as many events the oldest is dropped and counted. Queues belong to one site: a site with much
+// output displaces none of another.
 //
 // Thread safety: location() and event() from one thread; compared(), tap() and counters() from any;
-// take() and report() from the publisher's. compared() has a lock of its own that nobody waits for:
-// its callers have the lowest priority.
+// take() and report() from the publisher's. compared() has a separate lock that no other function
+// waits for: its callers have the lowest priority.
 #pragma once
 
 #include <cstdint>
@@ -35,11 +35,11 @@ struct SiteOutputCounters {
   std::uint64_t coalesced = 0;
   std::uint64_t events_dropped = 0;
   std::uint64_t csi_dropped = 0;
-  // Of all sites together, as of the last time that the publisher had something to say.
+  // Totals of all sites together, as of the publisher's last update.
   PublishedCounters published;
 };
 
-// What is said once per heartbeat; filled from the counters of all stages.
+// Content of one heartbeat; filled from the counters of all stages.
 struct StatusMessages {
   v1::Heartbeat heartbeat;
   std::vector<v1::SourceState> sources;
@@ -49,13 +49,13 @@ class SiteOutput : public LocationSink, public FrameTap {
  public:
   struct Options {
     std::string site;                               // part of every topic
-    std::shared_ptr<MessageBoard> board = nullptr;  // where its viewers look; may be null
+    std::shared_ptr<MessageBoard> board = nullptr;  // source of its viewers' messages; may be null
     std::size_t max_waiting = 1024;
     std::size_t max_waiting_csi = 8192;  // frames
     std::function<StatusMessages(Timestamp now)> status;
-    // What the clock of `sent` is later than event time; zero when empty.
+    // Lead of the clock of `sent` over event time; zero when empty.
     std::function<Duration()> clock_ahead = {};
-    // What the transmitter of a frame is called outside.
+    // Published name of a frame's transmitter.
     std::function<std::string(const CsiFrame& frame)> name = {};
   };
   using Event = std::variant<TrackEvent, ZoneEvent>;
@@ -63,19 +63,19 @@ class SiteOutput : public LocationSink, public FrameTap {
   explicit SiteOutput(Options options) : options_(std::move(options)) {}
 
   const Options& options() const { return options_; }
-  // Called whenever something waits that nobody has been told of; set before anything is said.
+  // Called whenever new output waits for the publisher; set before the first output.
   void on_something(std::function<void()> wake) { wake_ = std::move(wake); }
 
   void location(Location&& location) override;
-  // Of a method that is compared with the site's own; these displace nothing but each other. True:
-  // an older one was replaced.
+  // Output of a method that is compared with the site's own; it replaces only output of such
+  // methods. True: an older one was replaced.
   bool compared(Location&& location);
   void event(TrackEvent&& event) override { keep(std::move(event)); }
   void event(ZoneEvent&& event) override { keep(std::move(event)); }
-  // Of messages that somebody else has made; as events, but in their order.
+  // For messages that were built by other code; as events, but in their order.
   using Message = std::variant<v1::Location, v1::TrackEvent, v1::ZoneEvent>;
   void say(Message&& message);
-  // Of frames that are to be published as they are; from any thread.
+  // Frames that are to be published unchanged; from any thread.
   void tap(const std::string& access_point, std::span<const CsiFrame> frames) override;
 
   struct WaitingLocation {
@@ -93,7 +93,7 @@ class SiteOutput : public LocationSink, public FrameTap {
     std::deque<WaitingCsi> csi;
     std::deque<WaitingLocation> compared;
   };
-  // What waits, and nothing afterwards.
+  // Returns the waiting output and removes it.
   Waiting take();
   // `options.status`, unless it is closed.
   std::optional<StatusMessages> report(Timestamp now);
@@ -114,7 +114,7 @@ class SiteOutput : public LocationSink, public FrameTap {
   std::mutex compared_mutex_;
   std::deque<WaitingLocation> compared_;  // guarded by compared_mutex_
   SiteOutputCounters counters_;           // guarded by mutex_
-  std::mutex status_mutex_;               // held while the site is asked
+  std::mutex status_mutex_;               // held while the status of the site is requested
   bool closed_ = false;                   // guarded by status_mutex_
 };
 

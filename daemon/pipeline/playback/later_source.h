@@ -1,5 +1,5 @@
-// LaterSource: a recording from some time on. What lies before is counted as rejected, as
-// "before_the_start".
+// LaterSource: a recording from a given time on. Earlier datagrams are counted as rejected, with
+// the reason "before_the_start".
 #pragma once
 
 #include <atomic>

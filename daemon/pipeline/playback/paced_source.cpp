@@ -32,7 +32,7 @@ Pace::Clock::time_point Pace::due(std::size_t recording, Timestamp next) {
     origin_ = now;
   }
   next_[recording] = next;
-  // Nothing is skipped that another recording may still bring.
+  // No time is skipped in which another recording may still deliver.
   Timestamp earliest = next;
   for (const std::optional<Timestamp>& other : next_) {
     earliest = std::min(earliest, other.value_or(Timestamp::min()));

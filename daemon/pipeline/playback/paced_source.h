@@ -1,9 +1,9 @@
-// PacedSource: a recording given out at the pace at which it was made, or N times faster.
+// PacedSource: plays a recording at the pace at which it was made, or N times faster.
 //
-// Several recordings that belong together share one Pace, so that they stay in step. The datagrams
-// and their times are those of the recording: what is computed from them does not depend on speed.
-// Where none of them has anything for longer than `max_gap` nobody waits longer than that: the
-// device was away, or a clock was set.
+// Several recordings that belong together share one Pace and stay synchronised. The datagrams and
+// their times are those of the recording: results do not depend on speed. Where none of them
+// contains data for longer than `max_gap` playback does not wait longer than that: the device was
+// absent, or a clock was set.
 #pragma once
 
 #include <atomic>
@@ -19,8 +19,8 @@
 
 namespace rayloc {
 
-// Maps event time to the steady clock. The first datagram that any source shows is "now".
-// Thread safety: any thread.
+// Maps event time to the steady clock. The first datagram of any source is "now". Thread safety:
+// any thread.
 class Pace {
  public:
   using Clock = std::chrono::steady_clock;
@@ -28,9 +28,9 @@ class Pace {
   // speed: recorded seconds per second, > 0.
   explicit Pace(double speed, Duration max_gap = kMaxGap) : speed_(speed), max_gap_(max_gap) {}
 
-  // A recording that is to stay in step; its number.
+  // Adds a recording that is to stay synchronised; returns its number.
   std::size_t join();
-  // It has ended: nobody waits for it.
+  // The recording has ended: the others do not wait for it.
   void leave(std::size_t recording);
 
   // The instant at which a datagram of that event time is due, which is the next one of a recording
@@ -45,7 +45,7 @@ class Pace {
   std::mutex mutex_;
   std::optional<Timestamp> event_origin_;
   Clock::time_point origin_;
-  // By recording: the next datagram. Nothing: not known yet.
+  // By recording: the next datagram. Empty: not read yet.
   std::vector<std::optional<Timestamp>> next_;
 };
 
@@ -65,7 +65,7 @@ class PacedSource : public DatagramSource {
   std::unique_ptr<DatagramSource> recording_;
   std::shared_ptr<Pace> pace_;
   const std::size_t number_;
-  DatagramBatch pending_;  // read from the recording; datagrams from next_ on are still to come
+  DatagramBatch pending_;  // read from the recording; datagrams from next_ on are still pending
   std::size_t next_ = 0;
 };
 

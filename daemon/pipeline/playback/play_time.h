@@ -1,5 +1,5 @@
-// PlayTime: how long recordings take to be played at speed 1, without what nobody waits for: where
-// none of them holds anything for longer than `max_gap`, what is longer is skipped.
+// PlayTime: the duration of recordings at speed 1 without long gaps: where none of them contains
+// data for longer than `max_gap`, the excess is skipped.
 #pragma once
 
 #include <vector>
@@ -11,7 +11,7 @@ namespace rayloc {
 
 class PlayTime {
  public:
-  // `busy`: when something was recorded, in order and apart. REQUIRES: not empty.
+  // `busy`: spans that contain data, in order and disjoint. REQUIRES: not empty.
   PlayTime(const std::vector<TimeSpan>& busy, Duration max_gap);
 
   Timestamp begin() const { return begin_; }
@@ -19,7 +19,7 @@ class PlayTime {
   Duration length() const { return played(end_); }
   // From the beginning to that time.
   Duration played(Timestamp time) const;
-  // When that is reached: what is skipped has been then.
+  // The time at which that is reached: after any skipped span.
   Timestamp recorded(Duration played) const;
 
   // In order. At most kMostSkipped, the longest.

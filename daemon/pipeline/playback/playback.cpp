@@ -8,7 +8,7 @@ namespace {
 
 // Real time by which sources may be late before the clock waits for them.
 constexpr double kLateness = 0.5;            // [s]
-constexpr double kMaxPlaybackWait = 3600.0;  // [s], at once; a gap may be one of years
+constexpr double kMaxPlaybackWait = 3600.0;  // [s] per wait; a gap may last years
 
 Duration times(double seconds, double speed) {
   return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(seconds * speed));
@@ -33,7 +33,7 @@ Timestamp Playback::position() const {
     return std::clamp(given_, anchor_, time_.end());
   }
   const std::chrono::duration<double> elapsed = options_.now() - anchored_;
-  // In floating point: years of a clock that nobody stops are no overflow.
+  // In floating point: years of a clock that is never stopped do not overflow.
   const Duration from = time_.played(anchor_);
   if (elapsed.count() * *speed_ >= to_seconds(time_.length() - from)) {
     return time_.end();
@@ -44,7 +44,7 @@ Timestamp Playback::position() const {
 
 Timestamp Playback::due() const { return playing_ && !speed_ ? time_.end() : position(); }
 
-// Nothing: not by itself.
+// Empty: the time is not reached without a change.
 std::optional<Playback::Clock::time_point> Playback::when(Timestamp time) const {
   if (!playing_ || !speed_) {
     return std::nullopt;

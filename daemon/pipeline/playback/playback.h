@@ -1,14 +1,14 @@
-// Playback: the one clock of all recordings that a daemon runs on, and where people hold it: they
-// pause it, change its speed and move it to another place of the recordings.
+// Playback: the one clock of all recordings that a daemon runs on, and its user control: pause,
+// speed, and seeks to another position of the recordings.
 //
-// Sources (PlaybackSource) ask it what is due. A move is a new Place, which each of them goes to by
-// itself: it begins a little (`lead_in`) before the position asked for, so that the estimates of
-// that position are there at once, paused or not.
+// Sources (PlaybackSource) read from it which datagrams are due. A seek creates a new Place, and
+// each source moves there by itself: it begins slightly (`lead_in`) before the requested position,
+// so that the estimates of that position are available immediately, paused or not.
 //
-// Where the recordings hold nothing for longer than `max_gap`, it jumps over what is longer.
+// Where the recordings contain no data for longer than `max_gap`, it skips the excess.
 //
-// The clock never runs away from a source that gives its datagrams later than they are due, because
-// the estimator has not kept up: it is set back. So what is paused stands still.
+// The clock never runs ahead of a source that gives its datagrams later than they are due because
+// the estimator is behind: it is set back. A paused recording therefore does not advance.
 //
 // Thread safety: all members from any thread.
 #pragma once
@@ -32,18 +32,17 @@ class Playback {
   using Clock = std::chrono::steady_clock;
 
   struct Options {
-    // When any of the recordings holds something (busy_times()), from the first datagram to the
-    // last. REQUIRES: not empty.
+    // Spans in which any of the recordings contains data (busy_times()), from the first datagram to
+    // the last. REQUIRES: not empty.
     std::vector<TimeSpan> busy = {};
-    std::optional<double> speed =
-        1.0;  // recorded seconds per second, > 0; nothing: as fast as it goes
+    std::optional<double> speed = 1.0;  // recorded seconds per second, > 0; empty: at maximum speed
     Duration lead_in = std::chrono::milliseconds(700);
-    Duration max_gap = kMaxGap;  // the longest that is waited where there is nothing
+    Duration max_gap = kMaxGap;  // maximum wait where there are no data
     std::function<Clock::time_point()> now = [] { return Clock::now(); };
   };
   explicit Playback(Options options);
 
-  // ---- For people.
+  // ---- User control.
   enum class Running : std::uint8_t { kPlaying, kPaused, kEnded };
   struct State {
     Running running = Running::kPlaying;
@@ -52,34 +51,34 @@ class Playback {
     Timestamp position;
     std::optional<double> speed;
     std::uint64_t moves = 0;
-    std::vector<TimeSpan> skipped = {};  // what is not waited for, in order
+    std::vector<TimeSpan> skipped = {};  // spans that playback skips, in order
   };
   State state() const;
 
-  // What is to change; the rest stays. REQUIRES: speed > 0.
+  // Requested changes; the rest stays. REQUIRES: speed > 0.
   struct Change {
-    std::optional<bool> play = {};  // at the end: from the beginning on
+    std::optional<bool> play = {};  // at the end: restarts from the beginning
     std::optional<std::optional<double>> speed = {};
-    std::optional<Timestamp> position = {};  // brought between begin and end
+    std::optional<Timestamp> position = {};  // clamped to begin and end
   };
-  // The state after it.
+  // Returns the state after the change.
   State change(const Change& change);
 
-  // ---- For sources.
+  // ---- Interface of sources.
   struct Place {
-    std::uint64_t number = 0;           // of the move; 0: the beginning
-    Timestamp from = Timestamp::min();  // nothing earlier is given
+    std::uint64_t number = 0;           // of the seek; 0: the beginning
+    Timestamp from = Timestamp::min();  // no earlier datagram is given out
   };
   Place place() const;
 
   // Waits until a datagram of that time is due, the place is no longer the `number`th, or until
-  // `deadline`. Returns up to which time datagrams are due; Timestamp::min() at another place.
+  // `deadline`. Returns the time up to which datagrams are due; Timestamp::min() at another place.
   Timestamp wait_for(Timestamp next, std::uint64_t number, Clock::time_point deadline);
 
   // Waits until the place is no longer the `number`th, or until `deadline`.
   void wait_at_end(std::uint64_t number, Clock::time_point deadline);
 
-  // A datagram of that time was given out.
+  // Reports that a datagram of that time was given out.
   void given(Timestamp time, std::uint64_t number);
 
  private:
@@ -96,10 +95,10 @@ class Playback {
   // All guarded by mutex_.
   std::optional<double> speed_;
   bool playing_ = true;
-  bool started_ = false;        // a source has asked
+  bool started_ = false;        // a source has called
   Timestamp anchor_;            // was the position ...
   Clock::time_point anchored_;  // ... at this instant
-  Timestamp given_;             // the latest since the last move
+  Timestamp given_;             // latest since the last seek
   Place place_;
 };
 

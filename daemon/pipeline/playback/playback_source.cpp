@@ -6,7 +6,7 @@
 namespace rayloc {
 namespace {
 
-// Before a read that passes over datagrams comes back to say that it is alive.
+// Maximum number of reads while passing over datagrams, before read() returns to report progress.
 constexpr int kReadsAtOnce = 64;
 
 }  // namespace
@@ -45,7 +45,7 @@ Expected<void> PlaybackSource::go_to(const Playback::Place& place) {
   return {};
 }
 
-// Until there is something to give, or for a while.
+// Reads until datagrams are ready, or for a limited number of reads.
 Expected<void> PlaybackSource::read_on(Duration timeout) {
   for (int i = 0; i < kReadsAtOnce && next_ == pending_.datagrams.size() && !pending_.ended; ++i) {
     next_ = 0;

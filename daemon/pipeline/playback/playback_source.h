@@ -1,9 +1,9 @@
-// PlaybackSource: a recording that follows a Playback: its datagrams when they are due, then those
-// of another place.
+// PlaybackSource: a recording that follows a Playback: it gives out datagrams when they are due,
+// then those of the next position.
 //
-// At the end of the recording it rests and waits to be moved. What is passed over on the way to
-// another place was not received: it is in no counter. What had been read and not given out when
-// the move came is not, either: received = delivered + sum(rejected) holds over all places.
+// At the end of the recording it waits for a seek. Datagrams passed over on the way to another
+// position, and those read but not given out at the time of a seek, count as not received and are
+// in no counter: received = delivered + sum(rejected) holds over all positions.
 #pragma once
 
 #include <functional>
@@ -43,10 +43,10 @@ class PlaybackSource : public DatagramSource {
   const std::string description_;
   std::unique_ptr<DatagramSource> recording_;
   Playback::Place place_;
-  DatagramBatch pending_;  // read from the recording; datagrams from next_ on are still to come
+  DatagramBatch pending_;  // read from the recording; datagrams from next_ on are still pending
   std::size_t next_ = 0;
-  bool passing_ = false;    // over what lies before the place
-  SourceCounters passed_;   // of the recording, when it came to the place
+  bool passing_ = false;    // over datagrams before the place
+  SourceCounters passed_;   // of the recording, on arrival at the place
   SourceCounters earlier_;  // of other places
   SourceCounters here_;     // of this one
   mutable std::mutex mutex_;

@@ -8,7 +8,7 @@ namespace rayloc {
 namespace {
 
 constexpr std::size_t kPieceBytes = std::size_t{64} << 10U;
-// A piece goes as a whole: with few datagrams it must not get old either.
+// A piece is removed as a whole: with few datagrams it must not become too old either.
 constexpr Duration kPieceLength = std::chrono::milliseconds(500);
 
 }  // namespace
@@ -49,7 +49,7 @@ void DatagramRing::moved() {
 
 // REQUIRES: the mutex is held.
 void DatagramRing::seal() {
-  // What its vectors have reserved and do not use counts nowhere, and may be as much again.
+  // Unused capacity of its vectors is not counted, and may be as large again.
   open_.entries.shrink_to_fit();
   open_.payloads.shrink_to_fit();
   bytes_ += open_.bytes();

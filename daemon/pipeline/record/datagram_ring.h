@@ -1,9 +1,9 @@
-// DatagramRing: the last half a minute of what one source received, in memory, to be written when
-// something has gone wrong (ring_snapshots.h).
+// DatagramRing: the last half a minute of the datagrams of one source, in memory, to be written
+// after a fault (ring_snapshots.h).
 //
-// Bounded in time (that of the datagrams) and in bytes: what is oldest goes, in pieces of about
-// 64 KiB. Thread safety: tap() from one thread, contents() from any; neither waits for more than
-// the copying of a batch.
+// Bounded in time (that of the datagrams) and in bytes: the oldest datagrams are removed, in pieces
+// of about 64 KiB. Thread safety: tap() from one thread, contents() from any; neither waits for
+// more than the copying of a batch.
 #pragma once
 
 #include <cstddef>
@@ -23,10 +23,10 @@ class DatagramRing : public DatagramTap {
   DatagramRing(Duration length, std::size_t max_bytes) : length_(length), max_bytes_(max_bytes) {}
 
   void tap(std::span<const Datagram> datagrams) override;
-  // Forgets: files are in order of time.
+  // Clears the ring: files are in order of time.
   void moved() override;
 
-  // Datagrams in a row, with their payloads behind one another.
+  // Consecutive datagrams, with contiguous payloads.
   struct Piece {
     struct Entry {
       Timestamp time;
@@ -39,7 +39,7 @@ class DatagramRing : public DatagramTap {
     // They point into the piece.
     std::vector<Datagram> datagrams() const;
   };
-  // What it holds, the oldest first; stays as it is while the ring goes on.
+  // Its content, the oldest first; unchanged while the ring continues.
   std::vector<std::shared_ptr<const Piece>> contents();
 
  private:

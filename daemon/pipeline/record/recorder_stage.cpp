@@ -31,7 +31,7 @@ void RecorderStage::tap(std::span<const Datagram> datagrams) {
   const std::lock_guard lock(mutex_);
   for (const Datagram& datagram : datagrams) {
     ++counters_.tapped;
-    // Once one was dropped the gap goes on until the buffer is taken: it has one mark.
+    // After a drop the gap continues until the buffer is taken: it has one mark.
     if (waiting_.dropped > 0 || waiting_.bytes.size() + datagram.payload.size() > buffer_bytes_) {
       ++counters_.dropped;
       waiting_.dropped_from = waiting_.dropped == 0 ? datagram.time : waiting_.dropped_from;

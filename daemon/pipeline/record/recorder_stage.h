@@ -1,7 +1,7 @@
-// RecorderStage: writes what one source receives to recordings, on a thread of its own, so that a
+// RecorderStage: writes the datagrams of one source to recordings, on a separate thread, so that a
 // slow disk never delays the receiving thread.
 //
-// Between the two lies a bounded buffer; when the disk cannot follow, the newest datagrams are
+// Between the two is a bounded buffer; when the disk cannot keep up, the newest datagrams are
 // dropped, counted, and marked in the recording. A batch is written at least every 100 ms.
 //
 // Thread safety: tap() from one thread; counters(), set_limits() from any.
@@ -46,16 +46,16 @@ class RecorderStage : public DatagramTap {
 
   void tap(std::span<const Datagram> datagrams) override;
 
-  // Writes what waits, closes the file and ends the thread; tap() must not be called any more.
+  // Writes waiting datagrams, closes the file, ends the thread; tap() must not be called again.
   void finish();
 
-  // From the next batch on.
+  // Applies from the next batch on.
   void set_limits(const RecordingLimits& limits);
   RecorderStageCounters counters() const;
   const StageProgress& progress() const { return progress_; }
 
  private:
-  // Datagrams with their payloads behind one another in `bytes`.
+  // Datagrams with contiguous payloads in `bytes`.
   struct Buffer {
     struct Entry {
       Timestamp time;
@@ -64,7 +64,7 @@ class RecorderStage : public DatagramTap {
     };
     std::vector<Entry> entries;
     std::vector<std::byte> bytes;
-    // Behind the entries, for want of room.
+    // After the entries, for lack of room.
     std::uint64_t dropped = 0;
     Timestamp dropped_from{};
     Timestamp dropped_to{};

@@ -61,7 +61,7 @@ std::vector<Recording> recordings_in(const fs::path& folder) {
   return found;
 }
 
-// The writer of a daemon that was killed a moment ago may still hold its file.
+// The writer of a daemon that was just killed may still hold its file.
 Expected<RecordingRepair> repair_patiently(const std::string& path, Timestamp now) {
   constexpr int kAttempts = 50;
   constexpr auto kPause = std::chrono::milliseconds(20);

@@ -119,7 +119,7 @@ void RingSnapshots::write(const File& file) {
                                       : datagrams.error().message));
 }
 
-// How many datagrams it holds.
+// Returns the number of its datagrams.
 Expected<std::uint64_t> RingSnapshots::write_file(const File& file,
                                                   std::uint64_t min_free_bytes) const {
   std::uint64_t bytes = 0;

@@ -1,10 +1,10 @@
-// RingSnapshots: writes what the rings of all sources hold to recordings, when it is asked to.
+// RingSnapshots: writes the content of the rings of all sources to recordings, on request.
 //
-// One file per source, AP-snapshot-20261121T140509Z.pcap, by a thread of its own: who asks never
-// waits for a disk, which may be what has gone wrong, and no stage has to get on for it. They are
-// recordings like others: bounded in total, repaired after a crash.
+// One file per source, AP-snapshot-20261121T140509Z.pcap, by a separate thread: the requester never
+// waits for a disk, which may be the faulty part, and no stage has to make progress for it. They
+// are recordings like others: bounded in total, repaired after a crash.
 //
-// Thread safety: any thread, where nothing else is said.
+// Thread safety: any thread, unless stated otherwise.
 #pragma once
 
 #include <condition_variable>
@@ -23,7 +23,7 @@ namespace rayloc {
 
 struct RingSnapshotCounters {
   std::uint64_t files = 0;   // written
-  std::uint64_t failed = 0;  // that could not be written
+  std::uint64_t failed = 0;  // files that could not be written
 };
 
 class RingSnapshots {
@@ -34,7 +34,7 @@ class RingSnapshots {
   };
   struct Limits {
     std::uint64_t max_total_bytes = 0;  // of the recordings in the folder
-    std::uint64_t min_free_bytes = 0;   // of its disk, that a snapshot leaves
+    std::uint64_t min_free_bytes = 0;   // of its disk, not used by a snapshot
   };
 
   RingSnapshots(std::vector<Source> sources, std::filesystem::path folder, const Limits& limits);
@@ -42,21 +42,21 @@ class RingSnapshots {
   RingSnapshots(const RingSnapshots&) = delete;
   RingSnapshots& operator=(const RingSnapshots&) = delete;
 
-  // Takes what the rings hold now, and begins to write it; the paths that the files will have.
+  // Takes the current content of the rings, and begins to write it; returns the paths of the files.
   // kUnavailable while another is being written, and when the rings are empty.
   Expected<std::vector<std::string>> request();
 
-  // Ends what is being written, and takes no further request; done by the destructor as well. One
-  // thread.
+  // Completes the current snapshot, and takes no further request; done by the destructor as well.
+  // One thread.
   void finish();
 
-  // Hold from the next file on.
+  // Apply from the next file on.
   void set_limits(const Limits& limits);
 
-  // It rests even while it writes: a disk that does not answer costs a snapshot and nothing else.
+  // It rests even while it writes: a disk that does not answer costs only the snapshot.
   const StageProgress& progress() const { return progress_; }
   RingSnapshotCounters counters() const;
-  // What was written and what could not be, since the last call; a line each, for the log.
+  // Written and failed files since the last call; one line each, for the log.
   std::vector<std::string> news();
 
  private:

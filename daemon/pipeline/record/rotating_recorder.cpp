@@ -16,9 +16,9 @@
 namespace rayloc {
 namespace {
 
-constexpr std::chrono::seconds kLookInterval{1};  // at the room on the disk
-constexpr std::chrono::seconds kTidyInterval{5};  // of the folder; what a power failure may cost
-constexpr std::size_t kMaxGaps = 8;               // that wait for a file
+constexpr std::chrono::seconds kLookInterval{1};  // of checks of the free room on the disk
+constexpr std::chrono::seconds kTidyInterval{5};  // of the folder; maximum loss at a power failure
+constexpr std::size_t kMaxGaps = 8;               // waiting for a file
 
 }  // namespace
 
@@ -30,7 +30,7 @@ RotatingRecorder::RotatingRecorder(RotatingRecorderOptions options)
   if (!options_.free_bytes) {
     options_.free_bytes = [folder = options_.folder] { return free_disk_bytes(folder); };
   }
-  if (make_recording_folder(options_.folder)) {  // else open_first_file() says so
+  if (make_recording_folder(options_.folder)) {  // otherwise open_first_file() reports it
     look_at_the_disk();
   }
   open_first_file();
@@ -38,7 +38,7 @@ RotatingRecorder::RotatingRecorder(RotatingRecorderOptions options)
 
 RotatingRecorder::~RotatingRecorder() { close(); }
 
-// Makes the next file the one that is written; the one before is closed and gets its name.
+// Opens the next file for writing; the one before is closed and gets its name.
 Expected<void> RotatingRecorder::open_file() {
   if (Expected<void> made = make_recording_folder(options_.folder); !made) {
     return made;
@@ -58,7 +58,7 @@ Expected<void> RotatingRecorder::open_file() {
     }
     recorder_.emplace(std::move(*created));
   }
-  // Until it is closed: a daemon that starts meanwhile must not take it for a leftover.
+  // Until it is closed: a daemon that starts meanwhile must not treat it as a leftover.
   flock(recorder_->descriptor(), LOCK_EX | LOCK_NB);
   opened_ = options_.steady();
   records_ = 0;
@@ -106,7 +106,7 @@ void RotatingRecorder::look_at_the_disk() {
   looked_ = options_.steady();
   const std::uint64_t least = options_.limits.min_free_bytes;
   const std::uint64_t free = options_.free_bytes();
-  // Somewhat more to go on than to stop, or it would do both every second.
+  // Resuming needs somewhat more room than stopping, to avoid doing both every second.
   const bool stop = free < (counters_.stopped ? least + least / 16 : least);
   counters_.stops += stop && !counters_.stopped ? 1U : 0U;
   if (stop) {
@@ -119,7 +119,7 @@ void RotatingRecorder::look_at_the_disk() {
   counters_.stopped = stop;
 }
 
-// As long as there is none: what stands in the way now may be gone in a second.
+// While no file is open: the obstacle may be removed within a second.
 void RotatingRecorder::open_first_file() {
   if (!recorder_ && !counters_.stopped) {
     const Expected<void> opened = open_file();
@@ -136,7 +136,7 @@ void RotatingRecorder::rotate() {
   const bool old = now - opened_ >= options_.limits.rotate_every;
   if ((full || old) && now >= rotate_next_) {
     const Expected<void> opened = open_file();
-    rotate_error_ = opened ? "" : opened.error().message;  // the old file goes on
+    rotate_error_ = opened ? "" : opened.error().message;  // the old file continues
     rotate_next_ = opened ? now : now + kLookInterval;
   }
 }
@@ -206,7 +206,7 @@ Expected<void> RotatingRecorder::append(std::span<const Datagram> batch) {
   return written;
 }
 
-// The marks point to `texts`.
+// The marks refer to `texts`.
 void RotatingRecorder::mark_gaps(std::vector<Datagram>& batch,
                                  std::vector<std::string>& texts,
                                  Timestamp time) const {

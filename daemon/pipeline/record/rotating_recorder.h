@@ -1,9 +1,9 @@
 // RotatingRecorder: the recordings of one source, one file after the other, within limits.
 //
-// A file is closed when it is long or old enough: brought to the disk, and only then given its name
-// without kPartSuffix. The oldest recordings of the folder go when all together take too much. With
-// too little room on the disk nothing is recorded until there is room again. Whatever is not
-// recorded is counted, and marked in the file where it is missing (capture/record/recording_gap.h).
+// A file is closed at a maximum length or age: synced to the disk, then renamed without
+// kPartSuffix. The oldest recordings of the folder are deleted when all together exceed the limit.
+// With too little room on the disk nothing is recorded until there is room again. All unrecorded
+// data are counted, and marked in the file at their position (capture/record/recording_gap.h).
 //
 // Thread safety: one thread.
 #pragma once
@@ -24,7 +24,7 @@
 
 namespace rayloc {
 
-// What a reload may change.
+// Limits that a reload may change.
 struct RecordingLimits {
   std::uint64_t rotate_bytes = std::uint64_t{256} << 20U;        // a longer file is closed
   std::chrono::nanoseconds rotate_every{std::chrono::hours(1)};  // an older one is closed
@@ -36,7 +36,7 @@ struct RotatingRecorderOptions {
   std::filesystem::path folder;
   std::string name;  // the files are NAME-20261121T140509Z.pcap
   RecordingLimits limits;
-  // For names and marks: the machine's clock; and how time goes on. Replaced in tests.
+  // For names and marks: the machine's clock; and the monotonic clock. Replaced in tests.
   std::function<Timestamp()> now;
   std::function<std::chrono::steady_clock::time_point()> steady = std::chrono::steady_clock::now;
   std::function<std::uint64_t()> free_bytes;  // free_disk_bytes(folder) when empty
@@ -49,18 +49,18 @@ struct RotatingRecorderCounters {
   std::uint64_t lost = 0;     // not recorded: no room, or the disk failed
   std::uint64_t bytes = 0;    // written, headers included
   std::uint64_t files = 0;    // closed
-  std::uint64_t removed = 0;  // recordings that had to go
+  std::uint64_t removed = 0;  // recordings that were deleted
   std::uint64_t gaps = 0;     // marked in the files
-  std::uint64_t stops = 0;    // times that there was too little room
-  bool stopped = false;       // now
-  std::string error;          // of the disk, as it is now; empty when all is well
+  std::uint64_t stops = 0;    // events of too little room
+  bool stopped = false;       // current state
+  std::string error;          // current error of the disk; empty if there is none
 };
 
 class RotatingRecorder {
  public:
-  // Makes the folder, and opens a file. What stands in the way (too little room, a folder that
-  // cannot be written to) is counted and said as later (counters().error), and tried again every
-  // second: whoever records may go on without.
+  // Makes the folder, and opens a file. An obstacle (too little room, a folder that is not
+  // writable) is counted and reported as later (counters().error), and retried every second: the
+  // caller may continue without recording.
   explicit RotatingRecorder(RotatingRecorderOptions options);
   // Closes the file.
   ~RotatingRecorder();
@@ -68,16 +68,16 @@ class RotatingRecorder {
   RotatingRecorder& operator=(const RotatingRecorder&) = delete;
 
   // The whole batch is recorded or lost. To be called some ten times a second, with an empty batch
-  // when nothing came.
+  // when no data came.
   void write(std::span<const Datagram> batch);
-  // Datagrams that somebody before it had to drop: the next batch is written with their mark. They
+  // Datagrams that an earlier stage had to drop: the next batch is written with their mark. They
   // are not part of its counters.
   void note_dropped(std::uint64_t datagrams,
                     const std::string& reason,
                     Timestamp from,
                     Timestamp to);
 
-  // Marks what is missing, closes the file and gives it its name. Nothing may be written after it.
+  // Marks missing datagrams, closes the file and gives it its name. No write may follow.
   void close();
 
   void set_limits(const RecordingLimits& limits) { options_.limits = limits; }
@@ -100,16 +100,16 @@ class RotatingRecorder {
   void name_finished(const std::string& part);
 
   RotatingRecorderOptions options_;
-  std::optional<PcapRecorder> recorder_;  // none as long as none could be opened
+  std::optional<PcapRecorder> recorder_;  // empty while no file could be opened
   std::uint64_t records_ = 0;             // in the file
-  std::vector<RecordingGap> gaps_;        // that no file has a mark of yet
+  std::vector<RecordingGap> gaps_;        // without a mark in a file yet
   Timestamp last_{};                      // time of the last datagram written
   Debounce opened_;                       // the file
-  Debounce looked_;                       // at the disk
-  Debounce tidied_;                       // the folder
-  Debounce rotate_next_{};                // not before: the last attempt failed
-  std::string rotate_error_;              // of it
-  std::string name_error_;                // why the file before has not got its name
+  Debounce looked_;                       // last check of the disk
+  Debounce tidied_;                       // last clean-up of the folder
+  Debounce rotate_next_{};                // earliest next attempt: the last one failed
+  std::string rotate_error_;              // of that attempt
+  std::string name_error_;                // reason why the previous file has not got its name
   std::uint64_t synced_bytes_ = 0;        // of the file, as of tidied_
   RotatingRecorderCounters counters_;
 };

@@ -1,4 +1,4 @@
-// The machine's clock as event time: for what is named and stamped here, never for an estimate.
+// The machine's clock as event time: for names and stamps of files, never for an estimate.
 #pragma once
 
 #include "engine/base/timestamp.h"

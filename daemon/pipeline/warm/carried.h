@@ -1,9 +1,9 @@
-// Carried: what a successor of a pipeline has to be told, because the frames that it hears cannot
-// tell: numbers that were given, stays in zones, verdicts over many bursts, and where bursts start.
+// Carried: the state that a successor of a pipeline needs because it cannot be recovered from the
+// frames: assigned numbers, stays in zones, verdicts over many bursts, and starts of bursts.
 //
-// It is made at a *mark* of event time. Everything that refers to an instant before `done` has been
-// said by then; of what is left, all but this value comes back by listening to the last seconds
-// again (warm_start.h). Values, made of what was said and heard: the same frames give the same.
+// It is made at a *mark* of event time. All results for instants before `done` are published by
+// then; the remaining state except this value is recovered by processing the last seconds again
+// (warm_start.h). It is computed from results and frames only: the same frames give the same.
 #pragma once
 
 #include <cstdint>
@@ -19,13 +19,13 @@
 namespace rayloc {
 
 struct Carried {
-  // The people whom a fixed transmitter sees.
+  // The people that a fixed transmitter detects.
   struct People {
     MacAddress transmitter;
     std::uint64_t number = 0;         // of the track, or of the next one
-    std::optional<Timestamp> moment;  // that was looked at last, at the mark
+    std::optional<Timestamp> moment;  // last one processed, at the mark
   };
-  // The last frame of a fixed transmitter that the calibration's watch has looked at.
+  // The last frame of a fixed transmitter that the calibration monitor has processed.
   struct Watched {
     MacAddress transmitter;
     Timestamp last;
@@ -33,13 +33,13 @@ struct Carried {
 
   Timestamp done = Timestamp::min();
   OpenBursts open;  // at the mark; every one starts at `done` or later
-  // Of the living tracks, when the one that has been silent longest was heard: a successor that
-  // knows it listens again from before then. `done` where none is silent.
+  // Last frame of the living track that has been silent longest: a successor that continues it
+  // processes frames from before then. `done` if none is silent.
   Timestamp heard = Timestamp::max();
   NumberedTracks devices;
   std::vector<People> people;  // by transmitter
   ZoneStays zones;
-  std::vector<ChainState> chains;  // by access point, of those that are not as calibrated
+  std::vector<ChainState> chains;  // by access point, of those that differ from the calibration
   std::vector<CalibrationMonitor::Told> calibration;  // by access point
   std::vector<Watched> watched;                       // by transmitter
 };

@@ -6,11 +6,11 @@
 namespace rayloc {
 namespace {
 
-// Chosen: in which an assembler learns what the frames of each transmitter are made of. They are
-// of bursts that are over.
+// Chosen: time in which an assembler learns the composition of each transmitter's frames. Those
+// frames are of bursts that have ended.
 constexpr Duration kAssembly = std::chrono::seconds(1);
 
-// The last moment before the frames that are listened to.
+// The last instant before the frames that are processed again.
 template <typename Record>
 std::optional<Timestamp> moment_of(const MacAddress& transmitter, Record begin, Record end) {
   if (begin != end) {
@@ -50,7 +50,7 @@ Expected<WarmStart> warm_start(std::span<const Carried> records,
       last, records.rend(), [&](const Carried& record) { return record.open.at <= needed; });
   if (begin != records.rend()) {
     start.open = begin->open;
-    // Every open burst starts at `done` or later: that is when it was not over.
+    // Every open burst starts at `done` or later: earlier ones had ended.
     start.listen_from = begin->done - kAssembly;
   }
   for (Carried::People& people : carried.people) {

@@ -1,5 +1,5 @@
-// Where and how a pipeline begins that goes on in the place of another: it listens to the last
-// seconds again, without a word, and then says what the other one would have said.
+// Start of a pipeline that continues from another one: it processes the last seconds again without
+// output, and then reports what the other one would have reported.
 #pragma once
 
 #include <memory>
@@ -12,17 +12,17 @@
 namespace rayloc {
 
 struct WarmStart {
-  // The first datagram to read. Older ones are of bursts that are over.
+  // The first datagram to read. Older ones belong to bursts that have ended.
   Timestamp listen_from = Timestamp::min();
   OpenBursts open;                         // PipelineOptions
   Timestamp from = Timestamp::min();       // PipelineOptions
-  std::shared_ptr<const Carried> carried;  // of the estimators; null: nothing
+  std::shared_ptr<const Carried> carried;  // for the estimators; null: none
 };
 
-// `records`: of the predecessor, in order of time; empty: nobody knows anything. `from`: when it
-// was heard last; nothing: at the end of the last record. At least `warm_up` is listened to before
-// that, and before the last frame of every target that was being followed. Where the records begin
-// later than that, everything is listened to. An Error (kBadInput) where none ends before `from`.
+// `records`: of the predecessor, in order of time; empty: no state. `from`: time of its last
+// output; empty: the end of the last record. At least `warm_up` is processed before that, and
+// before the last frame of every target that was being followed. Where the records begin later than
+// that, all datagrams are processed. An Error (kBadInput) if none ends before `from`.
 Expected<WarmStart> warm_start(std::span<const Carried> records,
                                std::optional<Timestamp> from,
                                Duration warm_up);

@@ -1,5 +1,5 @@
-// DeadChains: the receive chains that bring nothing any more, by the frames of all transmitters:
-// for the heartbeat, the log and the readiness. Locations name them by themselves.
+// DeadChains: the receive chains without CSI, from the frames of all transmitters: for the
+// heartbeat, the log and the readiness. Locations name them independently.
 #pragma once
 
 #include <cstddef>
@@ -16,13 +16,13 @@ namespace rayloc {
 
 class DeadChains {
  public:
-  // The frames of one burst. Whether something has changed.
+  // Adds the frames of one burst. True if the set of dead chains has changed.
   bool observe(const std::vector<CsiFrame>& frames, const RoomModel& room);
   std::vector<CalibrationWarning> warnings(const RoomModel& room) const;
   void restart() { dead_.clear(); }
 
  private:
-  std::map<std::pair<std::size_t, std::uint8_t>, bool> dead_;  // by access point and core
+  std::map<std::pair<std::size_t, std::uint8_t>, bool> dead_;  // by access point and chain
 };
 
 }  // namespace rayloc

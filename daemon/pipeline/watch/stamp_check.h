@@ -1,5 +1,5 @@
-// Time stamps that do not advance: by one of a whole recording, or by whole seconds. Frames that
-// share a stamp are one burst, whatever way the device went meanwhile: they give no position.
+// Time stamps that do not advance: one stamp for a whole recording, or whole seconds. Frames that
+// share a stamp are one burst, regardless of the device's motion: they give no position.
 //
 // One transmitter cannot send kStuckFrames frames within a microsecond. Fewer frames of one stamp
 // are usual: recorders read and stamp datagrams together.
@@ -25,24 +25,24 @@ struct StuckStamp {
   int access_point = 0;
   Timestamp time;
   std::size_t frames = 0;                                   // that share it
-  bool is_stuck() const { return frames >= kStuckFrames; }  // else of a whole second
+  bool is_stuck() const { return frames >= kStuckFrames; }  // otherwise of a whole second
 };
 
-// Of the frames of one transmitter, those of one access point that share a stamp; nothing where no
+// Among the frames of one transmitter, those of one access point that share a stamp; empty if no
 // stamp is wrong.
 std::optional<StuckStamp> stuck_stamp(std::span<const CsiFrame> frames);
 // "time stamps do not advance"; the same for every burst of a recording.
 std::string describe(const StuckStamp& stamp);
 
-// The records and frames of one source.
+// Checks the records and frames of one source.
 class StampTally {
  public:
-  // In the order in which they come.
+  // In the order of arrival.
   void add(std::span<const Datagram> datagrams);
   void add(std::span<const CsiFrame> frames);
 
-  // "90 of 178 records share the time stamp ...", with what follows from it; empty: nothing is
-  // wrong.
+  // "90 of 178 records share the time stamp ...", with the consequence; empty if there is no
+  // fault.
   std::string text() const;
 
  private:
@@ -50,7 +50,7 @@ class StampTally {
   std::size_t run_ = 0;  // of records with the last stamp
   std::size_t longest_run_ = 0;
   Timestamp record_;
-  Timestamp frame_;                             // the last stamp
+  Timestamp frame_;                             // last stamp
   std::map<MacAddress, std::size_t> of_stamp_;  // frames with it, by transmitter
   StuckStamp worst_;                            // of the frames
   std::size_t whole_seconds_ = 0;               // stamps with kFramesOfASecond frames

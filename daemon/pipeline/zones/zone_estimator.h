@@ -1,5 +1,5 @@
-// ZoneEstimator: an estimator whose locations say how probably they are in each zone of the site,
-// and that tells who enters and leaves (ZoneWatch).
+// ZoneEstimator: an estimator whose locations contain the probability of each zone of the site, and
+// that reports entries and exits (ZoneWatch).
 #pragma once
 
 #include <span>
@@ -14,7 +14,7 @@ namespace rayloc {
 
 class ZoneEstimator : public Estimator {
  public:
-  // `inner` outlives it. `before`: of the predecessor in whose place it begins; null: nobody.
+  // `inner` outlives it. `before`: state of the predecessor that it continues; null: none.
   ZoneEstimator(Estimator& inner,
                 const std::vector<SiteZone>& zones,
                 const Carried* before = nullptr);

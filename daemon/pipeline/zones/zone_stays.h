@@ -1,4 +1,4 @@
-// ZoneStays: who is in which zone, as a plain value: what a successor of a ZoneWatch is told.
+// ZoneStays: occupants of the zones, as a plain value: the initial state of a ZoneWatch.
 #pragma once
 
 #include <cstddef>
@@ -11,11 +11,11 @@
 
 namespace rayloc {
 
-// Of one target in one zone.
+// State of one target in one zone.
 struct ZoneStay {
   bool is_inside = false;
   bool has_dwelled = false;
-  std::optional<Timestamp> crossing;  // since when its probability speaks for the other side
+  std::optional<Timestamp> crossing;  // since its probability indicates the other side
   Timestamp entered;
   double probability = 0.0;
 };
@@ -28,7 +28,7 @@ struct ZoneStays {
   };
   std::vector<std::string> zones;   // their names
   std::vector<Occupant> occupants;  // by target_component()
-  // Of each zone the occupants inside, in the order in which they came.
+  // For each zone the occupants inside, in the order of entry.
   std::vector<std::vector<std::size_t>> inside;
 };
 

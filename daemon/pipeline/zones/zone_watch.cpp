@@ -35,7 +35,7 @@ void fill_zones(const std::vector<SiteZone>& zones, Location& location) {
   }
 }
 
-// A zone that the site no longer has is nobody's, and one that is new is empty.
+// A zone that the site no longer has is dropped, and a new one is empty.
 ZoneWatch::ZoneWatch(std::vector<SiteZone> zones, const ZoneStays& stays, Timestamp done)
     : ZoneWatch(std::move(zones)) {
   done_ = done;
@@ -201,7 +201,7 @@ void ZoneWatch::leave_all(Targets::iterator target, Timestamp time, const std::s
   targets_.erase(target);
 }
 
-// Those whose silence has lasted long enough at `before`, the longest silent first.
+// Removes targets whose silence has lasted long enough at `before`, the longest silent first.
 void ZoneWatch::forget_silent(Timestamp before) {
   while (!targets_.empty()) {
     const auto silent =

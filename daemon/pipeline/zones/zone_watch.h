@@ -1,15 +1,15 @@
-// ZoneWatch: who is in which zone, by filtered estimates, with hysteresis (SiteZone).
+// ZoneWatch: occupants of the zones, from filtered estimates, with hysteresis (SiteZone).
 //
 //   ZoneWatch watch(site.zones);
 //   watch.see(location);              // filtered, its `zones` filled
-//   watch.advance(time, events);      // nothing earlier comes any more
+//   watch.advance(time, events);      // no earlier estimate follows
 //
-// Event time only: estimates are taken in order of (time, target) whatever the order in which they
-// came, so that the same estimates give the same events, in order of their times. An estimate
-// without probabilities (NO_FIX), or of a tentative track, says nothing. A target whose track is
-// lost leaves its zones, and so does one of which nothing was heard for kSilence.
+// Event time only: estimates are processed in order of (time, target) whatever their order of
+// arrival, so that the same estimates give the same events, in order of their times. An estimate
+// without probabilities (NO_FIX), or of a tentative track, is ignored. A target whose track is lost
+// leaves its zones, and so does one without frames for kSilence.
 //
-// Memory is bounded by the targets that were heard within kSilence. Thread safety: for one thread.
+// Memory is bounded by the targets received within kSilence. Thread safety: for one thread.
 #pragma once
 
 #include <map>
@@ -26,31 +26,31 @@
 namespace rayloc {
 
 // Fills `location.zones`: the integral of its hypotheses over each zone. The residual probability
-// counts as outside. Nothing without a position or hypotheses.
+// counts as outside. No entries without a position or hypotheses.
 void fill_zones(const std::vector<SiteZone>& zones, Location& location);
 
 class ZoneWatch {
  public:
-  // Trackers give a silent target up after 5 s, and say so; this is for those that do not.
+  // Trackers end a silent track after 5 s, with an event; this is for those that do not.
   static constexpr Duration kSilence = std::chrono::seconds(10);
 
   explicit ZoneWatch(std::vector<SiteZone> zones) : zones_(std::move(zones)) {
     inside_.resize(zones_.size());
   }
-  // Goes on with what a predecessor has decided, by the estimates before `done`.
+  // Continues the decisions of a predecessor, made from the estimates before `done`.
   ZoneWatch(std::vector<SiteZone> zones, const ZoneStays& stays, Timestamp done);
 
-  // Keeps what a filtered estimate says until advance(); a snapshot says nothing.
-  // REQUIRES: `location.zones` is empty or as fill_zones() has it.
+  // Keeps a filtered estimate until advance(); ignores a snapshot. REQUIRES: `location.zones` is
+  // empty or as filled by fill_zones().
   void see(const Location& location);
 
-  // Appends what is decided by the estimates before `time`.
+  // Appends the events decided by the estimates before `time`.
   void advance(Timestamp time, std::vector<ZoneEvent>& events);
 
-  // What was decided until the last advance().
+  // Decisions up to the last advance().
   ZoneStays stays() const;
 
-  // Time may go back: decides by what it has, and then everybody leaves.
+  // Time may decrease: processes the waiting estimates, then every target leaves its zones.
   void restart(const std::string& reason, std::vector<ZoneEvent>& events);
 
  private:
@@ -82,10 +82,10 @@ class ZoneWatch {
                  Timestamp time);
 
   const std::vector<SiteZone> zones_;
-  Timestamp done_ = Timestamp::min();  // by the predecessor
+  Timestamp done_ = Timestamp::min();  // of the predecessor
   std::multimap<std::pair<Timestamp, std::string>, Sighting> held_;
   Targets targets_;                               // by target_component()
-  std::vector<std::vector<std::string>> inside_;  // of each zone, in the order they came
+  std::vector<std::vector<std::string>> inside_;  // for each zone, in the order of entry
   std::vector<ZoneEvent> said_;                   // since the last advance()
 };
 

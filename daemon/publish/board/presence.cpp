@@ -9,8 +9,8 @@
 namespace rayloc {
 namespace {
 
-constexpr double kLongestStep = 2.0;      // [s] between estimates of one who is still there
-constexpr std::size_t kMostTracks = 512;  // that are summed at once
+constexpr double kLongestStep = 2.0;      // [s] between estimates of a target that remains present
+constexpr std::size_t kMostTracks = 512;  // maximum number summed at once
 constexpr double kFarthest = 1e6;         // [m] from the origin
 
 }  // namespace
@@ -20,7 +20,7 @@ std::int64_t Presence::number_at(Timestamp time) const {
   return time.time_since_epoch() / std::max(slot, Duration{1});
 }
 
-// All messages tell the time, so that what is old goes also where nobody is.
+// All messages carry a time, so that old slots are also removed while no target is located.
 void Presence::forget(Timestamp now) {
   const std::int64_t oldest = number_at(now) - static_cast<std::int64_t>(kSlots) + 1;
   for (Slot& slot : slots_) {

@@ -1,8 +1,8 @@
-// Presence: where somebody was in the last hours, for how long. Of nobody in particular: what is
-// kept is a sum for each quarter of a square metre, in memory alone, and is forgotten in time.
+// Presence: the places and durations of all targets in the last hours, without identities: a sum
+// for each quarter of a square metre, in memory only, which is discarded in time.
 //
-// Memory is bounded: kSlots slices of time, each with kMostCells cells; what comes to more is
-// counted in `left_out`. Thread safety: one thread.
+// Memory is bounded: kSlots slices of time, each with kMostCells cells; the excess is counted in
+// `left_out`. Thread safety: one thread.
 #pragma once
 
 #include <array>
@@ -23,13 +23,13 @@ class Envelope;
 class Presence {
  public:
   static constexpr double kCell = 0.25;            // [m], along each side
-  static constexpr std::size_t kSlots = 24;        // of time
-  static constexpr std::size_t kMostCells = 1500;  // 94 m^2 in which somebody was within a slot
+  static constexpr std::size_t kSlots = 24;        // slices of time
+  static constexpr std::size_t kMostCells = 1500;  // 94 m^2 occupied within a slot
 
-  // `kept`: how long, positive; it is forgotten slot by slot.
+  // `kept`: retention time, positive; data is discarded slot by slot.
   explicit Presence(Duration kept) : kept_(kept) {}
 
-  // Filtered estimates count from the one before of the same track; all else does not.
+  // Filtered estimates count from the previous one of the same track; other messages are ignored.
   void add(const v1::Envelope& envelope);
 
   struct Cell {
@@ -44,7 +44,7 @@ class Presence {
  private:
   using Place = std::pair<std::int32_t, std::int32_t>;
   struct Slot {
-    std::int64_t number = 0;  // of its time, since 1970
+    std::int64_t number = 0;  // number of its time slice, since 1970
     std::map<Place, double> seconds;
   };
 
@@ -54,7 +54,7 @@ class Presence {
   Duration kept_;
   std::array<Slot, kSlots> slots_;
   using Track = std::pair<int, std::uint64_t>;  // kind and number: both kinds count from 1
-  std::map<Track, Timestamp> seen_;             // that were located just now
+  std::map<Track, Timestamp> seen_;             // tracks located recently
   std::uint64_t left_out_ = 0;
 };
 

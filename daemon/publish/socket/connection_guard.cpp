@@ -19,14 +19,14 @@
 namespace rayloc {
 namespace {
 
-// The address and the words of ZAP: https://rfc.zeromq.org/spec/27
+// The address and the vocabulary of ZAP: https://rfc.zeromq.org/spec/27
 constexpr const char* kZapEndpoint = "inproc://zeromq.zap.01";
 constexpr const char* kZapVersion = "1.0";
 constexpr const char* kZapDomain = "raylocd";
 constexpr std::size_t kZapFrames = 7;  // version, id, domain, address, identity, mechanism, key
 constexpr const char* kStopEndpoint = "inproc://stop-guard";
 
-// A connection that has not shown who it is by then is closed.
+// A connection that has not authenticated by then is closed.
 constexpr int kHandshakeMs = 10'000;
 constexpr int kHandshakeEvents = ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL |
                                  ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL |
@@ -35,7 +35,7 @@ constexpr int kConnectionEvents = ZMQ_EVENT_ACCEPTED | ZMQ_EVENT_DISCONNECTED;
 
 using Frames = std::vector<zmq::message_t>;
 
-// Everything that is there of one message; none when nothing is.
+// All available frames of one message; empty if none has arrived.
 Frames receive(zmq::socket_t& socket) {
   Frames frames;
   do {
@@ -48,8 +48,8 @@ Frames receive(zmq::socket_t& socket) {
   return frames;
 }
 
-// The descriptor that it came by; -1 of what libzmq makes itself, as of the end of subscriptions
-// when a connection breaks.
+// The descriptor on which the part arrived; -1 for parts that libzmq creates, as at the end of
+// subscriptions when a connection breaks.
 int connection_of(zmq::message_t& part) { return zmq_msg_get(part.handle(), ZMQ_SRCFD); }
 
 std::string z85(const zmq::message_t& key) {
@@ -60,10 +60,10 @@ std::string z85(const zmq::message_t& key) {
 
 }  // namespace
 
-// What the monitor of a socket tells (zmq_socket_monitor(3)): the first frame of its messages.
+// An event of a socket's monitor (zmq_socket_monitor(3)): the first frame of its messages.
 struct MonitorEvent {
   std::uint16_t number = 0;
-  std::int32_t value = 0;  // for our events of connections the descriptor
+  std::int32_t value = 0;  // the descriptor in the connection events used here
 
   explicit MonitorEvent(const zmq::message_t& frame) {
     if (frame.size() >= sizeof number + sizeof value) {
@@ -77,14 +77,14 @@ class ConnectionGuard::Impl {
  public:
   explicit Impl(Options options)
       : options_(std::move(options)),
-        context_(2),  // a thread of libzmq for each of our two sockets
+        context_(2),  // one libzmq thread for each of our two sockets
         allowed_(options_.allow.begin(), options_.allow.end()),
         zap_(context_, zmq::socket_type::rep),
         stop_(context_, zmq::socket_type::pair),
         stopped_(context_, zmq::socket_type::pair) {
     zap_.set(zmq::sockopt::linger, 0);
-    // libzmq lets everyone in while nobody answers here (ZMQ_ZAP_ENFORCE_DOMAIN, which would cure
-    // that, is a draft that Debian's lacks): so before any socket is bound, and until all are gone.
+    // libzmq accepts every client while no ZAP handler answers (ZMQ_ZAP_ENFORCE_DOMAIN is a draft
+    // that Debian's lacks): so bound before any other socket, and until all are closed.
     zap_.bind(kZapEndpoint);
     stopped_.bind(kStopEndpoint);
     stop_.connect(kStopEndpoint);
@@ -215,13 +215,13 @@ class ConnectionGuard::Impl {
     return allowed_.count(key) != 0;
   }
 
-  // How long a socket that was just added waits for its monitor to be read.
+  // Maximum time until the monitor of a newly added socket is read.
   static constexpr std::chrono::milliseconds kPoll{100};
-  // How long a connection may send as fast as it can before it is looked at.
+  // Maximum time for which a connection may send at full rate before it is checked.
   static constexpr std::chrono::milliseconds kLook{20};
 
   const Options options_;
-  zmq::context_t context_;  // before all sockets, which it waits for at its end
+  zmq::context_t context_;  // before all sockets, whose end its destructor awaits
   mutable std::mutex mutex_;
   std::set<std::string> allowed_;     // guarded by mutex_
   std::vector<zmq::socket_t> added_;  // guarded by mutex_; monitors that the thread takes over
@@ -230,9 +230,9 @@ class ConnectionGuard::Impl {
   std::atomic<std::uint64_t> denied_ = 0;
   std::atomic<std::uint64_t> failed_ = 0;
   InboundWatch inbound_{inbound_limits()};
-  zmq::socket_t zap_;      // the thread's once it runs
-  zmq::socket_t stop_;     // this end is the destructor's
-  zmq::socket_t stopped_;  // this one the thread's
+  zmq::socket_t zap_;      // used by the thread only once it runs
+  zmq::socket_t stop_;     // the destructor's end
+  zmq::socket_t stopped_;  // the thread's end
   std::thread thread_;
 };
 

@@ -1,14 +1,14 @@
-// ConnectionGuard: who may connect to the sockets that we bind, and what became of those who tried.
+// ConnectionGuard: access control for the sockets that we bind, and counters of its decisions.
 //
-// With keys, every socket speaks CURVE: nothing is readable on the wire, and a client is let in
-// when it proves to have the secret of a public key on the allow list (ZAP, RFC 27). Without, all
-// who reach the sockets are let in. Either way connections that break off their handshake (another
-// protocol, a wrong server key, a scan of ports) are counted, and who sends without ending a
-// message is cut off (InboundWatch).
+// With keys, every socket uses CURVE: nothing is readable on the wire, and a client is accepted if
+// it proves possession of the secret of a public key on the allow list (ZAP, RFC 27). Without keys,
+// all clients that reach the sockets are accepted. Either way connections that break off their
+// handshake (another protocol, a wrong server key, a port scan) are counted, and a client that
+// sends without ending a message is cut off (InboundWatch).
 //
-// It lends the sockets their context and serves ZAP on a thread of its own, and so outlives them.
-// For the .cpp files of this folder: the zmq part. Thread safety: secure() and release() before
-// and after the socket's life in its own thread; the others from any thread.
+// It owns the context of the sockets and serves ZAP on its own thread, and so outlives them. For
+// the .cpp files of this folder: the zmq part. Thread safety: secure() and release() before and
+// after the socket's life in its own thread; the others from any thread.
 #pragma once
 
 #include <cstdint>
@@ -28,20 +28,20 @@ class socket_t;
 namespace rayloc {
 
 struct GuardCounters {
-  std::uint64_t clients_admitted = 0;   // by CURVE, each connection
-  std::uint64_t clients_denied = 0;     // whose key is not on the list
-  std::uint64_t handshakes_failed = 0;  // connections that did not become any, the denied included
-  std::uint64_t clients_cut_off = 0;    // by InboundWatch
+  std::uint64_t clients_admitted = 0;   // connections admitted by CURVE
+  std::uint64_t clients_denied = 0;     // clients whose key is not on the list
+  std::uint64_t handshakes_failed = 0;  // failed handshakes, including denied clients
+  std::uint64_t clients_cut_off = 0;    // connections cut off by InboundWatch
 };
 
 class ConnectionGuard {
  public:
   struct Options {
-    std::string secret_key = {};          // of the server; empty: no CURVE
+    std::string secret_key = {};          // key of the server; empty: no CURVE
     std::vector<std::string> allow = {};  // public keys
     // Called on the guard's thread for every denial; must not block.
     std::function<void(const std::string& public_key, const std::string& address)> on_denied = {};
-    // Called there each time that its loop comes round, several times a second.
+    // Called on that thread in each iteration of its loop, several times a second.
     std::function<void()> on_round = {};
   };
 
@@ -50,18 +50,18 @@ class ConnectionGuard {
   ConnectionGuard(const ConnectionGuard&) = delete;
   ConnectionGuard& operator=(const ConnectionGuard&) = delete;
 
-  // From now on; connections that exist stay.
+  // Replaces the allow list; existing connections remain.
   void allow(const std::vector<std::string>& public_keys);
   GuardCounters counters() const;
 
   zmq::context_t& context();
-  // Before the socket is bound.
+  // To be called before the socket is bound.
   void secure(zmq::socket_t& socket);
-  // Of every part of what a socket has received.
+  // To be called for every part that a socket has received.
   void delivered(zmq::message_t& part);
-  // Of a subscription that begins, or ends: its first byte says so, the prefix follows.
+  // To be called for each subscription that begins or ends: flag in the first byte, then prefix.
   void subscribed(zmq::message_t& part, bool more);
-  // Before it is closed.
+  // To be called before it is closed.
   static void release(zmq::socket_t& socket);
 
  private:
@@ -69,7 +69,7 @@ class ConnectionGuard {
   std::unique_ptr<Impl> impl_;
 };
 
-// The guard given, else one that lets everyone in.
+// Returns the guard given, or one that accepts every client if it is null.
 std::shared_ptr<ConnectionGuard> guard_or_open_door(std::shared_ptr<ConnectionGuard> guard);
 
 }  // namespace rayloc

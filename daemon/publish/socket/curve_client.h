@@ -1,4 +1,4 @@
-// The keys of a client on its socket. For the .cpp files of this folder: brings zmq.
+// Sets a client's keys on its socket. For the .cpp files of this folder: brings zmq.
 #pragma once
 
 #include <optional>
@@ -9,7 +9,7 @@
 
 namespace rayloc {
 
-// Before the socket is connected; nothing without keys.
+// To be called before the socket is connected; without keys it has no effect.
 inline void use_curve(const std::optional<CurveClientKeys>& keys, zmq::socket_t& socket) {
   if (keys) {
     socket.set(zmq::sockopt::curve_serverkey, keys->server_key);

@@ -1,8 +1,8 @@
-// Keys of CURVE, ZeroMQ's encryption and authentication (RFC 26): how they are made, kept in files
-// and read.
+// Keys of CURVE, ZeroMQ's encryption and authentication (RFC 26): generation, storage in files,
+// reading.
 //
-// A key is 40 characters (Z85) and stands alone in the first line of its file. Z85 uses characters
-// that shells take for their own: keys are passed by file, not on a command line.
+// A key is 40 characters (Z85) and the only text in the first line of its file. Z85 uses characters
+// that shells interpret: keys are passed by file, not on a command line.
 #pragma once
 
 #include <cstddef>
@@ -21,22 +21,22 @@ struct CurveKeyPair {
   std::string secret_key;
 };
 
-// From the entropy of the system.
+// Generates keys from the system's entropy.
 CurveKeyPair make_curve_keys();
 
-// 40 characters of Z85 that stand for 32 bytes.
+// True for 40 characters of Z85, which encode 32 bytes.
 bool is_curve_key(std::string_view text);
 
 // The public half of a secret key. REQUIRES: is_curve_key(secret_key).
 std::string curve_public_key(const std::string& secret_key);
 
-// The pair of a secret key's file. kConfiguration when it cannot be read, holds no key, or when
-// everyone on the machine may read or change it.
+// Reads the key pair from a secret key's file. kConfiguration if it cannot be read, holds no key,
+// or if every user of the machine may read or change it.
 Expected<CurveKeyPair> read_curve_secret(const std::filesystem::path& file);
 
 Expected<std::string> read_curve_public(const std::filesystem::path& file);
 
-// What a client needs to speak with a server.
+// The keys that a client needs to connect to a server.
 struct CurveClientKeys {
   std::string server_key;  // the server's public key
   CurveKeyPair own;

@@ -63,7 +63,7 @@ bool ipc_in_use(const std::string& endpoint) {
     return false;
   }
   const int result = ::connect(probe, reinterpret_cast<const sockaddr*>(&address), sizeof(address));
-  // EAGAIN: somebody listens and has more callers than it takes.
+  // EAGAIN: a process listens and has more connections pending than it accepts.
   const bool in_use = result == 0 || errno == EAGAIN;
   ::close(probe);
   return in_use;

@@ -1,4 +1,4 @@
-// Endpoints: which ZeroMQ addresses we use, and what to say when one does not work.
+// Endpoints: the supported ZeroMQ addresses, and messages for those that do not work.
 #pragma once
 
 #include <string>
@@ -7,18 +7,18 @@
 
 namespace rayloc {
 
-// tcp:// and ipc:// alone: ws:// is a draft of libzmq 4.3, the others reach nobody outside.
-// Errors carry `kind`.
+// tcp:// and ipc:// only: ws:// is a draft of libzmq 4.3, the others reach no other process. Errors
+// carry `kind`.
 Expected<void> check_endpoint(const std::string& endpoint, ErrorKind kind);
 
-// Whether it is a tcp:// one.
+// Returns true for tcp://.
 bool is_tcp(const std::string& endpoint);
 
-// A program listens on this ipc:// endpoint. libzmq would delete its socket file and take its
-// place without a word. False of tcp://, where bind itself fails.
+// Returns true if a program listens on this ipc:// endpoint. libzmq would silently delete its
+// socket file and replace it. False for tcp://, where bind itself fails.
 bool ipc_in_use(const std::string& endpoint);
 
-// What went wrong with `endpoint`, from the errno of libzmq; `verb`: "bind", "connect to".
+// The error for `endpoint`, from the errno of libzmq; `verb`: "bind", "connect to".
 Error endpoint_error(const std::string& endpoint, const std::string& verb, int number);
 
 }  // namespace rayloc

@@ -15,9 +15,9 @@
 namespace rayloc {
 namespace {
 
-// What frames and CURVE add to a part, at most.
+// Maximum bytes that frames and CURVE add to a part.
 constexpr std::uint64_t kFraming = 64;
-// Recordings, HTTP and libzmq itself.
+// Descriptors for recordings, HTTP and libzmq itself.
 constexpr std::size_t kOtherDescriptors = 160;
 
 std::optional<std::uint64_t> cookie_of(int fd) {
@@ -35,9 +35,9 @@ std::optional<std::uint64_t> bytes_received(int fd) {
   return known ? std::optional<std::uint64_t>(info.tcpi_bytes_received) : std::nullopt;
 }
 
-// Bytes that libzmq has read: bounds, for the kernel tells what it has received and what of that
-// still waits one after the other, and on a busy machine megabytes may come in between. Nothing
-// of what is no TCP connection.
+// Bounds of the bytes that libzmq has read: the kernel reports the received bytes and the waiting
+// bytes one after the other, and on a busy machine megabytes may arrive in between. Empty if it is
+// no TCP connection.
 struct BytesRead {
   std::uint64_t least = 0;
   std::uint64_t most = 0;
@@ -84,7 +84,7 @@ void InboundWatch::accepted(int socket, int fd, Time now) {
   const std::lock_guard lock(mutex_);
   Connection* const connection = connection_of(fd);
   if (connection == nullptr) {
-    return;  // it has gone already
+    return;  // it has already been closed
   }
   connection->socket = socket;
   connection->looked = now;
@@ -143,8 +143,8 @@ void InboundWatch::look(Time now) {
     connection.looked = now;
     const BytesRead read = bytes_read(here->first);
     connection.read = read.least;
-    // Of what comes later nothing is forgiven in advance; of what has come nothing is forgotten,
-    // so the bound is the upper one.
+    // Future messages give no credit in advance, and received messages are never discounted, so the
+    // upper bound is used.
     connection.finished =
         std::min(read.most,
                  connection.finished +
@@ -177,8 +177,8 @@ void InboundWatch::cut_the_worst(std::uint64_t most, Amount amount) {
   }
 }
 
-// libzmq notices the end, gives back what it has kept and closes the descriptor; the other side is
-// told by a reset, else it would wait for room for what it has not yet sent.
+// libzmq detects the end, frees its stored parts and closes the descriptor; the peer is notified by
+// a reset, otherwise it would wait for room for its unsent data.
 void InboundWatch::cut(Connections::iterator connection) {
   constexpr linger kReset{1, 0};
   setsockopt(connection->first, SOL_SOCKET, SO_LINGER, &kReset, sizeof kReset);

@@ -1,13 +1,13 @@
-// InboundWatch: cuts off connections that send and send without ending a message, that subscribe
-// and subscribe, and those that are too many.
+// InboundWatch: cuts off connections that send without ever ending a message, that subscribe
+// without limit, and those in excess of the maximum number.
 //
-// libzmq bounds the bytes of each part of a message (ZMQ_MAXMSGSIZE) and the messages that wait
-// (ZMQ_RCVHWM), but not the parts: it keeps all of a message until its last one has come. Neither
-// has it a bound for connections; without descriptors for a further one it tries again and again.
-// So the kernel is asked how many bytes have been read of each connection, encrypted or not. What
-// is more than the messages that have reached us belongs to one that has no end yet.
+// libzmq bounds the bytes of each part of a message (ZMQ_MAXMSGSIZE) and the waiting messages
+// (ZMQ_RCVHWM), but not the parts: it stores a message until its last part arrives. It has no bound
+// on connections either; without descriptors for another one it retries continuously. So the kernel
+// is queried for the bytes read of each connection, encrypted or not. Bytes in excess of the
+// messages that have reached us belong to one that has no end yet.
 //
-// Of ipc:// sockets the kernel keeps no count: who may open their file is trusted.
+// The kernel keeps no count for ipc:// sockets: clients that may open their file are trusted.
 //
 // Thread safety: delivered() and cut_off() from any thread, the others from one.
 #pragma once
@@ -23,18 +23,18 @@
 namespace rayloc {
 
 struct InboundLimits {
-  // Read of one connection, and of all together, without the end of a message.
+  // Bytes read of one connection, and of all together, without the end of a message.
   std::uint64_t unfinished_bytes = std::uint64_t{256} << 10U;
   std::uint64_t unfinished_bytes_in_all = std::uint64_t{2} << 20U;
-  // A second, which are no messages: signs of life.
+  // Allowance per second for bytes that are no messages: signs of life.
   std::uint64_t signs_of_life_bytes = 64;
   std::size_t connections = 512;
-  // Prefixes of one subscriber, and of all: libzmq keeps 200 bytes for each.
+  // Prefixes of one subscriber, and of all: libzmq stores 200 bytes for each.
   std::uint64_t subscriptions = 10'000;
   std::uint64_t subscriptions_in_all = 100'000;
 };
 
-// As many connections as this process has descriptors for, and leaves some for everything else.
+// As many connections as this process has descriptors for, less a reserve for other uses.
 InboundLimits inbound_limits();
 
 class InboundWatch {
@@ -43,44 +43,44 @@ class InboundWatch {
 
   explicit InboundWatch(InboundLimits limits) : limits_(limits) {}
 
-  // What the monitor of a socket says of its connections. `socket`: which one it is; descriptors
-  // are used again, and two monitors are not read in order.
+  // Events of a socket's monitor about its connections. `socket`: its number; descriptors are
+  // reused, and two monitors are not read in order.
   void accepted(int socket, int fd, Time now);
   void gone(int socket, int fd);
 
-  // A part of a whole message of that connection has reached us, maybe before we have heard of the
-  // connection.
+  // A part of a whole message of that connection has reached us, possibly before the monitor has
+  // reported the connection.
   void delivered(int fd, std::size_t bytes);
-  // It subscribes to a prefix, or no longer. What it never subscribed to may end as often as it
-  // likes.
+  // The connection subscribes to a prefix, or ends a subscription. Ending a subscription that never
+  // existed is allowed at any rate.
   void subscribed(int fd, std::string_view prefix, bool more);
 
-  // Asks the kernel, and cuts off who has gone too far; to be called many times a second while
-  // there are connections.
+  // Queries the kernel, and cuts off connections beyond the limits; to be called many times a
+  // second while there are connections.
   void look(Time now);
   bool empty() const;
 
   std::uint64_t cut_off() const;
 
  private:
-  // The monitor has not told of the connection yet: it is not judged.
+  // The monitor has not reported the connection yet: it is not checked.
   static constexpr int kNotTold = -1;
   struct Connection {
     int socket = kNotTold;
-    std::uint64_t cookie = 0;    // tells it from a later one with the same descriptor
-    std::uint64_t read = 0;      // bytes, at least, when it was last looked at
-    std::uint64_t finished = 0;  // of those, in whole messages, at least
+    std::uint64_t cookie = 0;    // distinguishes it from a later one with the same descriptor
+    std::uint64_t read = 0;      // lower bound of the bytes read at the last check
+    std::uint64_t finished = 0;  // lower bound of those in whole messages
     Time looked;
     std::multiset<std::size_t> prefixes;  // hashes
 
     std::uint64_t unfinished() const { return read > finished ? read - finished : 0; }
   };
   using Connections = std::map<int, Connection>;
-  // The one with that descriptor now; a new one if messages of it come before its monitor tells of
-  // it. Null if there is none any more.
+  // The current connection with that descriptor; a new one if its messages arrive before its
+  // monitor reports it. Null if it no longer exists.
   Connection* connection_of(int fd);
   void cut(Connections::iterator connection);
-  // While all together have more than that of it.
+  // Cuts off the largest while the sum over all connections exceeds the limit.
   template <typename Amount>
   void cut_the_worst(std::uint64_t most, Amount amount);
 

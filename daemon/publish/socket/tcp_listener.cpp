@@ -14,7 +14,7 @@
 namespace rayloc {
 namespace {
 
-constexpr int kBacklog = 100;  // as libzmq's
+constexpr int kBacklog = 100;  // equal to libzmq's
 
 struct Address {
   sockaddr_storage storage{};
@@ -35,7 +35,7 @@ std::optional<Address> numeric_address(std::string_view host, std::uint16_t port
   if (host.size() > 2 && host.front() == '[' && host.back() == ']') {
     host = host.substr(1, host.size() - 2);
   }
-  // What resolves it may be another address, or nothing at all in a sandbox.
+  // A resolver may return another address, or fail in a sandbox.
   const std::string text(host == "localhost" ? "127.0.0.1" : host);
   Address address;
   sockaddr_in v4{};
@@ -48,7 +48,7 @@ std::optional<Address> numeric_address(std::string_view host, std::uint16_t port
     return address;
   }
   if (host == "*" || inet_pton(AF_INET6, text.c_str(), &v6.sin6_addr) == 1) {
-    v6.sin6_family = AF_INET6;  // all zero is every address, IPv4 as well
+    v6.sin6_family = AF_INET6;  // all zero is every address, including IPv4
     v6.sin6_port = htons(port);
     address.size = sizeof v6;
     std::memcpy(&address.storage, &v6, sizeof v6);

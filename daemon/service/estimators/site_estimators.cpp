@@ -80,7 +80,7 @@ MethodOptions SiteEstimators::method_options() const {
   return settings;
 }
 
-// Chains are kept for the site's method alone.
+// Chains are stored for the site's method alone.
 Expected<std::unique_ptr<DeviceEstimator>> SiteEstimators::make_devices(
     const Method& method) const {
   DeviceEstimator::Options devices;

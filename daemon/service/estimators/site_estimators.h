@@ -1,7 +1,7 @@
-// SiteEstimators: what locates at one site: the estimators of its method, its zones over them, and
-// the methods that are compared with it.
+// SiteEstimators: the estimators of one site: those of its method, its zones over them, and the
+// methods that are compared with it.
 //
-// Thread safety: one thread (main), where nothing else is said.
+// Thread safety: one thread (main), unless stated otherwise.
 #pragma once
 
 #include <memory>
@@ -23,9 +23,9 @@ namespace rayloc {
 class SiteEstimators {
  public:
   struct Options {
-    std::shared_ptr<PathGridStore> path_grids;  // null: traced rooms are not kept
+    std::shared_ptr<PathGridStore> path_grids;  // null: traced rooms are not stored
     std::shared_ptr<TargetNames> names;
-    std::string chain_file;  // of what the site's method learns; empty: it is not kept
+    std::string chain_file;  // for chains learned by the site's method; empty: not stored
   };
 
   // Reads the scene and prepares the room. `setup` outlives it.
@@ -33,14 +33,14 @@ class SiteEstimators {
   SiteEstimators(const SiteEstimators&) = delete;
   SiteEstimators& operator=(const SiteEstimators&) = delete;
 
-  // Makes them go on where a predecessor has ended, before they have had a burst.
+  // Makes them continue from a predecessor, before they have had a burst.
   Expected<void> go_on(const std::shared_ptr<const Carried>& before);
 
-  // Of the site. It locates nothing with method "none".
+  // The estimator of the site. It locates no target with method "none".
   Estimator& estimator();
   DeviceEstimator* devices() const { return devices_.get(); }  // null: no devices are located
   PersonEstimator* people() const { return people_.get(); }    // null: no people are
-  const RoomModel* room() const;                               // null: nothing is located
+  const RoomModel* room() const;                               // null: no target is located
 
   std::span<const std::unique_ptr<ComparedMethod>> compared() const { return compared_; }
   void stop_compared();
@@ -63,11 +63,11 @@ class SiteEstimators {
   const SiteSetup& setup_;
   const Options options_;
   std::unique_ptr<DeviceEstimator> devices_;
-  std::unique_ptr<PersonEstimator> people_;  // none without a reference of the empty room
+  std::unique_ptr<PersonEstimator> people_;  // null without a reference of the empty room
   EstimatorList list_;                       // both
   std::unique_ptr<ZoneEstimator> zones_;     // over them
   std::vector<std::unique_ptr<ComparedMethod>> compared_;
-  std::unique_ptr<ComparedEstimator> with_others_;  // over the zones; none with one method
+  std::unique_ptr<ComparedEstimator> with_others_;  // over the zones; null with one method
 };
 
 }  // namespace rayloc

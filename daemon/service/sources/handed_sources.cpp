@@ -9,7 +9,7 @@
 namespace rayloc {
 namespace {
 
-// Whether one would open what the other has opened: names of sockets of systemd are by instance.
+// True if both would open the same source: names of sockets of systemd are by instance.
 bool is_same(const SourceConfig& one, const SourceConfig& other) {
   return one.instance == other.instance && one.kind == other.kind &&
          source_url(one) == source_url(other) && one.only_interface == other.only_interface &&
@@ -31,7 +31,7 @@ SourceCounters since(const SourceCounters& before, SourceCounters now) {
   return now;
 }
 
-// A source that somebody else has read before.
+// A source that another site runtime has read before.
 class ContinuedSource final : public DatagramSource {
  public:
   ContinuedSource(std::unique_ptr<DatagramSource> source, SourceCounters before)
@@ -54,7 +54,7 @@ class ContinuedSource final : public DatagramSource {
   const SourceCounters before_;
 };
 
-// What waits in the source, and what it drops meanwhile.
+// Number of datagrams that wait in the source, or that it drops meanwhile.
 std::uint64_t lost_with(DatagramSource& source, const SourceCounters& before) {
   constexpr int kMostReads = 256;  // it may never be empty
   DatagramBatch batch;

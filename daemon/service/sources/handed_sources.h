@@ -1,6 +1,6 @@
-// HandedSources: live sources of sites that a reload has ended, until the same sites go on with
-// them. Their ports stay open: what comes meanwhile waits in the buffer of the kernel, which counts
-// what it drops.
+// HandedSources: live sources of sites that a reload has ended, until the same sites continue with
+// them. Their ports stay open: datagrams that arrive meanwhile wait in the buffer of the kernel,
+// which counts its drops.
 //
 // Thread safety: one thread.
 #pragma once
@@ -17,12 +17,12 @@ namespace rayloc {
 
 class HandedSources {
  public:
-  // `source` was opened by `config`, and nobody reads it any more; one of a recording is let go of.
+  // `source` was opened by `config`, and is no longer read; one of a recording is released.
   void add(const SourceConfig& config, std::unique_ptr<DatagramSource> source);
-  // The one that `config` would open, counting from zero; null where there is none.
+  // The source that `config` would open, counting from zero; null where there is none.
   std::unique_ptr<DatagramSource> take(const SourceConfig& config);
-  // Lets go of those of the site called `site` but for what its `configs` would open. How many
-  // datagrams had come by then, and were dropped or wait in vain.
+  // Closes the sources of the site called `site`, except those that its `configs` would open.
+  // Returns the number of their datagrams that waited unread or were dropped.
   std::uint64_t close_others(const std::string& site, const std::vector<SourceConfig>& configs);
 
  private:

@@ -18,7 +18,7 @@
 namespace rayloc {
 namespace {
 
-// Each time anew, at the beginning.
+// Opens the files anew at each call, at the beginning.
 Expected<std::unique_ptr<DatagramSource>> open_planned(const RecordingPlan& plan) {
   return as_transport<DatagramSource>(RecordedSource::open(plan));
 }
@@ -49,7 +49,7 @@ Error placed(const SourceConfig& source, Error error) {
   return error;
 }
 
-// What may be lost there, and what was lost before.
+// Logs the risk of losses in the buffer, and earlier losses.
 void log_buffer(const ReceiveBuffer& buffer, const std::string& name) {
   const std::vector<LogField> fields = {{"source", name}};
   if (buffer.granted_bytes < buffer.wanted_bytes) {
@@ -98,7 +98,7 @@ Expected<std::unique_ptr<DatagramSource>> open_datagrams(const SourceConfig& sou
     return as_transport<DatagramSource>(
         ReopeningSource::open([source] { return open_live(source, -1); }));
   }
-  // systemd passes a socket once: what a source closes is a copy.
+  // systemd passes a socket once: the source gets a copy to close.
   const auto passed = std::make_shared<const FileDescriptor>(*passed_socket);
   return as_transport<DatagramSource>(
       ReopeningSource::open([source, passed]() -> Expected<std::unique_ptr<DatagramSource>> {
@@ -123,7 +123,7 @@ Expected<RecordingClock> recording_clock(const DaemonConfig& config) {
       all_files = false;
       continue;
     }
-    speed = source.speed;  // the same for all, says the configuration
+    speed = source.speed;  // the same for all, as the configuration requires
     max_gap = source.max_gap;
     auto plan = plan_of(source);
     if (!plan) {
@@ -151,7 +151,7 @@ Expected<RecordingClock> recording_clock(const DaemonConfig& config) {
   }
   options.speed = speed;
   options.max_gap = max_gap;
-  // Two bursts of what comes before a position: then it is known where everybody is.
+  // Two bursts before a position: then all targets are located.
   options.lead_in = 2 * config.engine.burst + std::chrono::milliseconds(300);
   clock.playback = std::make_shared<Playback>(std::move(options));
   return clock;

@@ -17,32 +17,32 @@
 
 namespace rayloc {
 
-// The one clock that the recordings of a configuration share, so that they stay in step.
+// The one clock that the recordings of a configuration share, so that they stay synchronised.
 struct RecordingClock {
-  // Where all sources are files: people can hold, hasten and move it.
+  // Where all sources are files: the user can pause, accelerate and seek it.
   std::shared_ptr<Playback> playback = nullptr;
-  // Otherwise, beside live sources and of pipes; null: as fast as it goes.
+  // Otherwise, beside live sources and of pipes; null: at maximum speed.
   std::shared_ptr<Pace> pace = nullptr;
-  // The files of each, looked through, by access point.
+  // Examined files of each access point.
   std::map<std::string, RecordingPlan> plans = {};
 };
-// Reads files to their ends, to know how long they are and which of their stamps hold; logs what
-// people should know of that.
+// Reads files to their ends, to determine their lengths and valid time stamps; logs notes for the
+// operator.
 Expected<RecordingClock> recording_clock(const DaemonConfig& config);
 
-// Opens the socket, interface or file; of a UDP source `passed_socket` instead, where there is one.
+// Opens the socket, interface or file; of a UDP source `passed_socket` instead, if there is one.
 // The error names the source's place in the configuration.
 Expected<SourceWorker::Input> open_source(const SourceConfig& source,
                                           const Site& site,
                                           std::optional<int> passed_socket,
                                           const RecordingClock& clock);
 
-// What a pipeline is to know of a source that is open.
+// Input of a pipeline for an open source.
 SourceWorker::Input source_input(const SourceConfig& config,
                                  const Site& site,
                                  std::unique_ptr<DatagramSource> source);
 
-// Whether the socket or the interface of a live source can be had, by having it for an instant.
+// Checks that the socket or the interface of a live source is available, by opening it briefly.
 Expected<void> check_source(const SourceConfig& source);
 
 }  // namespace rayloc

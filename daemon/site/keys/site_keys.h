@@ -1,8 +1,8 @@
-// The table of every key of site.toml: what there is, what it may be, what it means.
+// The table of every key of site.toml: names, valid values, meanings.
 //
 // The parser reads through it (SiteTable), and the manual page site.toml(5) and the JSON schema are
-// printed from it (daemon/config/site_reference.h). A key without a row cannot be read; a row that
-// nobody reads is an unknown key to whoever states it.
+// generated from it (daemon/config/site_reference.h). A key without a row cannot be read; a row
+// without a reader is an unknown key in a file that states it.
 #pragma once
 
 #include <array>
@@ -28,7 +28,7 @@ enum class SiteType {
   kNumber,
   kText,
   kChoice,   // one of `choices`
-  kFile,     // a path from the folder of site.toml
+  kFile,     // a path relative to the folder of site.toml
   kNumbers,  // an array of `count` numbers
   kPairs,    // an array of pairs of numbers, `count` at least
   kTable,
@@ -41,39 +41,39 @@ struct SiteKey {
   std::string_view key = {};
   SiteType type = SiteType::kText;
   bool required = false;
-  std::string_view preset = {};   // the default in TOML, empty when there is none
-  std::string_view example = {};  // a line to write; of a table, what stands in it
-  NumberRange range = {};         // of each number
-  std::size_t count = 0;          // of kNumbers and kPairs
+  std::string_view preset = {};   // the default in TOML, empty if there is none
+  std::string_view example = {};  // an example line; for a table, its content
+  NumberRange range = {};         // range of each number
+  std::size_t count = 0;          // for kNumbers and kPairs
   std::span<const std::string_view> choices = {};
-  std::span<const int> numbers = {};  // of kInteger: nothing but these
-  std::string_view with = {};         // a key that is stated where this one is, and only there
+  std::span<const int> numbers = {};  // for kInteger: the only valid values
+  std::string_view with = {};         // key to be stated if and only if this one is
   std::string_view without = {};      // a key that may not be stated beside this one
   std::string_view description = {};  // one line
 };
 
-// In the order of the manual page. The keys of a table stand together, behind its own row.
+// In the order of the manual page. The keys of a table are adjacent, after its own row.
 std::span<const SiteKey> site_keys();
 
-// REQUIRES: there is such a row.
+// REQUIRES: the row exists.
 const SiteKey& site_key(std::string_view table, std::string_view key);
 
-// "access_point.antenna" of that row of "access_point".
+// "access_point.antenna" for that row of "access_point".
 std::string table_of(const SiteKey& key);
 
-// Whether the value is a table, or several.
+// True if the value is a table, or several.
 bool holds_table(const SiteKey& key);
 
-// A table of site.toml that is read by the rows of site_keys(): what is wrong is noted as TomlTable
-// does. REQUIRES of every accessor: the row is of that type.
+// A table of site.toml that is read by the rows of site_keys(): errors are recorded as in
+// TomlTable. REQUIRES for every accessor: the row has that type.
 class SiteTable {
  public:
-  // Notes what the table lacks, and keys that may not or must stand together.
+  // Records missing keys of the table, and keys that exclude or require each other.
   SiteTable(TomlTable table, std::string name);
 
   const TomlTable& toml() const { return table_; }
   bool has(std::string_view key) const { return table_.has(key); }
-  // Notes an error where a key is missing that not every such table needs.
+  // Records an error if a key is missing that only some such tables need.
   void require(std::string_view key) const;
   void error_at(std::string_view key, std::string message) const;
 
@@ -82,7 +82,7 @@ class SiteTable {
   std::optional<double> number(std::string_view key) const;
   std::optional<std::string> text(std::string_view key) const;
   std::optional<std::string> choice(std::string_view key) const;
-  // One that is there.
+  // A file that exists.
   std::optional<std::filesystem::path> file(std::string_view key) const;
   template <std::size_t kCount>
   std::optional<std::array<double, kCount>> numbers(std::string_view key) const {

@@ -3,7 +3,7 @@
 
 namespace rayloc {
 
-inline constexpr double kFarthest = 10'000.0;      // [m], of a coordinate: beyond it is a slip
+inline constexpr double kFarthest = 10'000.0;      // [m], coordinates: a larger one is an error
 inline constexpr double kMaxAntennaOffset = 10.0;  // [m]
 
 }  // namespace rayloc
