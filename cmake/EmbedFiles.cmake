@@ -1,4 +1,4 @@
-# Writes a source that holds text files as string literals; run by the build:
+# Writes a source that contains text files as string literals; run by the build:
 #   cmake -DOUT=FILE.cpp -DFOLDER=DIR -DNAMES=a.html|b.js -P EmbedFiles.cmake
 # The source defines rayloc::map_files() (daemon/http/map_files.h).
 string(REPLACE "|" ";" names "${NAMES}")

@@ -1,4 +1,4 @@
-# Every library comes from a Debian 12 package (deploy/packages/build.txt). One imported target each.
+# Every library comes from a Debian 12 package (deploy/packages/build.txt). Each has an imported target.
 find_package(Threads REQUIRED)
 find_package(PkgConfig REQUIRED)
 find_package(tl-expected REQUIRED)    # tl::expected
@@ -18,13 +18,13 @@ find_package(ZLIB REQUIRED)           # ZLIB::ZLIB
 find_package(hwy REQUIRED)            # hwy::hwy
 find_package(BLAS REQUIRED)           # BLAS::BLAS
 find_package(LAPACK REQUIRED)         # LAPACK::LAPACK
-find_library(DLIB_LIBRARY libdlib.a REQUIRED)  # engine/baselines/CMakeLists.txt says why this one
+find_library(DLIB_LIBRARY libdlib.a REQUIRED)  # engine/baselines/CMakeLists.txt states the reason for this one
 pkg_check_modules(ASSIMP REQUIRED IMPORTED_TARGET assimp)       # PkgConfig::ASSIMP
 pkg_check_modules(CAIRO REQUIRED IMPORTED_TARGET cairo)          # PkgConfig::CAIRO
 pkg_check_modules(CAPNG REQUIRED IMPORTED_TARGET libcap-ng)       # PkgConfig::CAPNG
 pkg_check_modules(HTTPLIB REQUIRED IMPORTED_TARGET cpp-httplib)  # PkgConfig::HTTPLIB
 pkg_check_modules(MINIZIP REQUIRED IMPORTED_TARGET minizip)     # PkgConfig::MINIZIP
-pkg_check_modules(NATS IMPORTED_TARGET libnats)                 # PkgConfig::NATS, of RAYLOC_CLUSTER
+pkg_check_modules(NATS IMPORTED_TARGET libnats)                 # PkgConfig::NATS, for RAYLOC_CLUSTER
 pkg_check_modules(PCAP REQUIRED IMPORTED_TARGET libpcap)         # PkgConfig::PCAP
 pkg_check_modules(SODIUM REQUIRED IMPORTED_TARGET libsodium)     # PkgConfig::SODIUM
 pkg_check_modules(SYSTEMD REQUIRED IMPORTED_TARGET libsystemd)   # PkgConfig::SYSTEMD

@@ -1,8 +1,8 @@
-# Methods of localization: rows that a program is linked with (daemon/methods/README.md).
+# Methods of localization: table rows that are linked into a program (daemon/methods/README.md).
 
 # rayloc_method(NAME [APART] SOURCES file... [DEPENDS target...]): the library rayloc_method_NAME. One
 # of its sources defines `const Method& NAME_method()` in namespace rayloc: the row. It belongs to the
-# product unless it stands APART.
+# product unless it is declared APART.
 function(rayloc_method name)
   cmake_parse_arguments(ARG "APART" "" "SOURCES;DEPENDS" ${ARGN})
   rayloc_library(rayloc_method_${name} SOURCES ${ARG_SOURCES}
@@ -46,7 +46,7 @@ std::span<const Method* const> method_table() {
 endfunction()
 
 # rayloc_program_with(NAME PROGRAM METHOD...): the target NAME links the objects of PROGRAM with a table
-# that has the rows of the product and of the methods METHOD. Nothing is compiled twice. The program
+# of the rows of the product and of the methods METHOD. Nothing is compiled twice. The program
 # has the same name, in the folder with_METHOD beside it.
 function(rayloc_program_with name program)
   string(REPLACE ";" "_" added "${ARGN}")
@@ -54,7 +54,7 @@ function(rayloc_program_with name program)
     rayloc_method_table(rayloc_method_table_with_${added} ${ARGN})
   endif()
   get_target_property(libraries ${program} LINK_LIBRARIES)
-  # The table comes first: the linker then finds no use for that of the product.
+  # The table comes first, so that the linker does not use the table of the product.
   add_executable(${name} EXCLUDE_FROM_ALL $<TARGET_OBJECTS:${program}>
                  $<TARGET_OBJECTS:rayloc_method_table_with_${added}>)
   target_link_libraries(${name} PRIVATE ${libraries} rayloc_method_table_with_${added})

@@ -13,27 +13,27 @@ if(RAYLOC_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   set(CMAKE_CXX_COMPILER_LAUNCHER "${PROJECT_SOURCE_DIR}/cmake/compiler_cache")
 endif()
 
-# Several sources of a target compile as one: most of a source's compile time goes into headers. Off for an
-# editor or clang-tidy, which read a source by itself.
+# Several sources of a target compile as one: headers take most of a source's compile time. Off for an
+# editor or clang-tidy, which read each source separately.
 option(RAYLOC_UNITY "Compile up to eight sources of a target as one" ON)
 set(CMAKE_UNITY_BUILD ${RAYLOC_UNITY})
 set(CMAKE_UNITY_BUILD_BATCH_SIZE 8)
 
-# No path of the checkout gets into an object by __FILE__ or debug information, so that another checkout finds the
-# object in the cache.
+# No path of the checkout enters an object through __FILE__ or debug information, so that another checkout finds
+# the object in the cache.
 add_compile_options("-ffile-prefix-map=${PROJECT_SOURCE_DIR}/=")
 
 # Debug information is a third of the build time and most of the link time; -g1 keeps the line
 # numbers of stack traces.
 string(REPLACE "-g" "-g1" CMAKE_CXX_FLAGS_RELWITHDEBINFO "${CMAKE_CXX_FLAGS_RELWITHDEBINFO}")
 
-# The static libraries also go into the Python module (python/README.md), which is a shared one. All
-# is compiled alike, programs too. What stays hidden is called directly, as in a program:
-# tests/bench/trace_bench sees no difference.
+# The static libraries are also linked into the Python module (python/README.md), which is a shared library.
+# All sources, also programs, use the same options. Hidden symbols are called directly, as in a program:
+# tests/bench/trace_bench shows no difference.
 add_compile_options(-fPIC -fvisibility=hidden)
 
 # A hundred programs are linked against the same libraries; gold takes half of ld's time. With
-# sanitizers it warns of symbols of theirs that it does not export.
+# sanitizers it warns of their symbols that it does not export.
 find_program(RAYLOC_GOLD ld.gold)
 if(RAYLOC_GOLD AND NOT RAYLOC_SANITIZE)
   add_link_options(-fuse-ld=gold)
@@ -43,12 +43,12 @@ add_library(rayloc_warnings INTERFACE)
 target_compile_options(rayloc_warnings INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion -Wdouble-promotion
   -Wold-style-cast -Wnon-virtual-dtor
-  # Replays are byte-identical: no contraction whose place the compiler may choose.
+  # Replays are byte-identical: the compiler must not choose where to contract operations.
   -ffp-contract=off
-  # GCC 12 sees an impossible memcpy in std::string's operator+ at -O3 (GCC bug 105329).
+  # GCC 12 reports a memcpy in std::string's operator+ at -O3 that cannot occur (GCC bug 105329).
   $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>)
 if(RAYLOC_SANITIZE)
-  # With sanitizers GCC loses track of what std::regex initialises (gcc(1), -fsanitize).
+  # With sanitizers GCC cannot track the members that std::regex initialises (gcc(1), -fsanitize).
   target_compile_options(rayloc_warnings INTERFACE
     $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
 endif()
@@ -61,7 +61,7 @@ if(RAYLOC_SANITIZE)
   if(RAYLOC_SANITIZE MATCHES "thread" AND RAYLOC_SANITIZE MATCHES "address")
     message(FATAL_ERROR "RAYLOC_SANITIZE: thread and address exclude each other")
   endif()
-  # -O1: these builds are for findings, and take half the time of a test run.
+  # -O1: these builds serve to find faults, and take half the time of a test run.
   add_compile_options(-O1 -fsanitize=${RAYLOC_SANITIZE} -fno-omit-frame-pointer
                       -fno-sanitize-recover=all)
   add_link_options(-fsanitize=${RAYLOC_SANITIZE})
@@ -70,12 +70,12 @@ if(RAYLOC_FUZZ AND NOT CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
   message(FATAL_ERROR "RAYLOC_FUZZ needs clang (preset fuzz)")
 endif()
 
-# rayloc_compile(TARGET [TEST]): the options of its half of the tree, by the current folder.
+# rayloc_compile(TARGET [TEST]): the options for the part of the tree that contains the current folder.
 function(rayloc_compile target)
   if(RAYLOC_FUZZ AND NOT "TEST" IN_LIST ARGN)  # the tests themselves need no coverage, and compile a fifth faster
     target_compile_options(${target} PRIVATE -fsanitize=fuzzer-no-link)
   endif()
-  # Only engine/ computes; what takes the time of other tests is in the libraries, or waiting.
+  # Only engine/ computes; other tests spend their time in the libraries, or waiting.
   if(NOT CMAKE_CURRENT_SOURCE_DIR MATCHES "^${PROJECT_SOURCE_DIR}/(tests/)?engine(/|$)"
      AND ("TEST" IN_LIST ARGN OR RAYLOC_SANITIZE))
     target_compile_options(${target} PRIVATE -O0)

@@ -1,11 +1,11 @@
-# Declares tests, and with each its tier (tests/README.md): the gate runs what is not labelled `nightly`.
+# Declares tests, and with each its tier (tests/README.md): the gate runs the tests without the label `nightly`.
 #
 # Labels of a test:
 #   unit, threads, fuzz, lint, package, e2e   its kind; ThreadSanitizer runs `threads` alone
 #   FOLDER                                    the folder of tests/ that declares it, for tests/run --fast
 #   slow      takes long under a sanitizer, and is not built there
 #   realtime  its result depends on the pace of real processes: runs alone, and is repeated once when it fails
-#   contract  a real-time test of what users rely on: in the gate
+#   contract  a real-time test of behaviour that users rely on: in the gate
 #   nightly   only in tests/run --all
 #   daily     also in tests/run --fast
 
@@ -15,7 +15,7 @@ add_custom_target(rayloc_tests)
 # Factor of every deadline of a test; tests/run measures the machine and sets it.
 set(RAYLOC_PATIENCE 1 CACHE STRING "Factor of the deadlines of tests, 1 or more")
 
-# Tests of several trees meet in one summary (tests/run): those of a sanitizer's tree carry its name.
+# Tests of several trees are listed in one summary (tests/run): those of a sanitizer's tree have its name.
 set(RAYLOC_TEST_PREFIX "")
 if(RAYLOC_SANITIZE MATCHES "thread")
   set(RAYLOC_TEST_PREFIX "tsan.")
@@ -23,7 +23,7 @@ elseif(RAYLOC_SANITIZE)
   set(RAYLOC_TEST_PREFIX "asan.")
 endif()
 
-# rayloc_test_labels(OUT label...): the labels, with those that follow from them and from the current folder.
+# rayloc_test_labels(OUT label...): the labels, with those implied by them and by the current folder.
 function(rayloc_test_labels out)
   file(RELATIVE_PATH folder "${PROJECT_SOURCE_DIR}/tests" "${CMAKE_CURRENT_SOURCE_DIR}")
   set(labels ${ARGN} ${folder})
@@ -48,8 +48,8 @@ endfunction()
 #             [CONTRACT regex...] [NIGHTLY regex...] [DAILY regex] [SANITIZED_NIGHTLY glob...]): a GoogleTest program.
 # Its tests find tests/data and the programs with tests/support/test_paths.h.
 #   LABELS      `unit` when none is given; `e2e` (real processes; not built under a sanitizer) is also `realtime`
-#   FILES_ONLY  an e2e program that reads and writes files, and in which nothing happens in real time
-#   WHOLE       one entry of ctest, for a program whose tests share what takes them most of their time
+#   FILES_ONLY  an e2e program that reads and writes files, without any real-time behaviour
+#   WHOLE       one entry of ctest, for a program whose tests share their most expensive set-up
 #   CALIBRATED_SITE  its tests share the bundled site, calibrated once (tests/e2e/make_calibrated_site)
 #   CONTRACT    the real-time tests of the program that the gate runs; its others are `nightly`
 #   NIGHTLY     the tests of the program that only tests/run --all runs: regular expressions, or globs of GoogleTest
@@ -70,8 +70,8 @@ function(rayloc_test name)
   add_executable(${name} EXCLUDE_FROM_ALL ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE rayloc_warnings rayloc_test_paths ${ARG_DEPENDS} GTest::gmock_main)
   rayloc_compile(${name} TEST)
-  # A test that does not belong into this tree is a target that nothing builds, so that what a
-  # folder says about it in addition holds everywhere.
+  # A test that is not part of this tree is a target that is never built, so that further
+  # statements of a folder about it remain valid.
   if(RAYLOC_SANITIZE AND ("e2e" IN_LIST labels OR "slow" IN_LIST labels))
     return()
   endif()
@@ -81,11 +81,11 @@ function(rayloc_test name)
   set_target_properties(${name} PROPERTIES EXCLUDE_FROM_ALL FALSE)
   add_dependencies(rayloc_tests ${name})
   if("e2e" IN_LIST labels)
-    add_dependencies(${name} rayloc raylocd)  # real processes, of this very build
+    add_dependencies(${name} rayloc raylocd)  # real processes, of this build
   endif()
   set(cost 0)
   if("slow" IN_LIST labels OR RAYLOC_SANITIZE)
-    set(cost 10)  # ctest begins with what takes longest
+    set(cost 10)  # ctest starts the longest tests first
   endif()
   if(RAYLOC_SANITIZE OR ARG_WHOLE)  # a start under a sanitizer takes longer than most tests
     set(only_nightly ${ARG_NIGHTLY})
@@ -109,7 +109,7 @@ function(rayloc_test name)
   gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST
                        PROPERTIES TIMEOUT ${timeout} COST ${cost}
                        ENVIRONMENT "XDG_CACHE_HOME=${CMAKE_BINARY_DIR}/cache")
-  # gtest_discover_tests flattens lists, so several labels are set in a file that ctest reads next.
+  # gtest_discover_tests flattens lists, so several labels are set in a file that ctest reads afterwards.
   set(labels_file "${CMAKE_CURRENT_BINARY_DIR}/${name}_labels.cmake")
   file(CONFIGURE OUTPUT "${labels_file}" @ONLY CONTENT [[
 foreach(test IN LISTS @name@_TESTS)

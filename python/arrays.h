@@ -1,4 +1,4 @@
-// Arrays of numpy over memory that C++ keeps: no value is copied.
+// Numpy arrays over memory owned by C++: no value is copied.
 #pragma once
 
 #include <complex>
@@ -14,7 +14,7 @@ namespace rayloc::python {
 
 using Shape = std::vector<pybind11::ssize_t>;
 
-// Of the memory of `owner`, which lives as long as the array does. Nobody writes into it.
+// A read-only view of the memory of `owner`, which lives as long as the array does.
 // `strides` [bytes].
 template <typename T>
 pybind11::array_t<T> view_of(const T* first,
@@ -26,7 +26,7 @@ pybind11::array_t<T> view_of(const T* first,
   return array;
 }
 
-// Of values that the array takes over; the caller may write into them.
+// An array that takes ownership of the values; the caller may write into it.
 template <typename T>
 pybind11::array_t<T> array_of(std::vector<T>&& values, const Shape& shape) {
   auto kept = std::make_unique<std::vector<T>>(std::move(values));

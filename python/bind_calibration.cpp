@@ -1,4 +1,4 @@
-// The calibration of a survey, for a process of its own (rayloc/calibrating.py).
+// The calibration of a survey, for a separate process (rayloc/calibrating.py).
 
 #include <optional>
 #include <utility>

@@ -100,7 +100,7 @@ void bind_device(py::module_& module, const char* name, const std::string& doc) 
       });
 }
 
-// `what`: the first sentence; `turn`: the parameter that turns its array.
+// `what`: the first sentence; `turn`: the parameter that rotates the device's array.
 std::string device_doc(const std::string& what, const std::string& turn) {
   return what + R"(
 
@@ -130,7 +130,7 @@ OfdmGrid make_ofdm_grid(double centre, double spacing, std::vector<std::int16_t>
 }
 
 OfdmGrid grid_of_count(double centre, double spacing, int count) {
-  constexpr int kMost = 65'536;  // as `rayloc trace --cfr`: what 16 bits number
+  constexpr int kMost = 65'536;  // as `rayloc trace --cfr`: the range of 16-bit numbers
   if (count < 1 || count > kMost) {
     refuse("OfdmGrid.of: count is from 1 to 65536");
   }

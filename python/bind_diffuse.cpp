@@ -1,4 +1,4 @@
-// What rough surfaces scatter over a link: power by delay and angles.
+// Diffuse scattering of rough surfaces over a link: power by delay and angles.
 #include <vector>
 
 #include <pybind11/stl.h>
@@ -26,7 +26,7 @@ Frame: world, right-handed, z up; `arrival` points from the receiver to where th
 Errors: `profile` raises rayloc.Error where step is not above 0 or bins are not 1 to 1,000,000.
 Source: engine/trace/diffuse/diffuse_density.h.)";
 
-// Of one member of every echo, where it lies.
+// View of one member of every echo, without a copy.
 template <typename T>
 py::array_t<T> echo_member(const py::object& self, const T DiffuseEcho::*which) {
   const auto& echoes = self.cast<const DiffuseDensity&>().echoes();

@@ -32,13 +32,13 @@ void translate(std::exception_ptr thrown) {
   try {
     std::rethrow_exception(std::move(thrown));
   } catch (const Raised& raised) {
-    // A message may hold bytes of a file or of a name that are no UTF-8; those are replaced, so
+    // A message may contain bytes of a file or of a name that are not UTF-8; those are replaced, so
     // that the class and the rest of the text reach the caller.
     const std::string& message = raised.error.message;
     const auto text = py::reinterpret_steal<py::object>(
         PyUnicode_DecodeUTF8(message.data(), static_cast<py::ssize_t>(message.size()), "replace"));
     if (!text) {
-      return;  // out of memory, which Python has noted
+      return;  // out of memory; Python has set its error
     }
     py::object error = error_class()(text);
     error.attr("kind") = kind_of(raised.error.kind);

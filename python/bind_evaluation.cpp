@@ -27,7 +27,7 @@ void check(Expected<void>&& done) {
   }
 }
 
-// [s], of the Unix epoch.
+// [s] since the Unix epoch.
 double seconds_of(Timestamp time) { return to_seconds(time.time_since_epoch()); }
 
 void add(const Vec3d& v, std::vector<double>& out) { out.insert(out.end(), {v.x, v.y, v.z}); }
@@ -52,7 +52,7 @@ py::array_t<double> errors_of(const std::vector<PointResult>& results,
   return line_of(std::move(values));
 }
 
-// What was compared, one row a point of the truth.
+// The compared values, one row per point of the truth.
 py::dict comparison_arrays(const Comparison& comparison) {
   constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
   std::vector<double> time;
@@ -77,7 +77,7 @@ py::dict comparison_arrays(const Comparison& comparison) {
   return arrays;
 }
 
-// Of the site that was given; empty: none was, or it is not calibrated.
+// Calibration of the given site; empty if no site was given or it is not calibrated.
 std::string calibration_of(const Comparison& comparison) {
   return comparison.site && comparison.site->calibration_file
              ? value_of(load_calibration_file(*comparison.site->calibration_file)).id

@@ -93,7 +93,7 @@ py::array_t<T> sized_array(std::vector<T>&& values, const std::vector<std::size_
   return python::array_of(std::move(values), Shape(shape.begin(), shape.end()));
 }
 
-// Of bytes that a vector holds, seen as another type of numpy.
+// An array over a vector's bytes, interpreted as another numpy type.
 template <typename T>
 py::array seen_as(std::vector<T>&& values, const py::dtype& type, const Shape& shape) {
   auto kept = std::make_unique<std::vector<T>>(std::move(values));
@@ -124,7 +124,7 @@ py::dict stream_arrays(const FrameTable& table, std::size_t stream) {
   return result;
 }
 
-// The frames of these numbers, in their order.
+// The frames with these numbers, in the given order.
 SharedTable taken(const FrameTable& table, const std::vector<std::size_t>& numbers) {
   auto some = std::make_shared<FrameTable>();
   some->access_points = table.access_points;

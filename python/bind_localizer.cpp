@@ -41,7 +41,7 @@ LocalizerHandle localizer_of(const std::filesystem::path& folder, bool cache) {
           std::make_shared<const Localizer>(value_of(Localizer::create(room, options)))};
 }
 
-// One transmitter, in order of time, as the engine wants them.
+// Frames of one transmitter, in order of time, as the engine requires.
 std::vector<CsiFrame> burst_of(const LocalizerHandle& handle, const FrameTable& table) {
   if (table.access_points != handle.access_points) {
     refuse("these frames were not read for this site: read_frames(captures, site=...)");
@@ -109,7 +109,7 @@ py::array_t<double> matrix_of(const std::array<double, 9>& values) {
   return array_of(std::vector<double>(values.begin(), values.end()), {3, 3});
 }
 
-// position, covariance and weight of each.
+// Position, covariance and weight of each hypothesis.
 py::list hypotheses_of(const LocationEstimate& estimate) {
   py::list all;
   for (const Hypothesis& one : estimate.hypotheses) {

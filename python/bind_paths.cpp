@@ -1,4 +1,4 @@
-// Paths of a link, the channel that they make, and its derivatives.
+// Paths of a link, their channel, and its derivatives.
 #include <algorithm>
 #include <cstdint>
 #include <limits>
@@ -21,8 +21,8 @@ namespace {
 using Complexes = std::vector<std::complex<double>>;
 using SharedPaths = std::shared_ptr<LinkPaths>;
 
-// Numbers of Sionna RT's InteractionType; its 2, diffuse reflection, is no path here
-// (bind_diffuse); 16 is ours.
+// Numbers of Sionna RT's InteractionType; its 2, diffuse reflection, is not a path here
+// (bind_diffuse); 16 is our addition.
 constexpr std::uint8_t kNone = 0;
 constexpr std::uint8_t kSpecular = 1;
 constexpr std::uint8_t kRefraction = 4;
@@ -44,7 +44,7 @@ std::uint8_t number_of(InteractionKind kind) {
   return kNone;
 }
 
-// Of one member of every path, where it lies.
+// View of one member of every path, without a copy.
 template <typename T>
 py::array_t<T> path_member(const py::object& self, const T* first, const Shape& inner) {
   const auto& link = self.cast<const LinkPaths&>();
@@ -60,7 +60,7 @@ py::array_t<T> path_member(const py::object& self, const T* first, const Shape& 
 py::array_t<std::complex<double>> a_of(const py::object& self) {
   const Paths& paths = self.cast<const LinkPaths&>().paths;
   static_assert(sizeof(Complex<double>) == sizeof(std::complex<double>));
-  // Both are a real part and then an imaginary one ([complex.numbers.general]).
+  // Both are a real part followed by an imaginary part ([complex.numbers.general]).
   const auto* first =
       paths.empty() ? nullptr : reinterpret_cast<const std::complex<double>*>(&paths[0].a);
   return path_member(self, first, {});
@@ -95,7 +95,7 @@ std::size_t depth_of(const LinkPaths& link) {
   return depth;
 }
 
-// [interaction][path], as Sionna RT has it; `none` where a path has fewer.
+// [interaction][path], as in Sionna RT; `none` where a path has fewer interactions.
 template <typename T, typename Get>
 py::array_t<T> of_interactions(const LinkPaths& link, T none, const Get& get) {
   const std::size_t depth = depth_of(link);
@@ -144,7 +144,7 @@ std::shared_ptr<LinkDerivatives> differentiate(const SharedPaths& link,
       LinkDerivatives{link, std::move(wanted.names), std::move(values)});
 }
 
-// [path][parameter]: derivatives lie row by row.
+// [path][parameter]: derivatives are stored row by row.
 template <typename T>
 py::array_t<T> derivative_member(const py::object& self, const T* first) {
   const auto& derivatives = self.cast<const LinkDerivatives&>();

@@ -1,4 +1,4 @@
-// How antennas are heard over a room: the arrays of `rayloc scene map`.
+// Coverage of antennas over a room: the arrays of `rayloc scene map`.
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -24,7 +24,7 @@ namespace {
 using Corner = std::array<double, 2>;
 
 constexpr double kUsualHeight = 1.2;  // [m], of a device above the lowest point: `rayloc scene map`
-constexpr double kMostCells = 4e6;    // a count, chosen: as of `rayloc scene map`
+constexpr double kMostCells = 4e6;    // a count, chosen: as in `rayloc scene map`
 
 RadioMapGrid map_grid(const Scene& scene,
                       double cell_size,
@@ -72,7 +72,7 @@ py::array_t<double> centres_of(const RadioMapGrid& grid) {
   return array_of(std::move(centres), {size_of(grid.count_y), size_of(grid.count_x), 3});
 }
 
-// All maps one behind the other, [map][y][x].
+// All maps in one array, [map][y][x].
 template <typename T>
 py::array_t<T> stacked(const std::vector<RadioMap>& maps,
                        std::vector<T> RadioMap::*which,

@@ -81,7 +81,7 @@ SharedPaths trace_link(const TracerHandle& handle,
   return link_of(handle, transmitter, handle.tracer.at(receiver));
 }
 
-// [transmitter][receiver]. A tree for each receiver serves all transmitters.
+// [transmitter][receiver]. One tree per receiver serves all transmitters.
 std::vector<std::vector<SharedPaths>> trace_links(const TracerHandle& handle,
                                                   const std::vector<Transmitter>& transmitters,
                                                   const std::vector<Receiver>& receivers) {
@@ -105,7 +105,7 @@ std::vector<std::vector<SharedPaths>> trace_links(const TracerHandle& handle,
   return links;
 }
 
-// The tree of one receiver, for many transmitters one after the other.
+// The tree of one receiver, used for several transmitters in turn.
 struct ReceiverHandle {
   TracerHandle tracer;
   ReceiverTracer at_receiver;

@@ -1,4 +1,4 @@
-// The parts of the module rayloc._engine, each of which a file declares to Python.
+// The parts of the module rayloc._engine; one file declares each to Python.
 #pragma once
 
 #include <pybind11/pybind11.h>

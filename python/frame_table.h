@@ -1,4 +1,4 @@
-// FrameTable: frames of recordings, with the names of the access points that they count.
+// FrameTable: frames of recordings, with the names of the access points to which they refer.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// The module rayloc._engine: the engine for Python. What it offers is documented where it is
+// The module rayloc._engine: the engine for Python. Its contents are documented where they are
 // declared; deploy/clients/python/rayloc gives it its public names.
 #include "python/bindings.h"
 
@@ -7,7 +7,7 @@ PYBIND11_MODULE(_engine, module) {
       "The engine of RayLoc as a native module. Use it by the names of the package rayloc; this "
       "module is private.";
   pybind11::options options;
-  options.disable_function_signatures();  // the stubs beside it have them, with types
+  options.disable_function_signatures();  // the stubs contain them, with types
   options.disable_enum_members_docstring();
   rayloc::python::bind_errors(module);
   rayloc::python::bind_scene(module);

@@ -1,4 +1,4 @@
-// Errors of ours as the Python exception rayloc.Error, with the same text.
+// Raises an engine Error as the Python exception rayloc.Error, with the same text.
 #pragma once
 
 #include <string>
@@ -8,12 +8,12 @@
 
 namespace rayloc::python {
 
-// What bind_errors() translates; never seen by Python.
+// The exception that bind_errors() translates; it never reaches Python.
 struct Raised {
   Error error;
 };
 
-// The value, or the exception. With the lock of Python or without it.
+// Returns the value, or throws. Callable with Python's lock or without it.
 template <typename T>
 T value_of(Expected<T>&& expected) {
   if (!expected) {

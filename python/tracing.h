@@ -1,4 +1,4 @@
-// What Python holds of a link: scenes, tracers, paths with what they came from, derivatives.
+// C++ objects held by Python for a link: scenes, tracers, paths with their inputs, derivatives.
 #pragma once
 
 #include <memory>
@@ -23,7 +23,7 @@ struct TracerHandle {
   PathTracer tracer;
 };
 
-// The paths of a link and all that is needed to differentiate them.
+// The paths of a link and all data needed to differentiate them.
 struct LinkPaths {
   std::shared_ptr<const Scene> scene;
   ReceiverTracer at_receiver;
@@ -38,7 +38,7 @@ struct LinkDerivatives {
   PathDerivatives values;
 };
 
-// A number of the link by its name, as `rayloc trace --gradient` has them. Raises what is unknown.
+// Parameters of the link by name, as in `rayloc trace --gradient`. Raises on unknown names.
 struct NamedParameters {
   std::vector<std::string> names;
   std::vector<Parameter> parameters;

@@ -10,7 +10,7 @@
 namespace rayloc::test {
 namespace {
 
-// Of a face [m]: what stands in such rooms.
+// Thickness of a face [m], typical of its material.
 double thickness_of(const std::string& material) {
   if (material == "concrete") {
     return 0.2;

@@ -1,5 +1,5 @@
 // Rooms of axis-aligned boxes of ITU-R P.2040-3 materials, for benchmarks and tests that need more
-// furniture than a handful.
+// than a few pieces of furniture.
 #pragma once
 
 #include <memory>
@@ -17,11 +17,11 @@ struct SceneBox {
   Vec3d upper;
 };
 
-// One object a box: 12 triangles, 6 surfaces, at kCarrier. Aborts the test program when the scene
-// is refused.
+// Each box is an object: 12 triangles, 6 surfaces, at kCarrier. Aborts the test program when the
+// scene is refused.
 std::shared_ptr<const Scene> scene_of_boxes(const std::vector<SceneBox>& boxes);
 
-// Whether the point keeps `clearance` [m] from every box.
+// True if the point is at least `clearance` [m] away from every box.
 bool is_free(const std::vector<SceneBox>& boxes, const Vec3d& point, double clearance);
 
 }  // namespace rayloc::test

@@ -1,5 +1,5 @@
-// The plan of a closet of 3 x 2.4 x 2.5 m, as `rayloc scene room` reads it, for tests of verbs and
-// of the pipeline on what `rayloc simulate` makes: small, so that calibrating it takes seconds.
+// The plan of a closet of 3 x 2.4 x 2.5 m, in the format of `rayloc scene room`, for tests of verbs
+// and of the pipeline on output of `rayloc simulate`. It is small, so calibration takes seconds.
 #pragma once
 
 #include <array>
@@ -24,7 +24,7 @@ inline std::string closet_access_point(const std::string& id,
   return text;
 }
 
-// Without access points: they, and whatever else there is, may follow.
+// Has no access points: they and other tables may be appended.
 inline constexpr const char* kCloset = R"(name = "closet"
 size = [3.0, 2.4, 2.5]
 corner = [-1.5, -1.2, 0]
@@ -39,7 +39,7 @@ tones = 128
 active = [[-58, -2], [2, 58]]
 )";
 
-// With "ap1" in a corner.
+// The plan with "ap1" in a corner.
 inline std::string closet_plan() {
   return kCloset + closet_access_point("ap1", "[-1.3, 1.0, 1.2]", -38);
 }

@@ -1,4 +1,4 @@
-// What the tests of site.toml and raylocd.toml share: a good text with one thing changed, and the
+// Shared by the tests of site.toml and raylocd.toml: a valid text with one change, and the
 // messages about it without the folder of this checkout.
 #pragma once
 
@@ -20,7 +20,7 @@ inline std::string edited_text(std::string text, std::string_view from, std::str
   return text;
 }
 
-// `message` with the folder of `file` taken out wherever it stands: "site.toml:3:1: ...".
+// `message` with every occurrence of the folder of `file` removed: "site.toml:3:1: ...".
 inline std::string without_folder(std::string message, const std::filesystem::path& file) {
   const std::string folder = file.parent_path().string() + "/";
   for (std::size_t at = 0; (at = message.find(folder, at)) != std::string::npos;) {

@@ -52,7 +52,7 @@ bool send_all(int fd, const std::string& bytes) {
   return true;
 }
 
-// Until the other side has agreed: what comes before that is an error to it.
+// Waits until the peer has completed the handshake: earlier data is an error to the peer.
 bool wait_for_ready(int fd) {
   std::string said;
   std::array<char, 512> buffer;

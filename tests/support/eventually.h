@@ -1,4 +1,4 @@
-// eventually(): waits for what another thread or process is about to do.
+// eventually(): waits for a condition that another thread or process will fulfil.
 #pragma once
 
 #include <chrono>

@@ -1,5 +1,5 @@
-// The exact field about a perfectly conducting wedge, by its eigenfunctions, and what geometrical
-// optics leaves of it. In fractional orders of std::cyl_bessel_j, of which the program has nothing.
+// The exact field about a perfectly conducting wedge, by its eigenfunctions, and its geometrical-
+// optics part. Uses std::cyl_bessel_j of fractional order, which the program does not use.
 //
 // References:
 //   [B] J. J. Bowman et al., Electromagnetic and acoustic scattering by simple shapes (1969), 6.2.
@@ -15,10 +15,10 @@ namespace rayloc::test {
 
 enum class Wall { kSoft, kHard };
 
-// Of exterior angle n pi, observed at k rho = `kr` from the edge. Lengths are in 1 / k.
+// Wedge of exterior angle n pi, observed at k rho = `kr` from the edge. Lengths are in 1 / k.
 class ExactWedge {
  public:
-  // A plane wave, 1 at the edge.
+  // A plane wave of amplitude 1 at the edge.
   ExactWedge(double n, double kr) : n_(n), kr_(kr) {
     for (double order = 0.0; order < last_order(); order += 1.0 / n) {
       const double quarter = std::numbers::pi / 2.0 * std::fmod(order, 4.0);
@@ -26,14 +26,14 @@ class ExactWedge {
     }
   }
 
-  // A line source H_0^(2) further from the edge than the observer.
+  // A line source H_0^(2), further from the edge than the observer.
   ExactWedge(double n, double kr, double kr_source) : n_(n), kr_(kr), kr_source_(kr_source) {
     for (double order = 0.0; order < last_order(); order += 1.0 / n) {
       radial_.push_back(std::cyl_bessel_j(order, kr) * hankel(order, kr_source));
     }
   }
 
-  // [B] (6.30), (6.31), and with `slope` their derivatives by `from`.
+  // [B] (6.30), (6.31); with `slope` their derivatives with respect to `from`.
   std::complex<double> field(double from, double to, Wall wall, bool slope = false) const {
     std::complex<double> sum;
     for (std::size_t m = 0; m < radial_.size(); ++m) {
@@ -46,9 +46,9 @@ class ExactWedge {
     return 2.0 / n_ * sum;
   }
 
-  // The incident wave and its images in the faces, each where it is lit.
+  // The incident wave and its images in the faces, each in its lit region.
   std::complex<double> geometrical(double from, double to, Wall wall, bool slope = false) const {
-    constexpr int kTurns = 7;  // as many as 30 degrees between the faces have images
+    constexpr int kTurns = 7;  // enough for the images of faces at 30 degrees
     const double sign = wall == Wall::kHard ? 1.0 : -1.0;
     std::complex<double> sum;
     for (int turn = -kTurns; turn <= kTurns; ++turn) {
@@ -59,7 +59,7 @@ class ExactWedge {
     return sum;
   }
 
-  // What a diffracted wave is relative to.
+  // Reference field of a diffracted wave.
   std::complex<double> along_the_edge() const {
     return kr_source_ == 0.0 ? std::polar(1.0, -kr_) : hankel(0.0, kr_ + kr_source_);
   }
@@ -75,7 +75,7 @@ class ExactWedge {
     return {std::cyl_bessel_j(order, x), -std::cyl_neumann(order, x)};
   }
 
-  // The wave whose source is that far round; of a plane one, with `turned` != 0 its slope.
+  // The wave of a source at this azimuth; with `turned` != 0 the slope of a plane wave.
   std::complex<double> wave(double angle, double turned) const {
     if (std::abs(angle) > std::numbers::pi) {
       return 0.0;

@@ -15,7 +15,7 @@ namespace {
 
 using ToneValue = std::complex<float>;
 
-// Its row in the frame; nothing when the frame is another access point's or lacks it.
+// Row of the core in the frame; empty if the frame is from another access point or lacks the core.
 std::optional<std::size_t> row_of(const CsiFrame& frame, int access_point, std::uint8_t core) {
   const auto found = std::find(frame.cores.begin(), frame.cores.end(), core);
   if (frame.access_point != access_point || found == frame.cores.end()) {
@@ -26,8 +26,8 @@ std::optional<std::size_t> row_of(const CsiFrame& frame, int access_point, std::
 
 using Array = std::vector<std::complex<double>>;  // [core][tone]
 
-// Where the tones of the room's grid and the cores of the access point lie in a frame; nothing when
-// one is missing.
+// Positions of the room's tones and of the access point's cores in a frame; empty when one is
+// missing.
 std::vector<ToneValue*> values_of(CsiFrame& frame,
                                   const RoomModel& room,
                                   const RoomAccessPoint& ap) {
@@ -46,7 +46,7 @@ std::vector<ToneValue*> values_of(CsiFrame& frame,
   return at;
 }
 
-// What the chains make of all ways, and of the direct one alone.
+// Output of the chains for all paths, and for the direct path only.
 struct Expected {
   Array all;
   Array direct;
@@ -68,7 +68,7 @@ Expected expected_of(const RoomModel& room, std::size_t access_point, const Vec3
           std::polar(1.0, -2.0 * std::numbers::pi * room.grid.frequency_hz(k) * delay));
     }
   }
-  // As strong as it is in all of them, in least squares.
+  // Scales the direct path to its least-squares amplitude within all paths.
   const Aligner aligner(room.grid);
   aligner.apply(aligner.align(expected.all, expected.direct), expected.direct);
   for (std::size_t j = 0; j < expected.all.size(); ++j) {
@@ -92,7 +92,7 @@ void kill_chain(std::vector<CsiFrame>& frames,
     }
     const std::size_t cores = frame.cores.size();
     if (cores < 2) {
-      continue;  // nobody to be weaker than
+      continue;  // no other chain to compare with
     }
     double power = 0.0;
     for (std::size_t m = 0; m < cores; ++m) {

@@ -1,5 +1,5 @@
-// What goes wrong at an access point, done to frames that were right: for tests of what a fix says
-// of itself then.
+// Applies faults of an access point to correct frames, for tests of the warnings and uncertainty
+// that a fix then reports.
 #pragma once
 
 #include <complex>
@@ -15,25 +15,25 @@
 
 namespace rayloc::test {
 
-// A chain without its antenna: noise at -31 dB of the mean power of the others, and the next chain
-// coupled in at -28 dB. `core`: its number; frames without it stay.
+// Removes the antenna of a chain: noise at -31 dB of the mean power of the others, and the next
+// chain coupled in at -28 dB. `core`: number of the chain; frames without it are unchanged.
 void kill_chain(std::vector<CsiFrame>& frames,
                 int access_point,
                 std::uint8_t core,
                 std::mt19937& random);
 
-// A chain that came back from a power cycle with another phase [rad].
+// Adds a phase [rad] to one chain, as after a power cycle.
 void turn_chain(std::vector<CsiFrame>& frames, int access_point, std::uint8_t core, double phase);
 
-// Something that lets 3 % of the amplitude of the direct way through, in front of an access point.
-// `room`: as calibrated, which says how strong the direct way is; `device`: where it really is.
+// Places an obstruction that passes 3 % of the direct path's amplitude in front of an access point.
+// `room`: as calibrated, gives the direct path's strength; `device`: the true position.
 void cover(std::vector<CsiFrame>& frames,
            int access_point,
            const RoomModel& room,
            const Vec3d& device);
 
-// [core][tone] of a channel that no room of ours has: taps of random phase that decay with 30 ns,
-// other ones for every antenna.
+// [core][tone] of a channel that no test room produces: taps of random phase that decay with 30 ns,
+// independent for every antenna.
 std::vector<std::complex<double>> strange_channel(std::size_t cores,
                                                   std::span<const double> offset_hz,
                                                   std::mt19937& random);

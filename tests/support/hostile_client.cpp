@@ -17,7 +17,7 @@ const std::string kLocal = "ipc://";
 
 int connected(int family, const sockaddr* address, socklen_t size) {
   const int fd = ::socket(family, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  // Without a connection nothing can be sent, which the test sees by what is not counted.
+  // Without a connection nothing can be sent; the test detects this by the missing counts.
   (void)::connect(fd, address, size);
   return fd;
 }
@@ -45,7 +45,7 @@ std::string random_bytes(std::mt19937& random, std::size_t most) {
   return bytes;
 }
 
-// Cut off now and then, and with up to three bytes changed.
+// Sometimes truncated, and with up to three bytes changed.
 std::string damaged(std::string bytes, std::mt19937& random) {
   if (random() % 3 == 0) {
     bytes.resize(random() % (bytes.size() + 1));

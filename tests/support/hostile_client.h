@@ -1,5 +1,5 @@
-// Connections that do not speak the protocol of the server that they reach, for tests of what the
-// others notice of them.
+// Connections that violate the protocol of the server that they reach, for tests of the effects
+// on other clients.
 #pragma once
 
 #include <random>
@@ -7,8 +7,8 @@
 
 namespace rayloc {
 
-// A connection to "tcp://127.0.0.1:PORT" or "ipc://PATH" that says what it likes, and nothing more
-// until it is destroyed.
+// A connection to "tcp://127.0.0.1:PORT" or "ipc://PATH" that sends arbitrary bytes, and nothing
+// more until it is destroyed.
 class HostileClient {
  public:
   HostileClient(const std::string& endpoint, const std::string& bytes);
@@ -22,11 +22,11 @@ class HostileClient {
   int fd_;
 };
 
-// The greeting of ZMTP 3 (RFC 23) and commands of CURVE and NULL with what is random in them,
-// whole, cut off, or with bytes changed.
+// The greeting of ZMTP 3 (RFC 23) and commands of CURVE and NULL with random contents,
+// complete, truncated, or with bytes changed.
 std::string hostile_handshake(std::mt19937& random);
 
-// The same of a request of HTTP/1.1.
+// The same for a request of HTTP/1.1.
 std::string hostile_request(std::mt19937& random);
 
 }  // namespace rayloc

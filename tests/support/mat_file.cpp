@@ -41,7 +41,7 @@ Bytes inflated(const std::byte* compressed, std::size_t size) {
   return bytes;
 }
 
-// The next element of a matrix, each beginning at a multiple of eight bytes.
+// The next element of a matrix; each starts at a multiple of eight bytes.
 struct Element {
   std::uint32_t type = 0;
   std::size_t begin = 0;

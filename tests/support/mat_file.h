@@ -1,4 +1,4 @@
-// Reads the one kind of MATLAB file that public recordings come with: a level 5 file with one
+// Reads the only kind of MATLAB file among the public recordings: a level 5 file with one
 // compressed matrix of complex int16 (The MathWorks, MAT-File Format, chapter 1).
 #pragma once
 
@@ -15,7 +15,7 @@ struct ComplexMatrix {
   std::vector<std::complex<int>> values;  // row by row
 };
 
-// Throws std::runtime_error where the file is anything else.
+// Throws std::runtime_error for any other file.
 ComplexMatrix read_mat_file(const std::string& path);
 
 }  // namespace rayloc::test

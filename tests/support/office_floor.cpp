@@ -9,7 +9,7 @@
 namespace rayloc::test {
 namespace {
 
-constexpr double kRoomX = 4.0;  // [m], with one partition each way
+constexpr double kRoomX = 4.0;  // [m], with one partition in each direction
 constexpr double kRoomY = 5.0;
 constexpr double kCorridor = 2.0;  // in front of each row of rooms
 constexpr double kFloorHeight = 2.8;

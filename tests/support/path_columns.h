@@ -1,4 +1,4 @@
-// PathColumns: paths as the CFR kernel reads them.
+// PathColumns: paths in the layout of the CFR kernel's input.
 #pragma once
 
 #include <complex>

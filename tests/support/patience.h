@@ -15,8 +15,8 @@
 
 namespace rayloc::test {
 
-// The factor of every deadline: $RAYLOC_PATIENCE, a number of at least 1 (1 where it is not stated
-// or is no such number), times 4 in a build with a sanitizer.
+// The factor of every deadline: $RAYLOC_PATIENCE, a number of at least 1 (1 if it is not set or
+// not such a number), times 4 in a build with a sanitizer.
 inline double patience_factor() noexcept {
   static const double kFactor = [] {
     const char* const stated = std::getenv("RAYLOC_PATIENCE");
@@ -31,10 +31,10 @@ inline double patience_factor() noexcept {
   return kFactor;
 }
 
-// The deadline of a wait that succeeds unless something is wrong. eventually(), Process::wait() and
-// whatever else in the tests takes a `patience` scale it themselves; patient() is for what takes a
-// plain duration: a receive() of the product, a poll(). Durations that a test is about (a lease, a
-// time-out of the product, a silence) are not scaled.
+// The deadline of a wait that succeeds unless there is a fault. eventually(), Process::wait() and
+// other test functions with a `patience` argument scale it themselves; patient() is for functions
+// with a plain duration: a receive() of the product, a poll(). Durations that a test measures (a
+// lease, a time-out of the product, a silence) are not scaled.
 inline std::chrono::milliseconds patient(std::chrono::milliseconds patience) noexcept {
   return std::chrono::milliseconds(static_cast<std::chrono::milliseconds::rep>(
       static_cast<double>(patience.count()) * patience_factor()));

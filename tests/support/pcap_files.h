@@ -1,4 +1,4 @@
-// Writes capture files and packets for tests: every variant that the reader must know, byte by
+// Writes capture files and packets for tests: every variant that the reader must accept, byte by
 // byte, sharing no code with it.
 #pragma once
 
@@ -40,7 +40,7 @@ ByteString bsd_loopback(const ByteString& ip, Endian endian);
 // --- classic pcap ---
 
 ByteString pcap_header(Endian endian, bool nanoseconds, std::uint32_t link_type = 1);
-// `fraction`: microseconds or nanoseconds, as the header says. `original` 0: as long as `data`.
+// `fraction`: in the header's unit, microseconds or nanoseconds. `original` 0: the size of `data`.
 ByteString pcap_record(Endian endian,
                        std::uint32_t seconds,
                        std::uint32_t fraction,
@@ -71,7 +71,7 @@ ByteString ng_simple(Endian endian, const ByteString& data);
 ByteString gzip(const ByteString& data);
 void write_file(const std::string& path, const ByteString& data);
 ByteString read_file(const std::string& path);
-// A path in gtest's temporary folder that no other test program uses.
+// A path in gtest's temporary folder, unique to this test program.
 std::string temporary_path(const std::string& name);
 
 }  // namespace rayloc::test

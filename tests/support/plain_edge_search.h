@@ -1,5 +1,5 @@
-// PlainEdgeSearch: every sequence of up to two mirrors about every edge, by images and nothing
-// else: what the tracer's paths over an edge are compared with.
+// PlainEdgeSearch: every sequence of up to two mirrors about every edge, by images only. It is the
+// reference for the tracer's paths over an edge.
 #pragma once
 
 #include <algorithm>
@@ -20,7 +20,7 @@ struct PlainEdgeSearch {
   const Scene& scene;
   std::vector<Wedge> wedges = find_wedges(scene);
 
-  using Chain = std::vector<std::uint32_t>;  // from an end on
+  using Chain = std::vector<std::uint32_t>;  // from an end onwards
 
   std::vector<Chain> chains() const {
     std::vector<Chain> all{{}};
@@ -55,7 +55,7 @@ struct PlainEdgeSearch {
            1;
   }
 
-  // A face of a closed body, on the side of it that `end` is on; any other face on both.
+  // True for a face of a closed body on the side of `end`; any other face reflects on both sides.
   bool reflects(std::uint32_t number, const Vec3d& end, const Vec3d& from) const {
     const Scene::SurfaceOwner& owner = scene.owner(number);
     const Solid& solid = scene.solid(owner.object);
@@ -67,7 +67,7 @@ struct PlainEdgeSearch {
     return is_inside(owner.object, end) ? outside < 0.0 : outside > 0.0;
   }
 
-  // Whether the last mirror has the edge in its plane: it reflects nothing of it.
+  // True if the last mirror's plane contains the edge: such a mirror does not reflect the edge.
   bool is_in_mirror(const Wedge& wedge, const Chain& chain) const {
     if (chain.empty()) {
       return false;
@@ -77,7 +77,7 @@ struct PlainEdgeSearch {
            std::abs(distance(plane, wedge.to)) < 2e-5;
   }
 
-  // Whether the way from the end over the chain to the bend is free.
+  // True if the path from the end over the chain to the bend is free.
   bool is_free(const Vec3d& end, const Chain& chain, const Vec3d& bend, const Vec3d& beside) const {
     std::vector<Plane<double>> planes;
     for (const std::uint32_t i : chain) {
@@ -106,7 +106,7 @@ struct PlainEdgeSearch {
     return true;
   }
 
-  // The height of the bend, by halving: where the length over the edge is least; nothing where that
+  // The height of the bend on the edge, which minimises the path length, by bisection; empty if it
   // is not on the edge.
   static std::optional<double> bend_at(const Wedge& wedge, const Vec3d& from, const Vec3d& to) {
     const auto slope = [&](double height) {
@@ -132,8 +132,8 @@ struct PlainEdgeSearch {
     return azimuth <= wedge.n * std::numbers::pi;
   }
 
-  // What each path meets from the transmitter on (a surface and 1000 a reflection, face 0 and the
-  // number of the edge a diffraction), of those with `most` reflections or fewer.
+  // The interactions of each path from the transmitter on (a surface and 1000 for a reflection,
+  // face 0 and the edge number for a diffraction), for paths with at most `most` reflections.
   std::set<std::vector<std::uint32_t>> find(const Vec3d& from, const Vec3d& to, std::size_t most) {
     std::set<std::vector<std::uint32_t>> found;
     const std::vector<Chain> all = chains();
@@ -146,7 +146,7 @@ struct PlainEdgeSearch {
         }
         for (const Chain& after : all) {
           if (before.size() + after.size() > most) {
-            break;  // shorter ones come first
+            break;  // chains are ordered by length
           }
           const Vec3d observer = image(to, after);
           if (!is_outside(wedge, observer)) {
@@ -157,7 +157,7 @@ struct PlainEdgeSearch {
             continue;
           }
           const Vec3d bend = wedge.from + *height * wedge.along;
-          // Outside of the wedge by more than meshes are rounded.
+          // Outside the wedge, by more than the rounding of mesh coordinates.
           const double middle = 0.5 * wedge.n * std::numbers::pi;
           const Vec3d beside = bend + 2e-5 * std::cos(middle) * wedge.in_face +
                                2e-5 * std::sin(middle) * wedge.normal;

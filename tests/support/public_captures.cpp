@@ -25,7 +25,7 @@ std::string sha256_of(const std::string& path) {
   return sodium_bin2hex(text.data(), text.size(), hash.data(), hash.size());
 }
 
-// What the README states in the row of `name`: | `NAME` | HASH | ….
+// The SHA-256 that the README states in the row of `name`: | `NAME` | HASH | ….
 std::string stated_sha256(const std::string& name) {
   std::ifstream readme(data_path("/captures/README.md"));
   const std::string row = "| `" + name + "` | ";

@@ -1,7 +1,7 @@
-// Recordings that other people made with real access points. They are theirs and no part of this
-// checkout: tests/data/captures/README.md says where each comes from.
+// Recordings that other people made with real access points. They are not part of this
+// checkout: tests/data/captures/README.md states the origin of each.
 //
-// They are looked for in $RAYLOC_PUBLIC_CAPTURES, and without it in shared/captures beside the
+// They are read from $RAYLOC_PUBLIC_CAPTURES, or, if it is not set, from shared/captures beside the
 // checkout. A test that reads them is a test of the fixture PublicCaptures, which is skipped, by
 // name, where that folder is absent.
 #pragma once
@@ -15,10 +15,10 @@
 
 namespace rayloc::test {
 
-// The folder, if it is there.
+// The folder, if it exists.
 std::optional<std::string> public_captures();
 
-// Path of `name` ("axcsi-rt-ax86u/AllData.pcap") in that folder. Throws std::runtime_error where
+// Path of `name` ("axcsi-rt-ax86u/AllData.pcap") in that folder. Throws std::runtime_error if
 // the file is absent, or its SHA-256 is not the one that tests/data/captures/README.md states.
 std::string public_capture(const std::string& name);
 

@@ -1,4 +1,4 @@
-// RaylocProcess: `rayloc` with arguments, as a process of its own, for the tests of its verbs.
+// RaylocProcess: `rayloc` with arguments, as a separate process, for the tests of its verbs.
 #pragma once
 
 #include <sys/wait.h>
@@ -21,10 +21,10 @@ struct Finished {
   std::string err;
 };
 
-// Its output is read by wait(): it must fit into a pipe until then (64 KiB each).
+// wait() reads its output: until then it must fit into a pipe (64 KiB each).
 class RaylocProcess {
  public:
-  // `in`: its standard input.
+  // `in`: the process's standard input.
   explicit RaylocProcess(std::vector<std::string> arguments, int in = STDIN_FILENO) {
     arguments.insert(arguments.begin(), test::program_path("rayloc"));
     EXPECT_EQ(::pipe(out_.data()), 0);

@@ -1,4 +1,4 @@
-// Meshes from bytes, for tests that are not about the notes of a reader.
+// Meshes from bytes, for tests that do not examine the notes of a reader.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// read_to_end(): all that a source gives, to the test that wants it.
+// read_to_end(): passes all datagrams of a source to a test.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -7,8 +7,8 @@
 
 namespace rayloc::test {
 
-// Calls take(datagram) with each; what it refers to is valid only there. An error fails the test
-// and is the end as well, or a damaged file would keep a test for ever.
+// Calls take(datagram) with each; references in it are valid only during the call. An error fails
+// the test and ends the reading, because a damaged file would otherwise block a test forever.
 template <typename Take>
 void read_to_end(DatagramSource& source, Take take) {
   DatagramBatch batch;

@@ -1,4 +1,4 @@
-// Recordings for tests: datagrams read from a file, or made up.
+// Recordings for tests: datagrams read from a file, or synthesised.
 //
 // Reads classic little-endian Ethernet pcap files, gzip'd or not; shares no code with
 // capture/source/pcap_source, so that decoders are tested without it.
@@ -27,8 +27,8 @@ std::vector<std::byte> read_bytes(const std::string& path);
 // The datagrams of a file.
 Recording read_recording(const std::string& path);
 
-// Everything through one receiver, flushed at the end. Checks the conservation law after every
-// push (a GoogleTest failure if it does not hold).
+// Passes everything through one receiver, flushed at the end. Checks the conservation law after
+// every push (a GoogleTest failure if it does not hold).
 std::vector<CsiFrame> receive_all(CsiReceiver& receiver, const Recording& recording);
 
 // received = sum(rejected) + duplicates + late + in_frames + in_flight.

@@ -1,4 +1,4 @@
-// answer_of(): everything that a recording gives and states, for tests of recordings.
+// answer_of(): all datagrams and reports of a recording, for tests of recordings.
 #pragma once
 
 #include <chrono>
@@ -16,8 +16,8 @@ struct RecordingAnswer {
   std::vector<Timestamp> times;  // of each datagram
   std::vector<ByteString> payloads;
   SourceCounters counters;
-  std::vector<std::string> words;  // notes of the look through the file, then warnings
-  std::string error;               // of a read; the reading ends there
+  std::vector<std::string> words;  // notes of the scan of the file, then warnings
+  std::string error;               // of a read, which ends the reading
 };
 
 inline RecordingAnswer answer_of(const std::string& path) {

@@ -22,7 +22,7 @@ struct NamedMesh {
   Mesh mesh;
 };
 
-// Every object of the same material. Aborts the test program when the scene is refused.
+// All objects have the same material. Aborts the test program when the scene is refused.
 std::shared_ptr<const Scene> make_scene(const std::vector<NamedMesh>& meshes,
                                         const RadioMaterial& material,
                                         double carrier_hz = kCarrier);

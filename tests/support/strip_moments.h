@@ -1,8 +1,8 @@
-// The field of a line source about a conducting strip, by the method of moments: what waves over
-// both of its edges are compared with. The electric field is along the edges (soft).
+// The field of a line source about a conducting strip, by the method of moments: the reference for
+// waves over both of its edges. The electric field is along the edges (soft).
 //
-// The current is constant on each of some segments, which are shorter near the edges, where it is
-// infinite (R. F. Harrington, Field Computation by Moment Methods (1968), section 3-2).
+// The current is constant on each segment; segments are shorter near the edges, where the current
+// is infinite (R. F. Harrington, Field Computation by Moment Methods (1968), section 3-2).
 #pragma once
 
 #include <array>
@@ -43,7 +43,7 @@ class StripMoments {
     currents_ = coupled.partialPivLu().solve(lit);
   }
 
-  // With the strip, where the wave alone is exp(-j k r) / sqrt(r) far from the source.
+  // Field with the strip, normalised so that the wave alone is exp(-j k r) / sqrt(r) far away.
   Cd at(const Point& observer) const {
     Cd field = hankel(distance(observer, source_));
     for (std::size_t i = 0; i < segments_.size(); ++i) {
@@ -64,19 +64,19 @@ class StripMoments {
   static double distance(const Point& a, const Point& b) {
     return std::hypot(a.first - b.first, a.second - b.second);
   }
-  // Of the second kind, of order 0.
+  // The Hankel function of the second kind, of order 0.
   static Cd hankel(double distance) {
     const double x = kWaveNumber * distance;
     return {std::cyl_bessel_j(0, x), -std::cyl_neumann(0, x)};
   }
-  // What a current of one on a segment makes at a point of the strip.
+  // Field at a point of the strip due to a unit current on a segment.
   static Cd coupling(double at, const Segment& segment, bool is_own) {
     if (is_own) {
       const double euler = std::exp(std::numbers::egamma);
       const double small = euler * kWaveNumber * segment.width / 4.0;
       return segment.width * Cd{1.0, -2.0 / std::numbers::pi * (std::log(small) - 1.0)};
     }
-    // By Gauss-Legendre, of six points.
+    // Gauss-Legendre quadrature with six points.
     constexpr std::array<double, 3> kAt = {0.238619186083197, 0.661209386466265, 0.932469514203152};
     constexpr std::array<double, 3> kOf = {0.467913934572691, 0.360761573048139, 0.171324492379170};
     Cd sum;

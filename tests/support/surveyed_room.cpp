@@ -50,7 +50,7 @@ Shell scaled(const Shell& shell, double by) {
           by * shell.ceiling};
 }
 
-// Walls stand between the planes of the others: no two overlap as they move.
+// Walls fit between the planes of the others: no two overlap as they move.
 std::vector<SceneBox> shell_boxes(const Shell& off) {
   const double west = -kHalfX - off.west;
   const double east = kHalfX + off.east;
@@ -66,7 +66,7 @@ std::vector<SceneBox> shell_boxes(const Shell& off) {
           {"ceiling", "ceiling_board", {west, south, top}, {east, north, top + kWall}}};
 }
 
-// Below the height of the device, so that it is in sight everywhere.
+// Below the height of the device, so that all positions are in line of sight.
 std::vector<SceneBox> furniture_boxes(int count) {
   std::vector<SceneBox> boxes{{"table", "wood", {-0.5, -0.35, 0.70}, {0.6, 0.35, 0.74}},
                               {"cabinet", "metal", {1.3, -1.4, 0.02}, {1.7, -0.6, 1.0}},
@@ -115,7 +115,7 @@ RoomAccessPoint make_access_point(const std::string& id, double x, double y) {
   RoomAccessPoint ap;
   ap.id = id;
   ap.array.pose.position = {x, y, kHeight};
-  ap.array.pose.orientation.yaw = std::atan2(-y, -x);  // looks at the middle
+  ap.array.pose.orientation.yaw = std::atan2(-y, -x);  // faces the middle
   ap.array.element_offset = {{0.0, -0.089, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.089, 0.0}};
   ap.array.pattern = AntennaPattern::kHalfWaveDipole;
   ap.cores = {2, 0, 3};
@@ -140,7 +140,7 @@ ChainGains make_gains(const RoomModel& room, std::size_t access_point, double er
   return gains;
 }
 
-// Where the array stands and how it is turned, against the plan.
+// Error of the array's position and orientation relative to the plan.
 struct ArrayError {
   Vec3d position;  // [m]
   double yaw;      // [rad]
@@ -160,7 +160,7 @@ void state_coupling(const RoomAccessPoint& ap, std::map<std::string, double>& tr
 }
 
 void state_truth(const Shell& off, double error, SurveyedRoom& room) {
-  // Each face looks into the room: its normal is opposite to the way outwards.
+  // Each face's normal points into the room, opposite to the outward direction.
   room.truth = {{"west.+x.offset", -off.west},
                 {"east.-x.offset", -off.east},
                 {"south.+y.offset", -off.south},

@@ -31,7 +31,7 @@ RoomAccessPoint make_access_point(const std::string& id, double x, double y) {
   RoomAccessPoint ap;
   ap.id = id;
   ap.array.pose.position = {x, y, kHeight};
-  ap.array.pose.orientation.yaw = std::atan2(-y, -x);  // looks at the middle
+  ap.array.pose.orientation.yaw = std::atan2(-y, -x);  // faces the middle
   ap.array.element_offset = {{0.0, -0.089, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.089, 0.0}};
   ap.array.pattern = AntennaPattern::kHalfWaveDipole;
   ap.cores = {2, 0, 3};

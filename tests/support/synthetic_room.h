@@ -1,5 +1,5 @@
-// A small room with access points, and frames as their radios would report them: for tests of what
-// goes from frames to a position. Every antenna element is traced for itself.
+// A small room with access points, and frames as their radios would report them: for tests of the
+// steps from frames to a position. Every antenna element is traced separately.
 #pragma once
 
 #include <complex>
@@ -14,7 +14,7 @@
 
 namespace rayloc::test {
 
-// 3 x 2.4 x 2.5 m of concrete, three corners with an access point of three antennas; chain gains
+// 3 x 2.4 x 2.5 m of concrete, with an access point of three antennas in three corners; chain gains
 // are those that frames_at() applies, so the room counts as calibrated.
 RoomModel make_room();
 
@@ -27,24 +27,24 @@ struct FrameOptions {
   unsigned seed = 1;
 };
 
-// [core][tone] at the antennas of an access point, by tracing each for itself.
+// [core][tone] at the antennas of an access point, each traced separately.
 std::vector<std::complex<double>> channel_at(const RoomModel& room,
                                              const RoomAccessPoint& access_point,
                                              const Vec3d& position);
 
-// From the room's device at `position` to the array's centre. tracer: of the room.
+// Rays from the room's device at `position` to the array's centre. tracer: of the room.
 std::vector<Ray> rays_to(const PathTracer& tracer,
                          const RoomModel& room,
                          const AntennaArray& array,
                          const Vec3d& position);
 
-// What the access points hear when their antennas receive `channels` ([core][tone] of each; empty:
-// it hears nothing): unknown gain, phase and timing offset in every frame, chain gains, noise.
+// Frames that the access points report when their antennas receive `channels` ([core][tone] each;
+// empty: no reception): unknown gain, phase and timing offset per frame, chain gains, noise.
 std::vector<CsiFrame> frames_of(const RoomModel& room,
                                 const std::vector<std::vector<std::complex<double>>>& channels,
                                 const FrameOptions& options = {});
 
-// The same of a device at `position`.
+// The same for a device at `position`.
 std::vector<CsiFrame> frames_at(const RoomModel& room,
                                 const Vec3d& position,
                                 const FrameOptions& options = {});

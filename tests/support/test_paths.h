@@ -9,7 +9,7 @@
 namespace rayloc::test {
 
 // The checkout's root followed by `path`, for example "/deploy/experiments".
-// Throws std::runtime_error where the program lies in no build tree.
+// Throws std::runtime_error if the program is not in a build tree.
 std::string source_path(std::string_view path = {});
 
 // tests/data of the checkout followed by `path`, for example "/sites/meeting_room";

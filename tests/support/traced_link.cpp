@@ -252,7 +252,7 @@ std::vector<Parameter> TracedLink::parameters() const {
     for (int axis = 0; axis < 3; ++axis) {
       result.push_back(Parameter::object_translation(object, axis));
     }
-    // Moving one face of a body stretches its other faces, which soft edges notice.
+    // Moving one face of a body stretches its other faces, which affects soft edges.
     if (options_.softness == 0.0 || scene_->objects()[object].mesh.triangles.size() == 2) {
       result.push_back(Parameter::surface_offset(surface));
     }

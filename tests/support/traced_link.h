@@ -1,5 +1,5 @@
-// TracedLink: an array, a device and a scene that can be changed by a Parameter and traced anew:
-// the yardstick for derivatives.
+// TracedLink: an array, a device and a scene that can be changed by a Parameter and traced again:
+// the reference for derivatives.
 #pragma once
 
 #include <complex>
@@ -27,7 +27,7 @@ class TracedLink {
   // screen.
   static TracedLink of(const std::string& scene, const TraceOptions& options);
 
-  // The same with one number changed by `by`.
+  // The same link with one parameter changed by `by`.
   TracedLink changed(const Parameter& parameter, double by) const;
 
   const TraceOptions& options() const { return options_; }
@@ -36,19 +36,19 @@ class TracedLink {
   const std::vector<Transmitter>& transmitters() const { return transmitters_; }
   const std::vector<Receiver>& receivers() const { return receivers_; }
   const OfdmGrid& grid() const { return grid_; }
-  // Transmitters, receivers, tones: tones run fastest.
+  // Order: transmitters, receivers, tones; tones vary fastest.
   Csi csi() const;
-  // csi() with the receiver elsewhere.
+  // csi() with the receiver at another position.
   Csi reference() const;
   // The surfaces of every path of every pair.
   std::vector<std::uint32_t> path_keys() const;
-  // Everything that the link's channel can be differentiated by, of objects only the busiest.
+  // All parameters of the link's channel; of objects only those with the most paths.
   std::vector<Parameter> parameters() const;
   std::string name_of(const Parameter& parameter) const;
 
-  // d csi() / d parameter, by the engine.
+  // d csi() / d parameter, computed by the engine.
   Csi csi_derivative(const Parameter& parameter) const;
-  // Of a loss L, by the engine; `adjoint` gives g with dL = Re sum conj(g) dh.
+  // Gradient of a loss L, by the engine; `adjoint` returns g with dL = Re sum conj(g) dh.
   std::vector<double> gradient(const std::vector<Parameter>& parameters,
                                const std::function<Csi(const Csi&)>& adjoint) const;
 

@@ -1,4 +1,4 @@
-// Walls as real files have them: turned any way, far from the origin, of few triangles or of many.
+// Walls as in real files: in any orientation, far from the origin, of few triangles or of many.
 #pragma once
 
 #include <algorithm>
@@ -25,7 +25,7 @@ struct RigidMotion {
   }
 };
 
-// Every rotation as likely as any other; shifts of up to `reach` [m] along each axis.
+// Rotations are uniformly distributed; shifts are up to `reach` [m] along each axis.
 inline RigidMotion random_motion(std::mt19937_64& random, double reach) {
   std::uniform_real_distribution<double> share(-1.0, 1.0);
   const double yaw = std::numbers::pi * share(random);
@@ -35,7 +35,7 @@ inline RigidMotion random_motion(std::mt19937_64& random, double reach) {
           {reach * share(random), reach * share(random), reach * share(random)}};
 }
 
-// Each triangle as n^2 of its shape, with vertices of their own.
+// Each triangle as n^2 of its shape, with separate vertices.
 inline Mesh subdivided(const Mesh& mesh, std::uint32_t n) {
   Mesh fine;
   for (const auto& t : mesh.triangles) {
@@ -63,7 +63,7 @@ inline Mesh subdivided(const Mesh& mesh, std::uint32_t n) {
   return fine;
 }
 
-// As a file of floats keeps it.
+// Rounded to float, as in a file.
 inline Mesh rounded_to_float(Mesh mesh) {
   for (Vec3d& v : mesh.vertices) {
     for (double* x : {&v.x, &v.y, &v.z}) {

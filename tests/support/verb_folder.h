@@ -1,4 +1,4 @@
-// VerbFolder: a folder of a test, and `rayloc` run in it.
+// VerbFolder: a folder of a test in which `rayloc` runs.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -24,8 +24,8 @@ void put_address(Bytes& bytes, std::uint64_t address) {
 
 int tones_per_20_mhz(WirePhy phy) { return phy == WirePhy::kHe ? 256 : 64; }
 
-// 802.11-2020 21.3.7.5 in words: 40 MHz turns the upper half by 90 degrees, 80 MHz everything
-// but the lowest quarter by 180, 160 MHz each of its halves as 80 MHz.
+// 802.11-2020 21.3.7.5: 40 MHz rotates the upper half by 90 degrees, 80 MHz all but the lowest
+// quarter by 180 degrees, 160 MHz each of its halves as 80 MHz.
 std::complex<double> rotation(const WireFrame& frame, int tone) {
   if (frame.phy == WirePhy::kHe || frame.occupied_mhz == 20) {
     return 1.0;
@@ -85,7 +85,7 @@ bool sounded(const WireFrame& frame, int tone) {
   }
 }
 
-// Position on the wire of a tone: FFT order; 160 MHz of 512 tones is two blocks, upper half first.
+// Position of a tone on the wire: FFT order; 160 MHz of 512 tones is two blocks, upper half first.
 std::size_t position(const WireFrame& frame, int tone, int total) {
   if (total == 512 && frame.phy != WirePhy::kHe) {
     const int in_half = tone < 0 ? tone + 128 : tone - 128;
@@ -94,7 +94,7 @@ std::size_t position(const WireFrame& frame, int tone, int total) {
   return static_cast<std::size_t>((tone + total) % total);
 }
 
-// Sign, `bits` of magnitude, from bit `shift` on.
+// Sign and `bits` of magnitude, starting at bit `shift`.
 std::uint32_t sign_magnitude(double value, int exponent, int bits, int shift) {
   const auto magnitude =
       static_cast<std::uint32_t>(std::lround(std::ldexp(std::abs(value), -exponent)));
@@ -119,7 +119,7 @@ std::uint32_t pack(std::complex<double> value, int mantissa_bits, int exponent_b
 
 std::uint32_t ratespec_of(const WireFrame& frame) {
   const auto encoding = static_cast<std::uint32_t>(frame.phy);
-  const std::uint32_t bandwidth = 1;  // always "20 MHz": no decoder may believe it
+  const std::uint32_t bandwidth = 1;  // always "20 MHz": no decoder may rely on it
   std::uint32_t rate = 0x0c;
   if (frame.phy == WirePhy::kHt) {
     rate = static_cast<std::uint32_t>(8 * (frame.transmitted_streams - 1) + 4);
@@ -235,7 +235,7 @@ Recording write_nexmon(const WireFrame& frame, NexmonChip chip, int version, Tim
         const std::size_t overwritten = tones.size() == 64 ? 28 : 0;
         std::uint32_t word = 0;
         if (version == 2 && i >= overwritten && i < overwritten + 3) {
-          word = 0x2fffc01fU;  // whatever the PhyRxStatus is: as CSI a large value
+          word = 0x2fffc01fU;  // any PhyRxStatus: read as CSI, a large value
         } else if (chip == NexmonChip::k4366c0) {
           word = pack_float12(tones[i]);
         } else if (chip == NexmonChip::k4358) {

@@ -66,7 +66,7 @@ std::string Message::target() const {
 class Subscriber::Impl {
  public:
   explicit Impl(Options options) : options_(std::move(options)) {
-    // Heartbeats are heard in any case: they tell losses on silent topics, and that it lives.
+    // Heartbeats are always subscribed to: they reveal losses on silent topics, and show liveness.
     std::vector<std::string> topics = options_.topics;
     topics.emplace_back(kHeartbeatTopics);
     const std::optional<CurveClientKeys> curve = keys_of(options_.curve);
@@ -120,7 +120,7 @@ class Subscriber::Impl {
   void look_at(const Message& message) {
     gaps_.add(message.topic, message.envelope);
     if (message.from_snapshot) {
-      return;  // no sign of life
+      return;  // does not count as a sign of life
     }
     if (message.envelope.has_heartbeat()) {
       heard_ = Clock::now();

@@ -1,4 +1,4 @@
-// Prints where everything is, and when the connection is bad.
+// Prints the position of every target, and problems of the connection.
 //   subscribe [ENDPOINT [SNAPSHOT [SERVER_KEY_FILE SECRET_KEY_FILE]]]
 #include <rayloc/client.h>
 

@@ -1,4 +1,4 @@
-// Receives what raylocd publishes.
+// Receives the messages that raylocd publishes.
 //
 //   rayloc::client::Subscriber messages({.topics = {"v1/location/"}});
 //   while (true) {
@@ -10,8 +10,8 @@
 //   }
 //
 // In CMake: find_package(rayloc REQUIRED), target rayloc::client. The messages are the classes of
-// rayloc/v1/*.pb.h. Connecting again after a restart of raylocd goes by itself; where a snapshot is
-// wanted, it is asked for again then.
+// rayloc/v1/*.pb.h. The connection is restored automatically after a restart of raylocd; if a
+// snapshot is wanted, it is then requested again.
 //
 // Thread safety: one thread.
 #pragma once
@@ -33,60 +33,60 @@ struct Curve {
   std::string server_key;
   std::string secret_key;
 
-  // From files as `rayloc keygen` makes them: what it printed of the daemon, and the secret key of
+  // Reads files of `rayloc keygen`: the printed public key of the daemon, and the secret key of
   // this subscriber, which only its owner may read. Throws std::runtime_error when one cannot be
   // used.
   static Curve read(const std::string& server_key, const std::string& secret_key);
 };
 
 struct Options {
-  // Where raylocd publishes.
+  // The endpoint at which raylocd publishes.
   std::string endpoint = "tcp://127.0.0.1:5560";
-  // Where it tells who comes late what was last said of each topic; empty: begin with what comes.
+  // The endpoint for the last message of each topic; empty: only messages from now on.
   std::string snapshot = {};
-  // What the topics begin with.
+  // Prefixes of the topics.
   std::vector<std::string> topics = {"v1/"};
-  // Of the messages about a target only those about these: address, hashed address or "person-N".
-  // Empty: all.
+  // Restricts messages about a target to these: address, hashed address or "person-N".
+  // Empty: all targets.
   std::vector<std::string> targets = {};
   // Time without a heartbeat after which the daemon counts as gone.
   std::chrono::milliseconds stale_after{5000};
-  // How long to wait for the daemon and its snapshot, where one is wanted.
+  // Maximum wait for the daemon, and for its snapshot if one is wanted.
   std::chrono::milliseconds patience{10'000};
-  // Of a raylocd that publishes encrypted.
+  // Keys for a raylocd that publishes encrypted messages.
   std::optional<Curve> curve = std::nullopt;
 };
 
 struct Message {
   std::string topic;
   v1::Envelope envelope;
-  bool from_snapshot = false;  // it was said before we came, or before we were back
+  bool from_snapshot = false;  // published before this subscriber connected or reconnected
 
-  // Address, hashed address or "person-N", as in the topic; empty when it is not about a target.
+  // Address, hashed address or "person-N", as in the topic; empty if it is not about a target.
   std::string target() const;
 };
 
 class Subscriber {
  public:
-  // Without a snapshot it succeeds whether or not somebody publishes. Throws std::invalid_argument
-  // for an endpoint or a key that is none, std::runtime_error when a snapshot is wanted and nobody
-  // answers.
+  // Without a snapshot it succeeds even if no daemon publishes. Throws std::invalid_argument
+  // for an invalid endpoint or key, std::runtime_error when a snapshot is wanted and there is no
+  // answer.
   explicit Subscriber(Options options);
   ~Subscriber();
   Subscriber(Subscriber&&) noexcept;
   Subscriber& operator=(Subscriber&&) noexcept;
 
-  // The next message; nothing when none came for `timeout` or a signal was caught.
+  // The next message; empty if none arrived within `timeout` or a signal was caught.
   std::optional<Message> receive(std::chrono::milliseconds timeout);
 
-  // Messages that were published to us and never came.
+  // Messages that were published to this subscriber and never arrived.
   std::uint64_t lost() const;
-  // New starts of the daemon since we came.
+  // Restarts of the daemon since this subscriber connected.
   std::uint64_t restarts() const;
-  // What came and was no message of raylocd.
+  // Received messages that are not messages of raylocd.
   std::uint64_t malformed() const;
-  // No heartbeat for `stale_after`, none yet, or the daemon said goodbye: what you know is no
-  // longer, or not yet, how it is. What arrives is looked at in receive().
+  // True if no heartbeat arrived for `stale_after`, none has arrived yet, or the daemon sent its
+  // goodbye: received data may be out of date. Arriving messages are processed in receive().
   bool stale() const;
 
  private:

@@ -61,8 +61,8 @@ try:
 except ModuleNotFoundError as error:
     raise explained(error) from None
 
-# Names of the engine, whose module and numpy are loaded when the first of them is asked for: who
-# subscribes needs neither.
+# Names of the engine; its module and numpy are loaded when the first of them is used, because
+# subscribers need neither.
 _ENGINE = {
     "calibrate": "calibrating",
     "Localizer": "localizing",

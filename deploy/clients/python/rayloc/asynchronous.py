@@ -43,7 +43,7 @@ class AsyncSubscriber(Connection):
             self._without_pause = 0
             await self._arrival(wait)
         self._without_pause += 1
-        if self._without_pause >= BATCH:  # a busy stream must not keep the loop from its other work
+        if self._without_pause >= BATCH:  # a busy stream must not block other tasks of the loop
             self._without_pause = 0
             await asyncio.sleep(0)
         return ready.popleft()

@@ -54,13 +54,13 @@ class Channel(torch.autograd.Function):
     @staticmethod
     @once_differentiable
     def backward(ctx: Any, adjoint: Any) -> Any:
-        # Torch's gradient of a real loss by a complex h is g with dL = Re sum conj(g) dh.
-        # A conjugate or negative view has no array of numpy before it is resolved.
+        # Torch's gradient of a real loss with respect to a complex h is g with dL = Re sum conj(g) dh.
+        # A conjugate or negative view must be resolved before it becomes a numpy array.
         adjoint = adjoint.detach().resolve_conj().resolve_neg().cpu().numpy()
         g = np.ascontiguousarray(adjoint, dtype=np.complex128)
         derivatives = ctx.paths.derivatives(ctx.parameters)
         result = ctx.gain * derivatives.loss_gradient(ctx.grid, g)
-        # The names of the derivatives: one that was given may stand for several numbers.
+        # The names of the derivatives: one given name may expand to several parameters.
         for i, name in enumerate(derivatives.names):
             if name in ("tx_gain", "rx_gain"):  # of a factor 1 + value, not of the one at 1
                 factor = 1.0 + float(ctx.values[i])

@@ -23,7 +23,7 @@ except ModuleNotFoundError as error:
 
 __all__ = ["calibrate"]
 
-# Seconds for the process to end by itself, within the second that Ctrl-C may take.
+# Seconds in which the process may end by itself, within the second that Ctrl-C may take.
 PATIENCE = 0.7
 
 CHILD = """
@@ -108,8 +108,8 @@ def calibrate(
 
 
 def _answer_of_child(question: str, out: str) -> str:
-    # Of its own session: a terminal sends Ctrl-C to this process alone, which passes it on. It does
-    # not read `out`, which is there so that people who list processes see whose it is.
+    # In a separate session: a terminal sends Ctrl-C only to this process, which forwards it. The child
+    # does not read `out`; the argument identifies its calibration in a list of processes.
     with subprocess.Popen(
         [sys.executable, "-c", CHILD, out, str(os.getpid())],
         stdin=subprocess.PIPE,

@@ -10,9 +10,9 @@ import zmq
 from rayloc.options import Curve, make_options
 from rayloc.stream import Stream
 
-# Taken from the socket in one go, so that an event loop comes to its other work.
+# Maximum number of messages read at once, so that an event loop can run other tasks.
 BATCH = 512
-# How often a wait looks at whether the snapshot is overdue [s].
+# Interval of the checks for an overdue snapshot [s].
 LOOK = 0.5
 
 
@@ -120,7 +120,7 @@ class Connection:
                     f"no snapshot from {self._snapshot_endpoint}; is raylocd's"
                     " [publish] snapshot there, and do its keys admit this subscriber?"
                 )
-            self._stream.go_live()  # after a restart: better without than not at all
+            self._stream.go_live()  # after a restart: continue without a snapshot
 
     def _close(self) -> None:
         for socket in (self._live, self._asked):
@@ -131,8 +131,8 @@ class Connection:
 def _connect(socket: zmq.Socket[bytes], endpoint: str, curve: Optional[Curve]) -> None:
     socket.setsockopt(zmq.LINGER, 0)
     socket.setsockopt(zmq.IPV6, 1)
-    # A second at most until a restarted daemon is found again; ten until one whose machine was
-    # switched off is given up and looked for anew.
+    # A restarted daemon is found within a second; the connection to a daemon whose machine was
+    # switched off is dropped after ten and then retried.
     socket.setsockopt(zmq.RECONNECT_IVL, 100)
     socket.setsockopt(zmq.RECONNECT_IVL_MAX, 1000)
     socket.setsockopt(zmq.HEARTBEAT_IVL, 2000)

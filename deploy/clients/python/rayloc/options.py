@@ -35,7 +35,7 @@ class Options:
 
     topics: tuple[str, ...]
     targets: frozenset[str]
-    snapshot: bool  # begin with one
+    snapshot: bool  # request one at the start
     stale_after: float  # [s]
     patience: float  # [s]
 

@@ -66,7 +66,7 @@ class Frames:
     def where(self, chosen: NDArray[np.bool_]) -> Frames:
         """The frames for which `chosen`, (frames,), is true; ValueError for anything but that."""
         mask: NDArray[Any] = np.asarray(chosen)
-        # Numbers of frames, or a mask of others, would choose frames that nobody meant.
+        # Frame numbers, or a mask of other frames, would select unintended frames.
         if mask.dtype != np.dtype(bool) or mask.shape != (len(self),):
             raise ValueError(
                 f"where: a mask of {len(self)} booleans, one a frame, is needed, not "

@@ -17,7 +17,7 @@ from rayloc.v1.envelope_pb2 import Envelope
 from rayloc.v1.snapshot_pb2 import SnapshotReply, SnapshotRequest
 
 HEARTBEATS = "v1/heartbeat/"
-# raylocd numbers 4096 topics at a time; addresses that change make more of them here.
+# raylocd numbers 4096 topics at a time; changing addresses produce more of them here.
 MAX_TOPICS = 16_384
 
 
@@ -31,18 +31,18 @@ class Stream:
         self.joined = not options.snapshot  # at least once
         self._options = options
         self._joining = options.snapshot
-        self._asking = False  # the daemon knows our subscriptions: nothing falls between
-        self._joining_since: Optional[float] = None  # the first message that waits for the snapshot
-        self._early: list[tuple[str, Envelope]] = []  # came before the snapshot
+        self._asking = False  # true once the daemon has our subscriptions, so that no message is missed
+        self._joining_since: Optional[float] = None  # arrival of the first message that waits for the snapshot
+        self._early: list[tuple[str, Envelope]] = []  # received before the snapshot
         self._told: dict[str, int] = {}  # sequences in the snapshot
         self._last: dict[str, int] = {}  # longest unused first
-        self._gaps: list[Gap] = []  # not handed out yet
+        self._gaps: list[Gap] = []  # not yet delivered
         self._restarted = False
         self._heard_at: Optional[float] = None  # last heartbeat; None also after a goodbye
-        self._sent_at = 0.0  # of the last heartbeat, by the daemon's clock
-        self._late_by = 0.0  # the last heartbeat, as against the quickest
-        # From that clock to ours, which need not agree, of the quickest since the daemon was started or
-        # its clock was set back.
+        self._sent_at = 0.0  # send time of the last heartbeat, by the daemon's clock
+        self._late_by = 0.0  # delay of the last heartbeat relative to the fastest
+        # Offset from that clock to ours, which need not agree, for the fastest heartbeat since the daemon was
+        # started or its clock was set back.
         self._least_delay: Optional[float] = None
 
     def subscriptions(self) -> list[bytes]:
@@ -78,7 +78,7 @@ class Stream:
         if not self._asking:
             return None
         self._asking = False
-        # Heartbeats are asked for to know when all that the snapshot told has passed.
+        # A heartbeat sent after the snapshot marks the end of the messages that the snapshot contains.
         topics = [*self._options.topics, HEARTBEATS]
         request: bytes = SnapshotRequest(prefixes=topics).SerializeToString()
         return request
@@ -128,7 +128,7 @@ class Stream:
         self._late_by = delay - self._least_delay
 
     def _restart(self) -> None:
-        if self._early:  # of the daemon that is gone: no snapshot will come
+        if self._early:  # from the previous daemon: its snapshot will not arrive
             joined = self.joined
             self.go_live()
             self.joined = joined
@@ -158,7 +158,7 @@ class Stream:
             self._last.pop(next(iter(self._last)))
         if not topic.startswith(HEARTBEATS):
             return
-        # They name the topics that were busy, so that a loss shows where nothing follows.
+        # Heartbeats list the busy topics, so that a loss is detected without a later message.
         for classes in (envelope.heartbeat.topic_classes, envelope.goodbye.topic_classes):
             for named in (named for each in classes for named in each.last_sequences):
                 seen = self._last.get(named.topic)

@@ -46,7 +46,7 @@ from rayloc.v1.target_pb2 import (
 ONLINE, OFFLINE = "online", "offline"
 BELIEVED = (TRACK_STATE_CONFIRMED, TRACK_STATE_COASTING)
 PERSON = "Person"
-COMPONENTS = ("device_tracker", "sensor")  # of discovery, that are announced
+COMPONENTS = ("device_tracker", "sensor")  # components that discovery announces
 SENSORS = {"x": "X", "y": "Y", "accuracy_m": "Accuracy"}
 
 
@@ -64,28 +64,28 @@ class Setting:
     prefix: str = "homeassistant"
     base: str = "rayloc"
     interval: float = 1.0  # [s] between two states of one target
-    silent: float = 60.0  # [s]; raylocd gives a track up after 5 s and speaks of it until then
-    forget: float = 86_400.0  # [s] after which a device that is not heard is taken back
-    targets: tuple[str, ...] = ()  # the only ones that are told of; all, if there are none
+    silent: float = 60.0  # [s]; raylocd drops a track after 5 s and publishes it until then
+    forget: float = 86_400.0  # [s] after which a silent device is removed
+    targets: tuple[str, ...] = ()  # the only targets that are announced; all, if empty
 
 
 @dataclass
 class _Known:
     """A target that Home Assistant was told of."""
 
-    topic: str  # of its state
+    topic: str  # topic of its state
     node: str
     object_id: str
     label: str
     is_person: bool
     heard_at: float
     has_track: bool = True
-    is_adopted: bool = False  # announced by an earlier run, perhaps by another name
+    is_adopted: bool = False  # announced by an earlier run, perhaps under another name
     told_at: float = float("-inf")
-    location: Optional[Location] = None  # the last one that was believed
+    location: Optional[Location] = None  # the last accepted one
     state: dict[str, object] = field(default_factory=dict)
-    waits: bool = False  # `state` is newer than what was published
-    place: str = ""  # that was published
+    waits: bool = False  # `state` is newer than the published one
+    place: str = ""  # the published place
 
     @property
     def place_topic(self) -> str:
@@ -118,7 +118,7 @@ class _Known:
                 "json_attributes_topic": self.topic,
                 "source_type": "router",
             },
-            # From 2027.1 on the tracker's state is a zone of Home Assistant; this one stays ours.
+            # From 2027.1 on the tracker's state is a zone of Home Assistant; this sensor keeps the site's zone.
             self._discovery(setting, "sensor", "zone"): {
                 **common,
                 "name": "Zone",
@@ -148,12 +148,12 @@ class HomeAssistant:
 
     def __init__(self, setting: Setting) -> None:
         self._setting = setting
-        self._known: dict[str, _Known] = {}  # by topic of state
-        self._sites: dict[str, str] = {}  # topic of status -> "online" or "offline"
-        # Who is in a zone, by the part of its site in topics and its name.
+        self._known: dict[str, _Known] = {}  # by state topic
+        self._sites: dict[str, str] = {}  # status topic -> "online" or "offline"
+        # Occupants of a zone, by the topic part of its site and by its name.
         self._inside: dict[tuple[str, str], AbstractSet[str]] = {}
-        self._is_online = False  # nothing of raylocd came yet
-        self._renamed: set[str] = set()  # zones of which a notice was given
+        self._is_online = False  # no message of raylocd has arrived yet
+        self._renamed: set[str] = set()  # zones for which a notice was given
         self._notices: list[str] = []
 
     def take_notices(self) -> list[str]:
@@ -170,7 +170,7 @@ class HomeAssistant:
                 out += self._on_lost(before, now)
         location = message.location
         if location is not None:
-            # What was last said before we came may be of long ago.
+            # Messages published before this bridge connected may be outdated.
             if location.kind == LOCATION_KIND_FILTERED and not message.from_snapshot:
                 out += self._on_location(message, location, now)
         elif message.kind == "zone":
@@ -187,7 +187,7 @@ class HomeAssistant:
         changed = [topic for topic, before in self._sites.items() if before != status]
         self._sites.update(dict.fromkeys(changed, status))
         out = [Publication(topic, status) for topic in changed]
-        # Before, the entities that an earlier run announced show what may be long past.
+        # Until then, the entities that an earlier run announced may show outdated states.
         if self._sites and not self._is_online:
             self._is_online = True
             out.append(self._online())
@@ -205,7 +205,7 @@ class HomeAssistant:
         bridge of another site, base or choice of targets: they take it back themselves."""
         try:
             configuration = json.loads(payload)
-            state_topic = configuration["state_topic"]  # that of a tracker is the place
+            state_topic = configuration["state_topic"]  # for a tracker it is the place
             state_topic = str(configuration.get("json_attributes_topic", state_topic))
             state_topic = state_topic.removesuffix("/place")
             label = str(configuration["device"]["name"])
@@ -236,7 +236,7 @@ class HomeAssistant:
         return Publication(f"{self._setting.base}/status", ONLINE)
 
     def _state_topic(self, message: Message) -> str:
-        # As in raylocd's topics: nothing in it means anything to MQTT.
+        # As in raylocd's topics: no character in it has a meaning in MQTT.
         site = message.topic.split("/")[2]
         return f"{self._setting.base}/{site}/{message.target}"
 
@@ -292,7 +292,7 @@ class HomeAssistant:
         return self._tell(known, now)
 
     def _on_lost(self, known: _Known, now: float) -> list[Publication]:
-        if known.is_person:  # its number is never used again
+        if known.is_person:  # its number is never reused
             return self._take_back(known)
         if not known.has_track:
             return []

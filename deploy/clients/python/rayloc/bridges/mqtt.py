@@ -24,7 +24,7 @@ except ModuleNotFoundError as error:
     if __name__ != "__main__":
         raise explained(error) from None
     print(f"rayloc.bridges.mqtt: {explained(error)}", file=sys.stderr)
-    sys.exit(78)  # its unit does not try that again
+    sys.exit(78)  # its unit does not retry that
 
 from rayloc.bridges.home_assistant import (
     COMPONENTS,
@@ -46,7 +46,7 @@ from rayloc.subscriber import Subscriber
 
 TOPICS = ["v1/location/", "v1/track/", "v1/zone/", "v1/heartbeat/"]
 BIRTH = "homeassistant/status"
-LOOK = 0.2  # [s] between looks at what is due without a message
+LOOK = 0.2  # [s] between checks for publications that are due without a message
 
 
 class Broker:
@@ -57,7 +57,7 @@ class Broker:
         self.must_announce = threading.Event()
         self.kept: queue.SimpleQueue[tuple[str, str]] = queue.SimpleQueue()
         self._status = f"{setting.base}/status"
-        self._state = OFFLINE  # of this bridge, until it has something to carry
+        self._state = OFFLINE  # of this bridge, until the first message arrives
         # Home Assistant's birth message does not move with its discovery prefix.
         self._births = {f"{setting.prefix}/status", BIRTH}
         self._discovery = [f"{setting.prefix}/{each}/+/+/config" for each in COMPONENTS]
@@ -77,7 +77,7 @@ class Broker:
         self._client.loop_start()
 
     def publish(self, publications: Iterable[Publication]) -> None:
-        # Without a connection nothing is queued: on the next one everything is announced anew.
+        # Without a connection nothing is queued: the next connection announces everything again.
         for each in publications:
             if each.topic == self._status:
                 self._state = each.payload
@@ -107,7 +107,7 @@ class Broker:
         if message.topic in self._births:
             if message.payload == ONLINE.encode():
                 self.must_announce.set()
-        elif message.retain and "/rayloc_" in message.topic:  # kept, not just published
+        elif message.retain and "/rayloc_" in message.topic:  # retained, not just published
             self.kept.put((message.topic, message.payload.decode(errors="replace")))
 
 
@@ -161,7 +161,7 @@ def carry(
             broker.publish(bridge.on_message(message, now))
             for notice in bridge.take_notices():
                 say(notice)
-            while not broker.kept.empty():  # the message before says of which site we are
+            while not broker.kept.empty():  # the preceding message identifies the site
                 bridge.adopt(*broker.kept.get(), now)
         if now - looked >= LOOK:
             looked = now

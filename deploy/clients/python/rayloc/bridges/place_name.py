@@ -12,8 +12,8 @@ import unicodedata
 from typing import Optional
 
 HOME, NOT_HOME = "home", "not_home"
-LONGEST = 255  # characters of a state
-# Its states of a tracker, of any entity and of no value; "away" is what its pages write for not_home.
+LONGEST = 255  # maximum number of characters of a state
+# States of a tracker, of any entity and of no value; "away" is the term for not_home in its pages.
 OWN_STATES = frozenset({"", HOME, NOT_HOME, "away", "unknown", "unavailable", "none"})
 SUFFIX = "(zone)"
 
@@ -24,7 +24,7 @@ def state_of_zone(zone: str) -> str:
     state = f"{clean} {SUFFIX}".strip() if _is_own(clean) else clean
     if clean == zone and len(state) <= LONGEST:
         return state
-    # Different names may have become equal ones: the digest is of the name as it is in site.toml.
+    # Different names may have become equal: the digest uses the name in site.toml.
     digest = hashlib.sha256(zone.encode(errors="replace")).hexdigest()[:8]
     return f"{state[: LONGEST - 9].strip()} {digest}"
 

@@ -11,7 +11,7 @@ from typing import Optional, Sequence
 from rayloc.options import Curve
 from rayloc.subscriber import Subscriber
 
-ENDPOINT, SNAPSHOT = "tcp://127.0.0.1:5560", "tcp://127.0.0.1:5561"  # unless raylocd is told otherwise
+ENDPOINT, SNAPSHOT = "tcp://127.0.0.1:5560", "tcp://127.0.0.1:5561"  # raylocd's defaults
 
 
 def add_source(parser: argparse.ArgumentParser) -> None:

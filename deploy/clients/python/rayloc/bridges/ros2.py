@@ -23,7 +23,7 @@ from rayloc.v1.target_pb2 import TRACK_STATE_LOST
 
 TYPE = "geometry_msgs/msg/PoseWithCovarianceStamped"
 KINDS = {"filtered": LOCATION_KIND_FILTERED, "snapshot": LOCATION_KIND_SNAPSHOT}
-# [rad^2], of each angle: nothing is known of where a target turns to.
+# [rad^2], of each angle: the orientation of a target is unknown.
 UNKNOWN = 1e6
 LOOK = 0.2  # [s] until a signal is noticed
 
@@ -129,7 +129,7 @@ if __name__ == "__main__":
     try:
         run(parse())
     except BrokenPipeError:
-        sys.stderr.close()  # nothing more to say, to nobody
+        sys.stderr.close()  # the reader has closed the pipe
         sys.exit(0)
     except (OSError, ValueError) as error:
         say(str(error))
