@@ -137,7 +137,7 @@ bool StampJudge::is_odd_end(std::size_t before, std::size_t run) const {
           runs_[before].latest + kLongSilence < runs_[run].first);
 }
 
-// A first record from the future, or from before the first plausible time.
+// Skips a first run that lies in the future, or more than kLongSilence before the next run.
 std::size_t StampJudge::first_run() const {
   if (runs_.size() < 2 || runs_[0].records > kMostDamagedAtAnEnd ||
       runs_[0].records >= runs_[1].records || is_damaged(0, 1)) {

@@ -27,7 +27,7 @@ struct ClusterView {
   bool has_owner(const v1::SiteClaim& claim) const;
 };
 
-// Listens to workers until all owners of sites were received and half a lease has passed, a
+// Listens to workers until each owner of a site has reported and half a lease has passed, a
 // lease at most: they report four times within it. An Error where the broker does not answer.
 Expected<ClusterView> look_at_cluster(Broker& broker);
 // Returns true if it connects within `patience`.

@@ -115,7 +115,7 @@ bool StreamReader::look_at_stream() {
   return true;
 }
 
-// REQUIRES: the mutex is held. True: the same stream with a shorter end, which may still grow.
+// REQUIRES: the mutex is held. True: the same stream, but cut short, perhaps by a stale leader.
 bool StreamReader::seems_shorter(const StreamState& state, Time now) {
   if (in_doubt_ || place_.created != state.created || place_.sequence <= state.last) {
     shorter_.reset();

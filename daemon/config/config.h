@@ -107,7 +107,7 @@ struct HttpConfig {
   std::filesystem::path token_file;
   bool insecure = false;  // beyond loopback without a token
   bool edit = false;      // the site can be drawn and named in the map
-  HttpFront front;        // front end as browsers see it
+  HttpFront front;        // reverse proxy in front of it, as browsers see it
 };
 
 struct RecordConfig {

@@ -40,7 +40,7 @@ Halves split(const Face& face, const Plane<double>& plane) {
     add_corner(dp > 0.0 ? halves.front : halves.back, p, outlined);
     if (crosses) {
       const Vec3d cut = p + (dp / (dp - dq)) * (q - p);
-      // The first half continues along the cut, the other one along the edge.
+      // The half that the edge leaves goes on along the cut, the other along the edge.
       add_corner(dp > 0.0 ? halves.front : halves.back, cut, false);
       add_corner(dp > 0.0 ? halves.back : halves.front, cut, outlined);
     }

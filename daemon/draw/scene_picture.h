@@ -46,7 +46,7 @@ struct ScenePicture {
   std::vector<Mark> marks;
   std::vector<DrawnPath> paths;
   std::vector<DrawnZone> zones;
-  double strongest_db = 0.0;  // range of the colours
+  double strongest_db = 0.0;  // upper end of the colours
   double weakest_db = 0.0;
 };
 

@@ -10,7 +10,7 @@
 namespace rayloc::cli {
 namespace {
 
-// A value that misses made infinite has no number: a word other than "inf" is printed.
+// A value that misses made infinite has no number: it is printed as "missed" without a unit.
 std::string figure_text(double value) {
   return std::isfinite(value) ? fmt::format("{:.3f}", value) : "missed";
 }

@@ -10,7 +10,7 @@ namespace rayloc::cli {
 // One line with the keys of INTERFACE 3.2; infinite or absent values are null.
 std::string statistics_json(const ErrorStatistics& statistics);
 
-// For people, with 95 % intervals; infinite values are "inf".
+// For people, with 95 % intervals; infinite values are "missed".
 std::string statistics_table(const ErrorStatistics& statistics);
 
 }  // namespace rayloc::cli

@@ -58,7 +58,7 @@ struct Condition {
   double model_depth = 0;     // reflections in the model
   double repeats = 0;         // locations per spot with other random numbers; method paper
   double multi_start = 0;     // random starts per location, least loss wins; method paper
-  std::map<std::string, double, std::less<>> paper;  // stated keys of paper_settings()
+  std::map<std::string, double, std::less<>> paper;  // stated values, by key of paper_settings()
 
   // With the defaults of the located kind.
   PaperLocalizerOptions paper_options() const;

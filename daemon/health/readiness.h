@@ -23,7 +23,7 @@ struct Readiness {
 };
 
 // Missing data of a site that a daemon with that configuration, which receives some access points
-// or all, needs to locate; empty if it is not to locate. REQUIRES: `room` was loaded of its site.
+// or all, needs to locate; empty if it is not to locate. REQUIRES: `room` is that of the site.
 SiteLacks lacks_of(const SiteSetup& setup, const RoomModel& room);
 
 // Health data besides the counters.

@@ -26,7 +26,7 @@ inline constexpr double kLargestStorey = 90.0;
 
 Bounds bounds_of(const Model& model);
 
-// Units that a person states for a file without units; empty: recognised.
+// Values that a person states for a file without them; 0: recognised or usual.
 struct ModelUnits {
   double metres = 0.0;  // per unit of the file; 0: recognised
   char up = '\0';       // 'y' or 'z'; 0: recognised

@@ -60,7 +60,7 @@ std::vector<Vec3d> outline(const Bounds& bounds) {
   return {low, {high.x, low.y, low.z}, high, {low.x, high.y, low.z}};
 }
 
-// Adds walls separately from objects in front of them that are as high.
+// Adds a cut; walls have another kind than objects in front of them that are as high.
 void add_cut(const draw::ScenePart& part, const draw::MeshSection& section, Json& shapes) {
   const char* const kind = part.kind == draw::PartKind::kWall ? "cut" : "cut furniture";
   for (const auto& loop : section.loops) {

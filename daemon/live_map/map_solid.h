@@ -7,8 +7,8 @@
 
 namespace rayloc {
 
-// An object with more faces than kMostFacesOfOne is drawn as its box: a scanned object is drawn as
-// the thing it represents.
+// An object with more faces than kMostFacesOfOne, such as a scan,
+// is drawn as its bounding box.
 std::string map_solid_json(const Scene& scene);
 
 }  // namespace rayloc

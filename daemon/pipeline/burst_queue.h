@@ -6,8 +6,8 @@
 //   ends is replaced by that one;
 // - listed transmitters have the highest priority, then those with a track, each of both
 //   round-robin, so that all rates fall alike; of the others the newest has priority;
-// - each rank leaves every fourth place to those below it, and of the others these places go
-//   round-robin, so that no transmitter waits for ever;
+// - each rank leaves every fourth place to those below it, and among the others these places go
+//   to the transmitter that has waited longest, so that none waits for ever;
 // - a burst that has waited too long is dropped, and so is the last in order when too many wait.
 // The load then reduces the number of estimates and does not delay them. A replay waits instead:
 // every burst keeps its own place, and the oldest is processed first.
@@ -61,7 +61,7 @@ class BurstQueue {
   // included.
   std::uint64_t merged_bursts() const { return merged_bursts_; }
   std::uint64_t merged_frames() const { return merged_frames_; }
-  // Bursts that were dropped, and their frames.
+  // Bursts that were dropped, and their frames, surplus ones included.
   std::uint64_t dropped_bursts() const { return dropped_bursts_; }
   std::uint64_t dropped_frames() const { return dropped_frames_; }
   // The minimum of the first frames of the waiting bursts and of `time`.

@@ -3,7 +3,7 @@
 // snapshot, and filtered estimates of the instants within it.
 //
 // The cores share the tracks of different devices. Chains are learned burst by burst in order, so
-// that no result depends on which bursts are processed together. A burst behind others that had to
+// that no result depends on which bursts are processed together. A burst whose predecessors had to
 // be left out contributes its last instant only, and gives a snapshot only where no track reports:
 // under overload, all devices keep an estimate and lose the instants between.
 //

@@ -2,7 +2,7 @@
 //
 // Per topic a sequence that skips numbers is a loss in transit. The first message of a topic gives
 // no information on earlier ones (a late subscriber), sequence 1 restarts a topic, and a new epoch
-// is a restart of the daemon: neither is a gap. Heartbeats and the Goodbye list the last sequence
+// is a restart of the daemon: none is a gap. Heartbeats and the Goodbye list the last sequence
 // of topics, so that a loss is detected even on a topic that fell silent.
 //
 // Memory is bounded: beyond `max_topics` the topic received longest ago is removed, and its next

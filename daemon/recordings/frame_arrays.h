@@ -1,5 +1,5 @@
-// FrameArrays: the frames of recordings as arrays, for numpy: one
-// of all values, 0 if not measured, and one header per frame.
+// FrameArrays: the frames of recordings as arrays, for numpy: one of all
+// values, a mask of the measured ones, and one header per frame.
 #pragma once
 
 #include <array>

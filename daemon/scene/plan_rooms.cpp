@@ -15,7 +15,7 @@ namespace rayloc {
 namespace {
 
 constexpr double kShortestWall = 1e-3;  // [m]; shorter ones are typing errors
-constexpr double kMinRoomArea = 1e-2;   // [m^2]; smaller ones are too
+constexpr double kMinRoomArea = 1e-2;   // [m^2]; the same for a room
 // Walls of two rooms with at most this distance everywhere
 // are one wall [m]: corners are written to the millimetre.
 constexpr double kSameWall = 1e-3;
@@ -104,7 +104,7 @@ std::vector<FloorPoint> higher_of(const std::vector<FloorPoint>& edge,
 
 struct Stretch {
   double from, to;  // [m], along a wall
-  double begin;     // [m], along the other one, from the wall
+  double begin;     // [m], begin of the wall, measured along the other one
   bool backwards;   // the other one has the opposite direction
 };
 

@@ -121,7 +121,7 @@ class Neighbours {
  private:
   struct Face {
     Vec3d middle;
-    Vec3d area_vector;  // normal vector of twice the area's length
+    Vec3d area_vector;  // along its normal, length: twice its area
     std::array<std::uint32_t, 3> beside{kNoTriangle, kNoTriangle, kNoTriangle};
   };
 

@@ -138,7 +138,7 @@ class Service {
   void lose(const SiteSet::Site& site, const std::string& why);
   void show(RunningSite site);
   // For a worker that is a hot standby for sites of others (service_standby.cpp).
-  // Adds the sites that it computes along to the condition.
+  // Adds the sites for which it is a standby to the condition.
   void tend_standby(v1::WorkerState& condition);
   // Adds its load as well; a site that it is too slow for is offered to another worker.
   void tend_load(v1::WorkerState& condition);
@@ -177,7 +177,7 @@ class Service {
   // For a worker: sites that it does not own, ready to run, by name, and those to be prepared.
   std::map<std::string, SitePreparation::Prepared> standby_;
   std::vector<SiteSetup> to_prepare_;
-  // Sites that it computes along, by name; they have no subscribers.
+  // Sites for which it is a standby, by name; they have no subscribers.
   std::map<std::string, SiteSet::Site> along_;
   using SteadyTime = std::chrono::steady_clock::time_point;
   std::map<std::string, SteadyTime> along_not_before_;  // by site

@@ -24,7 +24,7 @@ constexpr std::size_t kSubjectsShown = 2048;  // on the map of a site
 constexpr auto kDrain = std::chrono::milliseconds(500);
 constexpr auto kLeave = std::chrono::milliseconds(3000);
 
-// Where devices are named by a hash for limited time, their positions are deleted with it.
+// Where devices are named by a hash for a limited time, their positions are deleted with it.
 Duration presence_kept(const PrivacyConfig& privacy) {
   const Duration day = std::chrono::hours(24);
   return privacy.target_id == TargetId::kHmac ? std::min(day, privacy.rotate) : day;

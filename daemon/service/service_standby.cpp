@@ -1,5 +1,5 @@
-// The part of Service that makes a worker a hot standby: it computes along for the sites that it is
-// next for, compares the results with their owners', and takes over immediately if one dies.
+// The part of Service that makes a worker a hot standby: it computes the sites that it is next for
+// in parallel, compares the results with their owners', and takes over immediately if one dies.
 #include <algorithm>
 #include <utility>
 

@@ -188,7 +188,7 @@ void Service::end_pipeline(const SiteSet::Site& site) {
   site->runtime->pipeline().stop();
 }
 
-// Sites that have changed are started anew, by any worker.
+// Changed sites are given back and prepared anew; any worker may then claim them.
 void Service::reload_worker(std::vector<SiteSetup> setups, const std::set<std::string>& changed) {
   std::set<std::string> stay;
   for (const SiteSetup& setup : setups) {

@@ -60,7 +60,7 @@ class SiteRuntime {
   // For a worker, before open(): it owns the site from now on, and continues from the end of the
   // previous owner. An Error if the results show another owner.
   Expected<void> claim(std::uint64_t generation);
-  // For a worker, before open(): another one owns the site, and this one computes along from there.
+  // For a worker, before open(): another one owns the site; this one is a standby from `along` on.
   // claim() after start() makes it the owner, and speak() publishes the unpublished results.
   Expected<void> stand_by(StandbyStart along);
   void speak();

@@ -1,6 +1,6 @@
 // StartWatch: ends the process immediately, with status 0, when SIGTERM or SIGINT arrives while the
 // daemon is being opened: reading a calibrated site and tracing its room take seconds to minutes,
-// in which no thread waits for signals. No data have been received by then, so none are lost.
+// and the main thread then awaits no signals. No data have been received by then, so none are lost.
 //
 //   const sigset_t signals = block_daemon_signals();
 //   auto watch = std::make_unique<StartWatch>(manager);

@@ -231,7 +231,7 @@ RadioFrame SimulatedRadio::on_channel(const std::vector<Value>& signal) {
   return frame;
 }
 
-// Gain control quantizes the power to a step, with a random choice of the step below or above.
+// Gain control holds the power to within a step; it takes the gain step below or above at random.
 void SimulatedRadio::set_level(RadioFrame& frame) {
   const double chance = uniform_(random_);
   double scale = kFixedScale;

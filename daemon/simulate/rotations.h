@@ -24,7 +24,7 @@ inline Mat3d rotation_about(const Vec3d& axis, double angle) {
           {part.z * axis.x - s * axis.y, part.z * axis.y + s * axis.x, part.z * axis.z + c}};
 }
 
-// The yaw, pitch and roll of a rotation; at a pitch of 90 degrees, all of the rotation is yaw.
+// The yaw, pitch and roll of a rotation; at a pitch of +-90 degrees, all of the rotation is yaw.
 inline Orientation orientation_of(const Mat3d& r) {
   constexpr double kStraight = 1.0 - 1e-12;  // the sine of a pitch of 90 degrees, as rounded
   const double pitch = std::asin(std::clamp(-r.row2.x, -1.0, 1.0));

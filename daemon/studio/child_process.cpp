@@ -43,7 +43,7 @@ constexpr int kCannotStart = 127;  // as in a shell
     const sched_param idle{};
     sched_setscheduler(0, SCHED_IDLE, &idle);
   }
-  // Makes this process the first to be killed without memory. close_range() below closes it.
+  // Makes this process the first to be killed if memory runs out. close_range() below closes it.
   const int score = open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC);
   if (score >= 0 && write(score, kFirstToGo.data(), kFirstToGo.size()) < 0) {
     close(score);

@@ -1,4 +1,4 @@
-// WalkedSurvey: a survey made on foot with the map: the person taps the own position, raylocd
+// WalkedSurvey: a survey made on foot with the map: the person taps their position, raylocd
 // counts frames, then the next point. Points go to the csv that `rayloc calibrate --points` reads.
 //
 // Thread safety: one thread at a time.

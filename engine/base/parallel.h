@@ -13,7 +13,7 @@
 
 namespace rayloc {
 
-// body(i) for i in [0, count). `grain`: number of indices per task.
+// body(i) for i in [0, count). `grain`: number of indices worth a separate task.
 template <typename Body>
 void parallel_for(std::size_t count, std::size_t grain, const Body& body) {
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, grain),

@@ -1,5 +1,5 @@
-// Limits the memory of a vector that is filled and emptied repeatedly: it keeps the capacity of its
-// largest size for ever. After a backlog that may be a hundred times its later need.
+// Limits the memory of a vector that is filled and emptied repeatedly: a vector keeps the capacity
+// of its largest size for ever, which after a backlog may be a hundred times its later need.
 #pragma once
 
 #include <algorithm>

@@ -15,7 +15,7 @@ namespace rayloc {
 
 enum class Use : std::uint8_t {
   kFit,
-  kDecide,   // kept from the fit: decides if its result is better
+  kDecide,   // kept from the fit: decides whether its result is better
   kHeldOut,  // evaluated only
 };
 inline constexpr std::array kFitted{Use::kFit};  // the uses whose points a round is fitted to

@@ -17,7 +17,7 @@ struct TurnEvidence {
   // log-likelihood relative to the null model.
   std::vector<double> log_evidence;
 
-  // The cells where the device may be if the chains are rotated by `phase` [rad], [chain].
+  // The cells where the device may be if the chains have phase offsets `phase` [rad], [chain].
   std::vector<std::size_t> cells_near(std::span<const double> phase) const;
 
   std::size_t turns = 0;                               // phases per chain in `best_cells`

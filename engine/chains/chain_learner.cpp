@@ -17,14 +17,14 @@ using Value = std::complex<double>;
 
 constexpr double kTurnedAtStart = 0.1;       // a probability: the age of the calibration is unknown
 constexpr double kTurnedAfterCycle = 0.98;   // a probability: each chip starts in a new state
-constexpr double kTurnedAfterSilence = 0.3;  // a probability: it was off, or received nothing
+constexpr double kTurnedAfterSilence = 0.3;  // a probability: it may have been off, or only silent
 constexpr auto kSilence = std::chrono::seconds(20);  // chosen: access points start in a minute
 constexpr double kDoubted = 0.2;    // probability of the accepted state; below: states are compared
 constexpr double kShaken = 0.9;     // the same; below: no refinement
 constexpr double kSuspected = 0.5;  // the same; below: short evaluation period
 constexpr double kWithdrawnLead = 5.0;     // [nat], required lead of another state
 constexpr double kUndoubtedLead = 12.0;    // the same, while the belief indicates no change
-constexpr double kOthersWrong = 0.1;       // minimum probability of wrong other access points
+constexpr double kOthersWrong = 0.1;       // least probability that other access points are wrong
 constexpr double kLeastEvidence = 3.0;     // [nat], of a burst that the room explains in a state
 constexpr double kKnownPlaceSigma = 0.02;  // [m], per axis: a surveyed place
 constexpr double kSameCorrelation = 0.9;   // correlation of bursts with the same information

@@ -1,4 +1,4 @@
-// ChainLearner: Estimates each receive chain's complex gain relative to the calibration, from
+// ChainLearner: estimates each receive chain's complex gain relative to the calibration, from
 // devices at unknown positions.
 //
 // After a power cycle the chains start with other phases and amplitudes. One burst of one access
@@ -57,7 +57,7 @@ class ChainLearner {
   // True if believed() and undone() would change nothing.
   bool leaves_alone() const;
 
-  // In order of access points, for those with an observed or a restored state.
+  // In order of access points, for those with received frames or a restored state.
   std::vector<ChainState> states() const;
   std::uint64_t changes() const { return changes_; }  // equal counts mean equal states
   // Number of times that the last accepted access point was given up: all estimates from frames up

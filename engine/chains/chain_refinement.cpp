@@ -109,7 +109,7 @@ Shape shape_at(const Objective& f, const VectorXd& at) {
       shape.information(j, i) = shape.information(i, j);
     }
   }
-  // Between two maxima the curvature has the other sign; lower bound: a deviation of 1 rad.
+  // Between two maxima the curvature has the other sign; lower bound: that of sigma = 1 rad.
   const Eigen::SelfAdjointEigenSolver<MatrixXd> axes(shape.information);
   const VectorXd values = axes.eigenvalues().cwiseMax(1.0);
   shape.information = axes.eigenvectors() * values.asDiagonal() * axes.eigenvectors().transpose();

@@ -32,7 +32,7 @@ struct SectionRays {
   double cos_elevation = 1.0;
 };
 
-// vh is E_z of eta_0 H_z; vh and hv are divided by sin_elevation, whose sign they share.
+// vh is E_z of eta_0 H_z; vh and hv are divided by sin_elevation, with which they change sign.
 enum SectionPart : std::size_t { kVv, kHh, kVh, kHv };
 inline constexpr std::size_t kSectionParts = 4;      // a count, of SectionPart
 inline constexpr std::size_t kSectionArguments = 5;  // the members of SectionRays

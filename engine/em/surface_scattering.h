@@ -5,9 +5,9 @@
 // (scattering_lobe.h).
 //
 // References:
-//   [DE] Degli-Esposti et al., "Measurement and modelling of scattering from buildings",
-//        IEEE Trans. Antennas and Propagation
-//        55(1), 2007.
+//   [DE] Degli-Esposti et al.,
+//        "Measurement and modelling of scattering from buildings",
+//        IEEE Trans. Antennas and Propagation 55(1), 2007.
 #pragma once
 
 #include <array>
@@ -31,7 +31,7 @@ inline constexpr std::array<std::string_view, 3> kScatteringPatternNames{
 
 struct SurfaceScattering {
   double scattering_coefficient = 0.0;  // S in [0, 1]: S^2 of the reflected power is scattered
-  double xpd_coefficient = 0.0;         // k_x in [0, 1], cross-polarised part of it
+  double xpd_coefficient = 0.0;         // k_x in [0, 1], cross-polarised share of that power
   ScatteringPattern pattern = ScatteringPattern::kLambertian;
   double alpha_r = 1.0;  // > 0; the larger, the narrower the lobe
   double alpha_i = 1.0;  // > 0

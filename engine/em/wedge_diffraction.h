@@ -8,7 +8,7 @@
 // A diffracted wave is expressed relative to a wave that travels the same path length with no edge:
 // exp(-j k (s' + s)) / (s' + s) of a point source, with s' and s the distances to the edge along
 // the path; exp(-j k s) of a plane wave. In [KP] the factor sqrt(L) of each term and the spreading
-// sqrt(s' / (s (s' + s))) have exactly that product, for plane, cylindrical and spherical waves
+// sqrt(s' / (s (s' + s))) combine to exactly this wave, for plane, cylindrical and spherical waves
 // alike. So the wavelength enters only through the phase k L.
 //
 // The terms of [KP] are summed as c(d) G(w): d is the azimuth past a boundary of light, positive in

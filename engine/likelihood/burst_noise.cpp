@@ -15,7 +15,7 @@ namespace {
 
 using Value = std::complex<double>;
 
-constexpr double kLeastCounted = 0.2;  // ratio to n; a smaller one is a unit of log-likelihood
+constexpr double kLeastCounted = 0.2;  // ratio to n; below, the error is a unit of log-likelihood
 
 }  // namespace
 

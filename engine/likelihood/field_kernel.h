@@ -13,8 +13,8 @@
 
 namespace rayloc {
 
-inline constexpr std::size_t kFieldRays = 32;   // a count, chosen: most rays of known phase
-inline constexpr std::size_t kFieldDelays = 3;  // a count: most delays of a burst
+inline constexpr std::size_t kFieldRays = 32;   // a count, chosen: maximum of rays of known phase
+inline constexpr std::size_t kFieldDelays = 3;  // a count: maximum of delays of a burst
 
 // A number for each ray; 0 for rays that do not exist.
 struct RaySums {

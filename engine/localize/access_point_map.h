@@ -141,7 +141,7 @@ class AccessPointMap {
                  std::vector<Vec3d> offsets);
   void build_cells();
   double cell_size() const;
-  // A count, chosen: three layers are 0.45 m, over which a ray rotates by a few degrees.
+  // A count, chosen: three layers are 0.45 m, over which a ray's angle changes by a few degrees.
   static constexpr std::size_t kLayersOfBand = 3;
   std::vector<Ray> rays_at(std::size_t cell, double height) const;
   ObservationModel::Place field_place(std::span<const Ray> rays) const;

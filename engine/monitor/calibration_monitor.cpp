@@ -327,7 +327,7 @@ std::vector<double> CalibrationMonitor::AccessPoint::jumps_of_calibration(
 }
 
 // Phase jump of each chain, 0 for chains without one: against the calibration, or else against the
-// first windows, which never are windows with a jump.
+// first windows; a jump from before these is then not detected.
 std::vector<double> CalibrationMonitor::AccessPoint::jumps(const std::vector<HeardSpot>& heard) {
   std::vector<std::vector<Value>> phasors;
   ChainTurns turns(ap_.cores.size());

@@ -14,7 +14,7 @@
 //   be detected, chains are compared with the first windows that agreed: then only jumps after the
 //   start are detected. A record from the calibration of the room removes this limit.
 // - kAccessPointMoved: chain phases do not explain the observations, a shift or rotation within
-//   kMostShift and kMostYaw does. The reported motion fits most data of a few transmitters.
+//   kMostShift and kMostYaw does. The reported motion is the best fit to few transmitters.
 // - kResidualDrift: the slow mean of the unexplained share is more than kDriftRatio times the usual
 //   one and kLeastDrift above it; it is cleared when half of that is left.
 //

@@ -32,7 +32,7 @@ struct ChainGains {
 void apply_coupling(const ChainGains& gains, std::span<std::complex<double>> h);
 
 // Computes the field at the antennas in place: h / gain, 0 where a chain is dead, coupling removed.
-// REQUIRES: h is [core][tone] as the gains are; each core couples most to its own field.
+// REQUIRES: h is [core][tone] as the gains are; no field couples as much to another core.
 void remove_gains(const ChainGains& gains, std::span<std::complex<double>> h);
 
 }  // namespace rayloc

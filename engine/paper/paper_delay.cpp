@@ -157,7 +157,7 @@ std::vector<Value> PaperDelay::adjoint(std::span<const Value> h,
       by_s[k + 1] += back[i] * s[k];
       by_s[k] += std::conj(back[i]) * s[k + 1];
     }
-    // The rotation by the line of sight is undone by its inverse.
+    // The phase rotation by the line of sight is undone by its inverse.
     const Values by_row = without_line_of_sight(by_s, -anchor.line_of_sight[antenna]);
     const double by_square = floor_ * by_floor / static_cast<double>(tones);
     for (std::size_t k = 0; k < tones; ++k) {

@@ -13,7 +13,7 @@
 // x0 by a delay, covers those between.
 //
 // A square has two representations: in detail, its sample places a fraction of a wavelength apart;
-// as a whole, their mean and covariance, which decide if the detail is evaluated.
+// as a whole, their mean and covariance, which decide whether the detail is evaluated.
 //
 // Thread safety: const members may be used from many threads.
 #pragma once

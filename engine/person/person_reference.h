@@ -33,7 +33,7 @@ struct PersonModel {
   // w: the same, for errors common to all antennas of an array: the body, and the surfaces before
   // and behind it.
   double way_variance = 0.0;
-  // [m], deviation of a body's front from the round one's: people are oval, rotate, and have arms.
+  // [m], deviation of a body's front from the round one's: people are oval, turn, and have arms.
   // Waves that pass straight on are not affected.
   double front_sigma = 0.0;
   double diffuse = 0.1;               // d: scattered power that is not traced, share of the traced

@@ -28,7 +28,7 @@ inline constexpr std::array kLeastSigmas = {
 struct KnownSpots {
   std::vector<Vec3d> places;  // [m]
   double place_sigma = 0.0;   // [m], of each horizontal axis; not an error of an estimate
-  double area = 1.0;          // [m^2], area of a device without a fix
+  double area = 1.0;          // [m^2], area in which a device without a fix may be
 };
 
 struct JudgedExponent {

@@ -191,7 +191,7 @@ std::array<double, 9> covariance_about(const Masses& masses, const Vec3d& about,
           is_height_known ? kHeightSigma * kHeightSigma : scale * z.z + least};
 }
 
-// The radius about `centre` that holds `confidence` of the mass, widened by the cell size.
+// The radius about `centre` that holds `confidence` of the mass, widened by the spread in a cell.
 double radius_of(const Masses& masses, const Vec3d& centre, double confidence, double anywhere) {
   const double of_each = anywhere / static_cast<double>(masses.mass.size());
   std::vector<std::pair<double, double>> by_distance;  // distance, mass

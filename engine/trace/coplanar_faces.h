@@ -20,8 +20,8 @@ namespace rayloc {
 struct CoplanarFace {
   std::uint32_t surface = 0;
   // The side of the other face on which it lies: +1 the side of the other's normal, -1 the opposite
-  // one. Closed objects are drawn back from each other into themselves and from sheets; of two that
-  // face the same side the larger face is outside (objects are placed in rooms), and of two sheets
+  // one. Closed objects are drawn back from each other into themselves and from sheets; of two with
+  // the same normal the larger face is outside (objects are placed in rooms), and of two sheets
   // that of the lower number lies on the side of its normal.
   int side = 0;
 };

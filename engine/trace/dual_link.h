@@ -31,7 +31,7 @@ struct ParameterBlock {
   std::array<const Parameter*, static_cast<std::size_t>(N)> parameters{};
   int size = 0;
 
-  // Sets the derivative `slope` for the parameter of that kind, index and axis.
+  // Adds `slope` to the derivative by the parameter of that kind, index and axis.
   void seed(
       Dual<N>& value, Parameter::Kind kind, std::uint32_t index, int axis, double slope) const {
     for (int lane = 0; lane < size; ++lane) {

@@ -37,7 +37,7 @@ bool canonical_order(const Path& a, const Path& b) {
 
 bool at_the_same_places(const Path& a, const Path& b) {
   constexpr double kSamePlace = 1e-9;   // [m]
-  constexpr double kSameDelay = 1e-15;  // [s], of a thousand times kSamePlace
+  constexpr double kSameDelay = 1e-15;  // [s], about 300 times kSamePlace in delay
   return std::abs(a.tau - b.tau) < kSameDelay &&
          std::equal(a.interactions.begin(),
                     a.interactions.end(),

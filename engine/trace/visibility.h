@@ -15,8 +15,8 @@
 // end on another mirror the softness is scaled by the sine of the angle between the planes, since
 // crossings slide over ends where planes intersect, and a picture on a wall shall stop waves; but
 // by 1/50 at least, since they also come and go when parallel faces touch (an object on the
-// floor). At a device it counts near edges only: a device that moves through the middle of a wall
-// is no small step.
+// floor). At a device it counts near edges only: moving a device through the middle of a wall is
+// no small step.
 //
 // A segment between two mirrors, or between a mirror and a device near its edge, shrinks to a
 // point: its length. A path beyond that would come from behind the mirror.

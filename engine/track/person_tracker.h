@@ -33,8 +33,8 @@ namespace rayloc {
 struct PersonTrackerOptions {
   // People walk at up to 1.4 m/s, and obstacles make them turn.
   MotionModel motion{.walking_speeds = {0.7, 1.4}, .direction_time = 0.5};
-  // Frames of all access points within this interval are one measurement: an echo past a walker
-  // rotates by half a cycle in 12 ms, so frames of one access point are not averaged.
+  // Frames of all access points within this interval are one measurement: the phase of an echo past
+  // a walker changes by half a cycle in 12 ms, so frames of one access point are not averaged.
   Duration moment = std::chrono::milliseconds(10);
   // Time between evaluated moments. Frames in between add little information on the position.
   Duration interval = std::chrono::milliseconds(80);
@@ -131,7 +131,7 @@ class PersonTracker {
     TrackState state = TrackState::kTentative;
     std::size_t moments = 0;  // number of moments with a detected person
     double credit = 0.0;      // share of a snapshot's weight already given to the present channel
-    bool is_clear = true;     // detection in the present channel
+    bool is_clear = true;     // a clear detection in the present channel
     std::vector<PersonObservation::Array> last{};
     KnownCells within{};  // distribution inside the best cells, from the last weighed moment
   };

@@ -126,7 +126,7 @@ class Track {
   Timestamp heard_;                                    // last usable burst
   Timestamp looked_;                                   // last evaluation of the whole room
   Duration whole_room_period_;                         // time to its next evaluation
-  std::vector<std::optional<Timestamp>> looked_with_;  // its last evaluated burst, [HeardArray::ap]
+  std::vector<std::optional<Timestamp>> looked_with_;  // its last evaluation, [HeardArray::ap]
   std::size_t bursts_ = 0;                             // usable bursts
   bool knows_nothing_ = true;  // no usable burst yet, or the place was forgotten
   double credit_ = 0.0;        // share of a snapshot's weight already given to the present channel
@@ -135,7 +135,7 @@ class Track {
   FrameDoubt doubt_;
   // Distribution inside the best cells, from the last weighed burst.
   KnownCells within_;
-  std::vector<double> layers_;  // probability of each layer of heights; empty: given, or the prior
+  std::vector<double> layers_;  // probability of each layer of heights; empty: known, or the prior
   std::vector<Earlier> last_;   // arrays of the last usable burst
   std::deque<Fix> fixes_;       // positions of the last second
 };

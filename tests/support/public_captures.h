@@ -1,5 +1,5 @@
-// Recordings that other people made with real access points. They are not part of this
-// checkout: tests/data/captures/README.md states the origin of each.
+// Recordings that other people made with real access points. They belong to their authors and are
+// not part of this checkout: tests/data/captures/README.md states the origin of each.
 //
 // They are read from $RAYLOC_PUBLIC_CAPTURES, or, if it is not set, from shared/captures beside the
 // checkout. A test that reads them is a test of the fixture PublicCaptures, which is skipped, by

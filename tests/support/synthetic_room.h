@@ -14,8 +14,8 @@
 
 namespace rayloc::test {
 
-// 3 x 2.4 x 2.5 m of concrete, with an access point of three antennas in three corners; chain gains
-// are those that frames_at() applies, so the room counts as calibrated.
+// 3 x 2.4 x 2.5 m of concrete, an access point of three antennas in each of three corners; chain
+// gains are those that frames_at() applies, so the room counts as calibrated.
 RoomModel make_room();
 
 // The gains of each chain and tone of an access point: different levels, phases and a slope.

@@ -309,7 +309,7 @@ void ClaimKeeper::see_to_sites(Time now) {
   }
 }
 
-// Gives each worker with a lower rank half a lease to claim first.
+// Gives each worker that precedes this one half a lease to claim first.
 bool ClaimKeeper::is_due(const std::string& site, Claim& known, Time now) const {
   if (known.asked == Time{} || returning_.count(site) != 0) {
     return false;  // it is not known yet if another worker has it

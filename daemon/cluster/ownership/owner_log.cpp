@@ -150,7 +150,7 @@ OwnerLog::Said OwnerLog::look(const std::string& bytes) {
   return Said::kNotYet;
 }
 
-// Claims never expire: an owner suspended beyond the retention of results finds them there.
+// Claims never expire: an owner suspended beyond the retention of results finds its successor here.
 Expected<std::uint64_t> OwnerLog::claimed_generation() {
   const auto last = broker_->last_of(std::string(kClaimStream), claim_subject(options_.site));
   if (!last) {

@@ -1,4 +1,4 @@
-// The share of each surveyed point that the calibrated room explains: on the map and as a table.
+// Share of the power that the calibrated room explains at each surveyed point: map and table.
 import {byId, html, number, svg} from './draw.js';
 
 export const STEPS = 5;  // colours and sizes (map.css), by share explained, in ascending order

@@ -115,7 +115,7 @@ void ComparedMethod::drop_waiting() {
   }
 }
 
-// Silence is processed when no burst waits: only then do the bursts of `open_` lie before it.
+// Silence is processed when no burst waits: only then are all bursts still to come after `open_`.
 bool ComparedMethod::has_work() const {
   return !restart_.empty() || !waiting_.empty() || open_ >= advanced_ + kSilenceStep;
 }

@@ -133,7 +133,7 @@ class Depthwise {
 };
 
 // Batch normalisation with running means and variances as parameters, saved and restored like all
-// others. A single image is normalised with them; a batch with its own, and updates them.
+// others. A single image is normalised with them, a batch with its own, which update them.
 // Parameters: scale, offset, mean, variance of each channel.
 class ChannelNorm {
  public:

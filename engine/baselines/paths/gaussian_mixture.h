@@ -24,7 +24,7 @@ struct MixtureOptions {
   std::size_t components = 5;
   std::uint64_t seed = 1;  // of the starts, drawn as in k-means++
   std::size_t most_rounds = 200;
-  double least_gain = 1e-6;      // least gain of the mean log-likelihood in a round
+  double least_gain = 1e-6;      // of the mean log-likelihood in a round; less ends the fit
   double least_variance = 1e-6;  // added to each, so that a component of one point has a density
 };
 

@@ -8,7 +8,7 @@
 namespace rayloc {
 namespace {
 
-constexpr double kMinEigenvalueShare = 0.03;  // of the largest eigenvalue, a ratio: least path
+constexpr double kMinEigenvalueShare = 0.03;  // of the largest, a ratio: counts as a path
 constexpr double kDrop = 1.58;                // from one eigenvalue to the next, a ratio: 2 dB
 
 std::size_t by_drop(std::span<const double> e) {

@@ -10,7 +10,7 @@
 namespace rayloc {
 namespace {
 
-constexpr double kNobody = 0.5;  // a probability: of the empty room, above it there is no person
+constexpr double kNobody = 0.5;  // a probability: of the empty room, above which no person is seen
 
 }  // namespace
 

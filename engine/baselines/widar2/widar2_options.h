@@ -19,7 +19,7 @@ struct Widar2Options {
   double accuracy_confidence = 0.95;
   MotionSageOptions sage;
 
-  // Frames per second at which the fastest path rotates by half a cycle between two.
+  // Frames per second at which the fastest path's phase changes by half a cycle between two.
   double least_rate_hz(double wavelength) const { return 4.0 * v_max / wavelength; }
 };
 

@@ -175,7 +175,7 @@ void Witraj::take(const CsiFrame& frame) {
   }
 }
 
-// True if two access points have enough frames at a sufficient rate.
+// True if all access points in use have enough frames at a sufficient rate.
 bool Witraj::is_ready() {
   for (const Receiver& receiver : receivers_) {
     const auto first = receiver.series.first();

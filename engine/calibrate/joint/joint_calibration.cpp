@@ -380,8 +380,8 @@ void JointCalibration::checkpoint(JointCheckpoint& reached) const {
   }
 }
 
-// Includes the points that decided. No point is left to decide if another cycle is better, so none
-// is tried.
+// Includes the points that decided. No point is left to decide whether another cycle is better, so
+// none is tried.
 Expected<double> JointCalibration::finish(const JointRound& round) {
   if (progress_.is_stopped()) {
     return 0.0;

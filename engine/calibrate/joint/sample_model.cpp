@@ -15,7 +15,7 @@ namespace {
 
 using Value = std::complex<double>;
 
-constexpr double kTurn = 2.0 * std::numbers::pi;  // [rad], one full rotation
+constexpr double kTurn = 2.0 * std::numbers::pi;  // [rad], one full cycle
 constexpr double kLeastLeftOver = 0.03;           // of the largest residual of a coordinate
 constexpr int kAlignmentSteps = 3;    // a count, chosen: each is linear in the remaining delay
 constexpr double kLeastShare = 0.02;  // residual of a sample, below which its weight saturates

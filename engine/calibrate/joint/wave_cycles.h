@@ -1,5 +1,5 @@
-// Half-wave cycles of surfaces: tests if a fitted surface would fit better, or as well, half a wave
-// further to either side.
+// Half-wave cycles of surfaces: tests whether a fitted surface would fit better, or as well, half a
+// wave further to either side.
 //
 // A scan of one surface with the rest held cannot decide once the rest has adapted to the wrong
 // cycle: the surface's own gain and phase, the survey errors and the array have absorbed the
@@ -21,7 +21,7 @@ namespace rayloc {
 // An alternative offset of a surface.
 struct WaveCycle {
   std::uint32_t surface = 0;
-  double offset = 0.0;  // [m], of the surface, in the frame of JointState::values
+  double offset = 0.0;  // [m], of the surface, as in JointState::values
   double excess = 0.0;  // cost there minus the cost of the state
 };
 

@@ -37,7 +37,7 @@ struct PersonFitOptions {
 struct PersonFit {
   PersonReference reference;    // with `scale` of every link and `person` as fitted
   double log_likelihood = 0.0;  // of the spots, over that of the empty room
-  std::size_t spots = 0;        // used
+  std::size_t spots = 0;        // number of spots used
 };
 
 // An Error when fewer than kLeastPersonSpots spots can be used. `likelihood_exponent` is not fitted

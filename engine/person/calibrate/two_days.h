@@ -44,8 +44,8 @@ struct TwoDays {
 // point received one on both days. REQUIRES: all access points with arrays are calibrated.
 Expected<TwoDays> tell_days_apart(const RoomModel& room, std::span<const HeardDays> heard);
 
-// A reference of the day of the people, moved to today: each link gets today's empty room with its
-// own phase, amplitude and delay, from the common part of both days, so that `scale` holds.
+// A reference of the day of the people, moved to today: each link gets today's empty room, with the
+// phase, amplitude and delay of its present one (by what both have in common): `scale` holds.
 PersonReference moved_to_today(const OfdmGrid& grid,
                                PersonReference reference,
                                std::span<const EmptyRoom> today);

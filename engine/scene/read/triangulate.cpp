@@ -49,7 +49,7 @@ std::vector<Point2> flattened(std::span<const std::uint32_t> corners,
                               const Mesh& mesh,
                               const Vec3d& normal) {
   const Vec3d& origin = mesh.vertices[corners[0]];
-  // The world axis closest to the normal is dropped: walls and floors keep round numbers.
+  // The world axis most nearly in the plane gives u: walls and floors keep round numbers.
   const std::array<Vec3d, 3> axes{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
   const Vec3d& across =
       *std::min_element(axes.begin(), axes.end(), [&](const auto& a, const auto& b) {

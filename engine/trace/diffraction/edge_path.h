@@ -88,7 +88,7 @@ struct WedgeFace {
   }
 };
 
-// The line of a wedge whose faces have moved: the intersection of their planes.
+// The line of a wedge whose faces have moved: where their planes meet; of a sheet it moves with it.
 template <typename T>
 EdgeLine<T> edge_line(const Wedge& wedge, const Facet<T>& face_0, const Facet<T>& face_n) {
   // Almost coplanar faces have no intersection: the sine between them, chosen.

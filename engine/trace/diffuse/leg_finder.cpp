@@ -10,7 +10,7 @@ namespace {
 
 // [m], twice the tolerance of meshes, as beside an edge.
 constexpr double kBeside = 2e-5;
-// A cosine, chosen: a leg at a lower angle carries no power.
+// A cosine, chosen: a leg nearer to grazing carries no power.
 constexpr double kMinLegCosine = 1e-6;
 // A count, chosen: faces in front of a mirror that the path to it crosses, a wall or a door.
 constexpr int kMostCrossed = 2;

@@ -28,8 +28,8 @@ std::optional<GrownTree> grow_exhaustively(const Scene& scene,
                                            std::span<const Vec3d> roots,
                                            const TraceOptions& options);
 
-// kAutomatic: exhaustive unless the work for that, estimated from level to level, is
-// more than about a tenth of a second on one core. The result does not depend on the
+// kAutomatic: exhaustive unless the work for that, estimated from level to level, is more than
+// about 0.1 s on one core. The result does not depend on the number of threads.
 // REQUIRES: options.max_depth >= 0, options.rays > 0.
 GrownTree grow_image_tree(const Scene& scene, const Vec3d& root, const TraceOptions& options);
 

@@ -14,7 +14,7 @@ struct Shadowing {
   static constexpr bool kGoesThrough = false;  // goes_through() of this kind
   static constexpr bool kIsEdge = false;       // is_edge() of this kind
 
-  // The wave is unchanged; the weight of the edge is the share that passes (soft_path.h).
+  // The wave is unchanged; the weight of the edge gives the share that passes (soft_path.h).
   template <typename T>
   static Wave<T> apply(const Wave<T>& in, const Facet<T>& /*facet*/, const T& /*wavelength*/) {
     return in;

@@ -78,7 +78,7 @@ class Stream:
         if not self._asking:
             return None
         self._asking = False
-        # A heartbeat sent after the snapshot marks the end of the messages that the snapshot contains.
+        # Heartbeats are requested, too: they show when all messages in the snapshot have passed.
         topics = [*self._options.topics, HEARTBEATS]
         request: bytes = SnapshotRequest(prefixes=topics).SerializeToString()
         return request
