@@ -135,6 +135,7 @@ OfdmGrid grid_of_count(double centre, double spacing, int count) {
     refuse("OfdmGrid.of: count is from 1 to 65536");
   }
   std::vector<std::int16_t> tones;
+  tones.reserve(static_cast<std::size_t>(count));
   for (int j = 0; j < count; ++j) {
     tones.push_back(static_cast<std::int16_t>(j - count / 2));
   }
