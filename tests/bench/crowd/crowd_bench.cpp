@@ -47,7 +47,7 @@ struct Setting {
   std::vector<std::string> access_points;
   std::vector<test::Recording> recordings;
   int rounds = 1;
-  std::string methods = "\"rayloc\"";  // separated by commas, each in quotes
+  std::string methods = "rayloc";  // separated by commas
 };
 
 struct State {
@@ -244,7 +244,7 @@ bool measure(const Setting& setting, int devices) {
   e2e::LiveDaemonOptions options{.site = setting.site, .access_points = setting.access_points};
   options.subscriptions = {"v1/heartbeat/"};
   options.more_configuration = "heartbeat_s = 0.1\n[engine]\nsnapshots = \"acquire\"\nmethod = [" +
-                               setting.methods +
+                               quoted(setting.methods) +
                                "]\n[limits]\nmax_targets = " + std::to_string(devices + 1) + "\n";
   e2e::LiveDaemon daemon(folder.path(), options);
   if (!daemon.ready()) {
@@ -283,7 +283,7 @@ int main(int argc, char** argv) {
       continue;
     }
     if (argument == "--methods" && i + 1 < argc) {
-      setting.methods = rayloc::bench::quoted(argv[++i]);
+      setting.methods = argv[++i];
       continue;
     }
     const std::size_t equals = argument.find('=');
