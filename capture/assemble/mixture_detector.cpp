@@ -17,7 +17,9 @@ constexpr Duration kSameFrame = std::chrono::milliseconds(10);
 constexpr int kMinReturns = 2;
 // A route may change between two interfaces of one machine, and back.
 constexpr int kMinSenderReturns = 4;
-constexpr int kMinSharedCounters = 2;
+// Two recordings that are sent one after the other give one run, or two if a part of a frame is
+// lost.
+constexpr int kMinSharedRuns = 3;
 constexpr Duration kCounterMemory = std::chrono::seconds(10);
 // Runs of equal length: 44 of 78 in a recording in which most frames were retransmitted.
 constexpr std::size_t kRuns = 24;
@@ -160,7 +162,19 @@ void MixtureDetector::add_recent(const CsiFragment& fragment, Timestamp time) {
   } else if (recent.parts < kRecentParts) {
     recent.part[recent.parts++] = part;
   }
-  if (shared && ++shared_counters_ >= kMinSharedCounters) {
+  add_shared(shared, time);
+}
+
+void MixtureDetector::add_shared(bool shared, Timestamp time) {
+  if (!shared) {
+    unshared_ = std::min(unshared_ + 1, kMaxUnshared + 1);
+    return;
+  }
+  if (unshared_ > 0) {
+    shared_runs_ = unshared_ > kMaxUnshared ? 1 : shared_runs_ + 1;
+    unshared_ = 0;
+  }
+  if (shared_runs_ >= kMinSharedRuns) {
     observe(Evidence::kSharedCounter, time);
   }
 }

@@ -5,14 +5,17 @@
 // Evidence of a second access point:
 //   - two running frame counters alternate, or two counters of one 802.11 frame are far apart;
 //   - two sender addresses alternate;
-//   - one counter value belongs to two 802.11 frames, or to one frame with two CSIs;
+//   - counter values that belong to two 802.11 frames, or to one frame with two CSIs, alternate
+//   with
+//     new values;
 //   - without a counter: every 802.11 sequence number comes equally often, with different CSI.
 // Counters and sequence numbers are compared for each transmitter separately: in a recording that
 // was merged from several devices, each device may have its own counter.
 //
 // Retransmissions repeat a sequence number but advance the counter by a few, and their number
-// varies. A restarted access point, a lossy link and a reordered datagram change the counter once
-// and do not return to the old one.
+// varies. A restarted access point, another recording that is sent to the source, a lossy link and
+// a reordered datagram change the counter once and do not return to the old one: counter values
+// repeat without new ones between them.
 //
 // The result is a function of the fragments and their times. Memory is bounded: kMaxTracks
 // counters, kRecent frames. Thread safety: one thread.
@@ -61,6 +64,9 @@ class MixtureDetector {
   static constexpr std::size_t kMaxTracks = 64;
   static constexpr std::size_t kRecent = 256;
   static constexpr std::size_t kRecentParts = 16;
+  // Two access points that share counter values alternate within fewer fragments: 32 frames of four
+  // receive chains.
+  static constexpr std::size_t kMaxUnshared = 128;
 
   // A frame counter that advances for one transmitter, or a sender address.
   struct Track {
@@ -96,6 +102,7 @@ class MixtureDetector {
   bool follow(Tracks& all, const Track& now, std::uint32_t tolerance, Timestamp time);
   void add_counter(const CsiFragment& fragment, Timestamp time);
   void add_recent(const CsiFragment& fragment, Timestamp time);
+  void add_shared(bool shared, Timestamp time);
   void add_sequence_number(const CsiFragment& fragment, Timestamp time);
   void close_run();
 
@@ -105,7 +112,10 @@ class MixtureDetector {
   Tracks counters_;
   Tracks senders_;
   std::vector<Recent> recent_;  // [kRecent], by sequence modulo kRecent; empty before the first
-  int shared_counters_ = 0;
+  // Runs of fragments with a shared counter value, each soon after the one before; fragments with
+  // new values since the last one.
+  int shared_runs_ = 0;
+  std::size_t unshared_ = kMaxUnshared + 1;
   // The current run of fragments with one 802.11 sequence number, and lengths of the last runs.
   CsiFragment run_;  // its first fragment; empty format: none
   Timestamp run_begin_;

@@ -197,6 +197,16 @@ TEST(Field, OneAccessPointIsNoMixture) {
              "devices that were recorded one after the other and merged");
   expect_all(merged(axcsi({}, 30), axcsi({.begin = std::chrono::seconds(3)}, 30)),
              "a recording that is sent again");
+  for (const int count : {30, 90, 300}) {
+    const Duration step = Milliseconds(10);
+    Recording sent = axcsi({.step = step}, count);
+    for (int i = 1; i < 5; ++i) {
+      sent = merged(sent,
+                    axcsi({.delay = 40e-9 * i, .begin = i * (count + 200) * step, .step = step},
+                          count + 40 * i));
+    }
+    expect_all(sent, "recordings of other places that are sent one after the other");
+  }
   expect_all(nexmon({}, 60), "nexmon");
 }
 
