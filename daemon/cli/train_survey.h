@@ -33,7 +33,7 @@ Expected<TrainSurvey> read_device_survey(const Site& site,
                                          const RoomModel& room,
                                          const SurveyArguments& arguments);
 
-// Reads the fixed transmitter received at most points, while a person stood on each.
+// Reads the fixed transmitter received at most points, while a person was at each of them.
 Expected<TrainSurvey> read_people_survey(const Site& site, const SurveyArguments& arguments);
 
 }  // namespace rayloc::cli

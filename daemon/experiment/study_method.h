@@ -13,7 +13,7 @@
 
 namespace rayloc {
 
-// Locates a device, or a person who stands still. Returns an Error with a message if the method is
+// Locates a device, or a person who does not move. Returns an Error with a message if the method is
 // outside its domain. REQUIRES: `layout` outlives the result.
 Expected<Locate> make_locate(const Condition& condition,
                              const StudyLayout& layout,

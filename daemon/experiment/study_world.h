@@ -1,5 +1,5 @@
 // The simulated world of a condition: spots in a room, and the frames that its access points
-// receive from a device there, or from a fixed transmitter while a person stands there.
+// receive from a device there, or from a fixed transmitter while a person is there.
 #pragma once
 
 #include <cstddef>

@@ -28,7 +28,7 @@ class DscpPeople : public PersonMethod {
       estimate.reason = problem_;
     }
     if (estimate.position) {
-      estimate.position->z = 0.0;  // a person stands on the floor
+      estimate.position->z = 0.0;  // positions of people are on the floor
       if (!knows_nobody_) {
         estimate.warnings.emplace_back("dscp was trained without --empty: it always sees somebody");
       }

@@ -2,10 +2,10 @@
 // transmitters (device-free). Each burst gives a snapshot, NO_FIX when no person is detected, and
 // filtered estimates of the instants within it.
 //
-// Targets are called person-N. Of K fixed transmitters the i-th of site.toml has the numbers i, i +
-// K, i + 2K ...: one for each of its tracks, in order. A snapshot has the number of the track that
-// its burst belongs to, or of the next track if there is none; of two people in one burst the one
-// nearer to the track has that number, and the other the number after it. Results of two
+// Targets are called person-N. With K fixed transmitters, the i-th of site.toml has the numbers i,
+// i + K, i + 2K ...: one for each of its tracks, in order. A snapshot has the number of the track
+// that its burst belongs to, or of the next track if there is none; of two people in one burst the
+// one nearer to the track has that number, and the other the number after it. Results of two
 // transmitters are therefore never assigned to one target, and no number depends on which of them
 // detected a person first. A person whom two transmitters detect is two targets.
 //

@@ -64,7 +64,7 @@ class SiteRuntime {
   // claim() after start() makes it the owner, and speak() publishes the unpublished results.
   Expected<void> stand_by(StandbyStart along);
   void speak();
-  // Comparison of its results with those of the owner; empty if it does not stand by.
+  // Comparison of its results with those of the owner; empty if it is no standby.
   std::optional<OutStage::Standby> standby() const;
   bool is_late() const { return along_ && along_->is_late; }
   // Generation of the claim with which the site is owned; 0: not owned.
@@ -160,13 +160,13 @@ class SiteRuntime {
   std::vector<std::unique_ptr<DatagramRing>> rings_;
   std::unique_ptr<RingSnapshots> snapshots_of_rings_;  // null without rings
   std::shared_ptr<BatchSender> sender_;                // null: not a capture node
-  std::optional<StandbyStart> along_;                  // of a worker that has stood by
+  std::optional<StandbyStart> along_;                  // of a worker that was a standby
   std::unique_ptr<OwnerLog> log_;                      // of a worker, from claim() to open()
   SiteStart start_;                                    // as in `log_`
   std::unique_ptr<SiteFeed> feed_;                     // null: not a worker
   std::unique_ptr<LaterFrames> later_frames_;          // null: not a worker
   std::unique_ptr<OutStage> results_;                  // null: not a worker
-  std::unique_ptr<Broker::Subscription> owner_words_;  // null: it does not stand by
+  std::unique_ptr<Broker::Subscription> owner_words_;  // null: no standby
   std::unique_ptr<Pipeline> pipeline_;
   StatusSources status_;
   mutable std::mutex saturation_mutex_;

@@ -74,7 +74,7 @@ class CaptureSimulator {
                    std::size_t access_point,
                    const CaptureOptions& options);
 
-  // Spots in order of time. Returns an Error if a person would stand on a device.
+  // Spots in order of time. Returns an Error if the body of a person would contain a device.
   Expected<SpotCapture> hear(const SimulatedSpot& spot);
 
   // The gains on that channel, by tone from its centre.

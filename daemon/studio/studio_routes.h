@@ -2,7 +2,7 @@
 //
 //   /edit                  the page of the editor
 //   /api/v1/edit           its data (site_editor.h); POST: writes a draft
-//   /api/v1/survey         the walked survey; POST ?do=stand&x=1&y=2&z=1.2, keep, leave
+//   /api/v1/survey         the walked survey; `POST ?do=stand&x=1&y=2&z=1.2`, keep, leave
 //   /api/v1/calibrate      progress of the calibration; POST ?do=start&what=all, stop
 //   /calibration-report    page with the last report
 //

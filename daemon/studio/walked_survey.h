@@ -28,10 +28,10 @@ class WalkedSurvey {
   WalkedSurvey(std::filesystem::path file, std::function<Frames()> frames)
       : file_(std::move(file)), frames_(std::move(frames)) {}
 
-  // "file", "points" ([x, y, z] each), and while a person stands at a point: "standing" with
+  // "file", "points" ([x, y, z] each), and while a person is at a point: "standing" with
   // "position", "seconds" and "frames" since then.
   Expected<nlohmann::ordered_json> state() const;
-  // A person stands there from now on; replaces the previous position.
+  // The position of the person from now on; replaces the previous one.
   Expected<void> stand(const Vec3d& position);
   // Ends the stay: the point is written. Returns an Error
   // if no position is set or no frame was received.

@@ -20,7 +20,7 @@ constexpr std::string_view kEndOfLine = "\x1b[K";
 constexpr std::string_view kRest = "\x1b[J";
 
 // Set by the handler alone; for the single screen.
-volatile std::sig_atomic_t end_asked = 0;    // NOLINT: a signal handler has nowhere else to write
+volatile std::sig_atomic_t end_asked = 0;    // NOLINT: a signal handler can write to globals only
 volatile std::sig_atomic_t pause_asked = 0;  // NOLINT
 volatile std::sig_atomic_t stale = 0;        // NOLINT
 

@@ -16,7 +16,7 @@ namespace rayloc::bench {
 namespace {
 
 constexpr std::size_t kStream = 256;  // rays
-constexpr float kLeave = 1e-4F;       // [m] of a ray that are not looked at after a reflection
+constexpr float kLeave = 1e-4F;       // [m] of a ray that are skipped after a reflection
 
 struct Vec3f {
   float x, y, z;

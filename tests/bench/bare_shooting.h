@@ -1,10 +1,10 @@
 // The baseline of shooting and bouncing rays: Embree, and nothing besides.
 //
 // Rays leave a point, are reflected by every triangle they meet and end after so many reflections
-// or outside. Nothing is recorded. Of Embree's ways of taking rays (one by one, packets of 4, 8 and
-// 16, streams of structures, streams of arrays) and sizes from 64 to 4096, streams of 256 rays as
-// arrays, in the lattice's order and declared coherent, are the fastest on AVX-512: three times one
-// ray at a time (laboratory, robust, 262144 rays).
+// or outside. Nothing is recorded. Among Embree's ways of taking rays (one by one, packets of 4, 8
+// and 16, streams of structures, streams of arrays) and sizes from 64 to 4096, streams of 256 rays
+// as arrays, in the lattice's order and declared coherent, are the fastest on AVX-512: three times
+// one ray at a time (laboratory, robust, 262144 rays).
 #pragma once
 
 #include <cstddef>

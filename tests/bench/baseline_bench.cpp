@@ -1,8 +1,8 @@
-// What the methods that others published cost: a fix of each that locates by single bursts, an
+// Measures the cost of published methods: a fix of each method that locates by single bursts, an
 // epoch of each network, in the tests' room (3 x 2.4 m, three access points, 40 MHz), and the
-// memory of it all. Widar2.0 and WiTraj work on a stream: their time is that of four seconds of 400
-// frames/s of three access points. Build with the
-// release preset and -DRAYLOC_BENCHMARKS=ON.
+// memory of the process. Widar2.0 and WiTraj work on a stream: their time is that of four seconds
+// of 400 frames/s of three access points. Build with the release preset and
+// -DRAYLOC_BENCHMARKS=ON.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -84,7 +84,7 @@ void two_epochs(benchmark::State& state) {
 constexpr MacAddress kPlug = {{0x02, 0x52, 0x4c, 0x00, 0x00, 0x09}};
 constexpr Vec3d kPlace = {1.0, -0.6, 1.2};
 
-// Somebody on a circle beside the lines of sight.
+// A person on a circle beside the lines of sight.
 const std::vector<CsiFrame>& stream() {
   static const auto kStream =
       test::frames_past(*room(), {kPlug, kPlace, 0.3}, 4.0, 0.0025, [](double t) {

@@ -1,6 +1,6 @@
 // BestTimes: Google Benchmark's console output (the median of the repetitions), and the least times
-// of each benchmark afterwards, so that a benchmark can be stated beside its baseline of the same
-// run. The least, for other programs run on the machine too; what is slower tells of them.
+// of each benchmark afterwards, so that a benchmark can be compared with its baseline of the same
+// run. The least, since other programs on the machine only add time.
 #pragma once
 
 #include <benchmark/benchmark.h>
@@ -13,7 +13,7 @@
 
 namespace rayloc::bench {
 
-// Of one iteration [s].
+// The times of one iteration [s].
 struct BestTime {
   double wall = 0.0;
   double cpu = 0.0;  // of all threads
@@ -62,7 +62,7 @@ class BestTimes final : public benchmark::ConsoleReporter {
   std::map<std::string, BestTime> best_;
 };
 
-// What main() of a benchmark does; `print_summary` sets the times beside each other at the end.
+// main() of a benchmark; `print_summary` compares the times at the end.
 inline int run_benchmarks(int argc, char** argv, void (*print_summary)(const BestTimes&)) {
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) {

@@ -26,7 +26,7 @@ namespace {
 
 constexpr std::size_t kAntennas = 3;
 
-// As many as the benchmark's first argument says.
+// As many paths as the first argument of the benchmark.
 test::PathColumns some_paths(const benchmark::State& state) {
   test::PathColumns paths;
   for (std::int64_t p = 0; p < state.range(0); ++p) {

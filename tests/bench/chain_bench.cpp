@@ -1,17 +1,17 @@
-// How many bursts it takes until receive chains are known again after a power cycle, and how well,
-// on recordings of a calibrated site:
+// Measures how many bursts it takes to learn the receive chains after a power cycle, and the error
+// of the learned phases, on recordings of a calibrated site:
 //
 //   chain_bench [--verbose | --again | --unseen] SITE CYCLES [AP=]FILE...
 //
-// The recordings' most heard transmitter is listened to in bursts of 0.2 s, by every access point
-// for itself. CYCLES power cycles are made by turning the chains of all frames at random, all the
-// way round and by 1.5 dB; the first is the recording as it is. A line for each cycle and access
+// The transmitter with the most frames is received in bursts of 0.2 s, by each access point
+// separately. CYCLES power cycles are made by turning the chains of all frames at random, by any
+// phase and by 1.5 dB; the first is the recording as it is. Prints a line for each cycle and access
 // point: bursts that counted and seconds until the chains were learned for the first time, how
-// often, and the phases learned then and at the end [degrees] beside those of the turns made.
+// often, and the phases learned then and at the end [degrees], without the turns made.
 //
 // --again: half-way through the recording the access point is off for a minute and comes back with
-// other chains (--unseen: without the minute): how many bursts what was believed until then is
-// believed still.
+// other chains (--unseen: without the minute). Prints after how many bursts the chains used until
+// then are withdrawn.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -72,7 +72,7 @@ void turn(const RoomModel& room, const std::vector<std::vector<Value>>& turns, F
   }
 }
 
-// Of each chain but the first against it, the turns that were made taken out.
+// Phase and level of each chain relative to the first, with the turns that were made taken out.
 std::string phases(const std::vector<Value>& factor, const std::vector<Value>& made) {
   std::string text;
   for (std::size_t m = 1; m < factor.size(); ++m) {
@@ -90,7 +90,7 @@ std::string phases(const std::vector<Value>& factor, const std::vector<Value>& m
 
 using Turns = std::vector<std::vector<Value>>;  // [access point][chain]
 
-// Of a power cycle; of the first, number 0: none.
+// The turns of a power cycle; the first, number 0, has none.
 Turns turns_of(const RoomModel& room, int number, std::mt19937& random) {
   std::uniform_real_distribution<double> around(-std::numbers::pi, std::numbers::pi);
   std::normal_distribution<double> level(0.0, number == 0 ? 0.0 : kLevelSigma);
@@ -169,12 +169,12 @@ void cycle(const std::shared_ptr<const Localizer>& localizer,
   std::fflush(stdout);
 }
 
-// What is believed of an access point from the second power cycle on.
+// The use of an access point's chains from the second power cycle on.
 struct Withdrawal {
-  bool believed = false;               // when the chains turned
-  std::vector<Value> factor;           // that were believed then
-  std::optional<std::size_t> bursts;   // since, until they were believed no more
-  std::optional<std::size_t> learned;  // since, until others were
+  bool believed = false;               // in use when the chains turned
+  std::vector<Value> factor;           // those in use then
+  std::optional<std::size_t> bursts;   // since then, until they were withdrawn
+  std::optional<std::size_t> learned;  // since then, until others were learned
 };
 
 void again(const std::shared_ptr<const Localizer>& localizer,

@@ -1,7 +1,7 @@
-// What the way of a datagram through the broker costs: from the tap of a capture node to the batch
-// that a worker takes, against a bare client that publishes and receives the same batches.
+// Measures the cost of a datagram's path through the broker, from the tap of a capture node to the
+// batch that a worker takes, against a bare client that publishes and receives the same batches.
 //
-//   cluster_bench [SECONDS]     of each part; 10 unless told
+//   cluster_bench [SECONDS]     of each part; 10 by default
 //
 // It starts a nats-server of its own (RAYLOC_NATS_SERVER, else Debian's) on loopback. Publisher and
 // reader are threads of this process, so its processor time is that of both.
@@ -115,7 +115,7 @@ StreamOptions bench_stream(const std::string& site) {
   return site_stream(site, options);
 }
 
-// Publishes and receives messages as a client does that knows nothing of batches.
+// Publishes and receives messages as a client that does not decode batches.
 Cost run_bare(const cluster::NatsServer& server, const std::string& site, double seconds) {
   const auto made = open_broker({{server.url()}, "bench"});
   while (!(*made)->connected()) {
@@ -177,7 +177,7 @@ Cost run_bare(const cluster::NatsServer& server, const std::string& site, double
   return cost;
 }
 
-// Takes the batches of a site, and how old each datagram is that says when it was heard.
+// Takes the batches of a site, and the age of each datagram that contains its time.
 class Taker {
  public:
   Taker(const cluster::NatsServer& server, const std::string& site) {

@@ -1,4 +1,4 @@
-// What one core can do at most, measured: the roof over an inner loop.
+// The measured limits of one core: the roof over an inner loop.
 #pragma once
 
 namespace rayloc::bench {
@@ -8,7 +8,7 @@ struct CoreLimits {
   double bytes = 0.0;  // [1/s], read in order from memory that no cache holds
 };
 
-// The best of some tries, by the CPU time of this thread: a second.
+// Returns the best of some tries, by the CPU time of this thread; takes a second.
 CoreLimits core_limits();
 
 }  // namespace rayloc::bench

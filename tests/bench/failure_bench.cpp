@@ -1,14 +1,14 @@
-// What a fix says of itself when something is wrong, on recordings of a calibrated site:
+// Measures how a fix reports that something is wrong, on recordings of a calibrated site:
 //
 //   failure_bench SITE POINTS.csv [AP=]FILE...
 //
-// Each spot of POINTS is located as recorded, and with one thing wrong: a chain dead, a chain's
-// phase jumped (once for all spots, as a power cycle does it, a chain and a state at a time; what
-// ChainLearner finds is left out until it is learned, as the daemon does it), an access point
-// covered (97 % of the amplitude of its direct way taken out, as the calibrated room has it), a
-// device outside of the area (the bounds end 0.3 m short of it), and the channel of another room. A
-// line a case and number of access points: cases, NO_FIX, fixes with a warning, and those whose
-// stated region of 95 % excludes the truth. --verbose: a line a fix.
+// Each spot of POINTS is located as recorded, and with one fault: a dead chain, a chain whose phase
+// jumped (once for all spots, as by a power cycle, a chain and a state at a time; what ChainLearner
+// finds is left out until it is learned, as the daemon does it), an access point in NLOS (97 % of
+// the amplitude of its line of sight taken out, as the calibrated room has it), a device outside of
+// the area (the bounds end 0.3 m short of it), and the channel of another room. Prints a line for
+// each case and number of access points: cases, NO_FIX, fixes with a warning, and those whose
+// stated region of 95 % excludes the truth. --verbose: a line for each fix.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

@@ -24,7 +24,7 @@ constexpr int kSamples = 5;
 const std::array<Parameter, 2> kPlan{Parameter::transmitter_position(0),
                                      Parameter::transmitter_position(1)};
 
-// L = sum |h - m|^2 for a channel m measured elsewhere.
+// L = sum |h - m|^2 for a channel m measured at another position.
 class Loss {
  public:
   Loss()
@@ -38,7 +38,7 @@ class Loss {
     measured_ = array_csi(array_.trace(Transmitter{{place_[1], {}}}), grid_);
   }
 
-  // Of a path with its derivatives.
+  // The memory of a path with its derivatives.
   double bytes_per_path() const {
     std::size_t count = 0;
     std::size_t bytes = 0;

@@ -1,4 +1,4 @@
-// The baseline of a query: the paths of a link when somebody has said which surfaces they touch.
+// The baseline of a query: the paths of a link when the surfaces that they touch are given.
 //
 // Vertices by the image method and the field, nothing else: no search, no test of occlusion, no
 // memory taken. A tracer cannot be faster than this.
@@ -27,7 +27,7 @@ class KnownPaths {
   LinkEnd<double> transmitter_;
   LinkEnd<double> receiver_;
   double wavelength_;
-  // Of all paths, one after the other.
+  // Those of all paths, one after the other.
   std::vector<Interaction> interactions_;
   std::vector<Facet<double>> facets_;
   std::vector<Plane<double>> planes_;

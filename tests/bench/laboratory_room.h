@@ -1,5 +1,5 @@
-// The laboratory (10.8 x 5.6 x 3 m) as a calibrated room at 40 MHz, for what locates in it; and how
-// long single calls take, since a mean hides what a live system feels.
+// The laboratory (10.8 x 5.6 x 3 m) as a calibrated room at 40 MHz, for localization; and the time
+// of single calls, since a mean hides the latency of a live system.
 #pragma once
 
 #include <benchmark/benchmark.h>
@@ -16,23 +16,23 @@ namespace rayloc::bench {
 struct LaboratorySize {
   int depth = 3;
   int access_points = 1;
-  double length = 10.8;  // [m], of the part of the room that is looked at
+  double length = 10.8;  // [m], of the bounds of the room along x
   friend auto operator<=>(const LaboratorySize&, const LaboratorySize&) = default;
 };
 
-// Of a benchmark's arguments: depth, access points, length in millimetres.
+// The size that a benchmark's arguments state: depth, access points, length in millimetres.
 inline LaboratorySize size_of(const benchmark::State& state) {
   return {static_cast<int>(state.range(0)),
           static_cast<int>(state.range(1)),
           1e-3 * static_cast<double>(state.range(2))};
 }
 
-// Access points stand along its northern wall and opposite; chain gains are those that
+// Access points are at its northern wall and at the opposite one; chain gains are those that
 // test::frames_of() applies.
 RoomModel laboratory_room(const LaboratorySize& size);
 
-// Milliseconds of CPU of single calls, all threads together: what a call takes on one core that
-// nothing else uses. Prints p50 to the most.
+// Measures the CPU time [ms] of single calls, all threads together: the time of a call on one core
+// that nothing else uses. Prints p50 to the maximum.
 template <typename Call>
 void print_latency(const char* name, int count, const Call& call) {
   std::vector<double> times;

@@ -100,7 +100,7 @@ struct Cost {
   }
 };
 
-// Of whitening a thousand cells that lie one after the other in memory [ms].
+// The time of whitening a thousand cells that are adjacent in memory [ms].
 double thousand_cells(std::size_t dimension) {
   constexpr std::size_t kCells = 1000;
   const std::size_t terms = dimension * (dimension + 1) / 2;

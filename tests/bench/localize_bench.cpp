@@ -3,7 +3,7 @@
 // least that each can cost, in the same run:
 //   cold start   the bare tracing of its cells
 //   kept start   reading the kept bytes once, as a checksum does
-//   snapshot     and step: for every cell, access point and delay looked at coarsely, the
+//   snapshot     and step: for every cell, access point and coarsely searched delay, the
 //                multiply-adds that whitening a burst takes, and nothing else
 // Then how long single fixes and steps take, p50 to p99.
 // Build with the release preset and -DRAYLOC_BENCHMARKS=ON.
@@ -134,7 +134,7 @@ void BM_ChecksumOfKept(benchmark::State& state) {
   }
 }
 
-// Of every cell and access point: W y of eight delays, W lower triangular.
+// Whitening alone, for every cell and access point: W y of eight delays, W lower triangular.
 void BM_BareWhitening(benchmark::State& state) {
   const Prepared& p = prepared(size_of(state));
   const ObservationModel model(p.room->grid, 3);
@@ -171,8 +171,8 @@ void BM_Snapshot(benchmark::State& state) {
   }
 }
 
-// Of a device that is somewhere else in every burst, so that nothing is left out: hypotheses are
-// as many as a map can hold.
+// A tracker step of a device at another place in every burst, so that nothing is left out:
+// hypotheses are as many as a map can hold.
 void BM_TrackerStep(benchmark::State& state) {
   const Prepared& p = prepared(size_of(state));
   DeviceTracker tracker(p.localizer, {});

@@ -1,4 +1,4 @@
-// What paths and the whole benchmark take of memory.
+// The memory of paths and of the whole benchmark.
 #pragma once
 
 #include <sys/resource.h>

@@ -2,10 +2,10 @@
 //
 //   people_bench SITE POINTS.csv [AP=]FILE...
 //
-// SITE: of `rayloc reference`. What a person adds to the empty room is the same whoever else is
-// there, but for waves that meet both: of every pair of spots the recording of two is made from
-// those of one. Prints how often a second person is seen where there is one and where there are
-// two, and how far the two that are found are from where they stood. --verbose: a line a case.
+// SITE: of `rayloc reference`. The change that a person causes in the empty room is independent of
+// other people, but for waves that meet both: for pairs of spots the recording of two people is
+// made from those of one. Prints how often a second person is detected with one and with two
+// people, and the errors of both positions. --verbose: a line for each case.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -33,7 +33,7 @@ struct Spot {
   Frames frames;
 };
 
-// What was heard of a spot, aligned to the empty room; nothing when too little was.
+// The channel of a spot's frames, aligned to the empty room; empty if they are too few.
 std::vector<Value> aligned(const RoomModel& room, const PersonLink& link, const Frames& frames) {
   std::vector<std::string> warnings;
   auto burst = hear(room, link.access_point, frames, {}, warnings);
@@ -45,7 +45,7 @@ std::vector<Value> aligned(const RoomModel& room, const PersonLink& link, const 
   return std::move(burst->h);
 }
 
-// Those of `one`, with what `other` adds to the empty room. Empty when either was not heard.
+// Frames of `one` with the change that `other` causes in the empty room; empty if CSI is missing.
 Frames together(const RoomModel& room,
                 const PersonReference& reference,
                 const Spot& one,
@@ -102,7 +102,7 @@ void report(const char* what, std::vector<double> values) {
               100.0 * static_cast<double>(near) / static_cast<double>(values.size()));
 }
 
-// Of the two that were found, matched as they fit best: the nearer first.
+// The errors of the two positions, in the assignment that fits best: the nearer first.
 std::pair<double, double> errors(const Vec3d& p, const Vec3d& q, const Vec3d& a, const Vec3d& b) {
   const auto sorted = [](double x, double y) { return std::minmax({x, y}); };
   const auto straight = sorted(distance(p, a), distance(q, b));
@@ -115,7 +115,7 @@ class Study {
   Study(const PersonLocalizer& localizer, bool verbose)
       : localizer_(localizer), verbose_(verbose) {}
 
-  // Where people stand, and what is said of them.
+  // Locates the people of one case, and counts the results.
   void add(const char* name, const std::vector<Vec3d>& truth, const Frames& frames);
   void print(const char* name) const;
 

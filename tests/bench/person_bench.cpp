@@ -78,7 +78,7 @@ struct Prepared {
   std::shared_ptr<const PersonLocalizer> localizer;
   std::vector<TargetPosition> places;
   std::vector<std::vector<CsiFrame>> bursts;  // [place]
-  std::vector<std::vector<CsiFrame>> walk;    // [moment], of somebody who walks, a frame of each
+  std::vector<std::vector<CsiFrame>> walk;    // [moment] of a walk, a frame of each
 };
 
 constexpr auto kInterval = std::chrono::milliseconds(80);  // of a tracker's moments
@@ -193,7 +193,7 @@ void BM_Snapshot(benchmark::State& state) {
   }
 }
 
-// A tracker that hears bursts one after the other, over and over.
+// A tracker that receives bursts one after the other, over and over.
 class Tracked {
  public:
   Tracked(const Prepared& p, const std::vector<std::vector<CsiFrame>>& bursts)
@@ -216,7 +216,7 @@ class Tracked {
   std::vector<PersonUpdate> updates_;
 };
 
-// Of somebody who walks.
+// A step of the tracker for a person who walks.
 void BM_TrackerStep(benchmark::State& state) {
   const Prepared& p = prepared(size_of(state));
   Tracked tracked(p, p.walk);

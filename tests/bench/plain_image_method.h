@@ -2,7 +2,7 @@
 // have it.
 //
 // Every sequence of mirrors that face the image before, each image mirrored once for all that
-// follow it; then the points of reflection, and whether something stands between them. No beams, no
+// follow it; then the points of reflection, and a test of occlusion between them. No beams, no
 // tree, no fields.
 #pragma once
 

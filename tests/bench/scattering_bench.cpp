@@ -1,12 +1,12 @@
-// What a body in the room costs.
+// Measures the cost of a body in the room.
 //
 //   BM_Pair        one pair of rays past a round body
 //   BM_PairSlopes  the same with its derivatives by where both ends are
 //   BM_OvalPair, BM_OvalPairSlopes   past an elliptic one
 //   BM_RoundBody, BM_OvalBody        what is computed once for a body
-//   BM_PlainLink   the paths of a link in the laboratory without a body, tree cached; argument:
-//   depth BM_Position    all pairs of the same link past a body, trees cached BM_PositionSlopes the
-//   same with derivatives by the position
+//   BM_PlainLink       paths of a link in the laboratory without a body, tree cached; depth
+//   BM_Position        all pairs of the same link past a body, trees cached
+//   BM_PositionSlopes  the same with derivatives by the position
 //
 // The last lines set the pairs beside the plain link, by least times. Build with the release preset
 // and -DRAYLOC_BENCHMARKS=ON; one core: `taskset -c 0 scattering_bench`.

@@ -4,8 +4,8 @@
 //   BM_Shooting       the same rays, with the sequences of surfaces that they meet (shooting.h)
 //   BM_KnownPaths     paths whose surfaces are known (known_paths.h), 143 positions in turn
 //   BM_CachedLink     the same found, in trees that have been asked for them before
-//   BM_NewPlace       the same, asked for the first time, and for the fifth, when trees look
-//   closely BM_ColdLink       trees and paths of devices in the laboratory, three antennas, depth 3
+//   BM_NewPlace       the same, queried the first time, and the fifth, when trees search closely
+//   BM_ColdLink       trees and paths of devices in the laboratory, three antennas, depth 3
 //   BM_RadioMap       10,000 cells of office floors of 100 to 100,000 triangles, tree included
 //   BM_Depth          tree and paths of one antenna, 1 to 6 reflections, laboratory
 //   BM_Triangles      the same at depth 3 in office floors of 100 to 100,000 triangles
@@ -88,7 +88,7 @@ std::vector<Receiver> antennas() {
   return array_elements<Receiver>(test::laboratory_access_point());
 }
 
-// Of every position, what every antenna receives.
+// The paths from every position to every antenna.
 using KnownLinks = std::vector<std::vector<KnownPaths>>;
 
 KnownLinks known_links(const PathTracer& tracer,
@@ -171,7 +171,7 @@ void BM_NewPlace(benchmark::State& state) {
   }
 }
 
-// The baseline by rays. Of more than kSurveyed positions the paths of the first come again.
+// The baseline by rays. Beyond kSurveyed positions, the paths of the first ones are reused.
 void by_rays(benchmark::State& state,
              const PathTracer& tracer,
              const std::vector<Receiver>& receivers,
@@ -246,7 +246,7 @@ ImageTree tree_of(const Room& where, int depth) {
   return ImageTree(*where.scene, where.access_point, {.max_depth = depth, .rays = kRays});
 }
 
-// What growth is measured by: tree and the paths of one position, one antenna.
+// The measure of growth: the tree and the paths of one position, one antenna.
 void grow(benchmark::State& state, const Room& where, const Vec3d& device, int depth) {
   const PathTracer tracer(where.scene, {.max_depth = depth, .rays = kRays});
   const Receiver receiver{{where.access_point, {}}};

@@ -1,7 +1,7 @@
-// How many datagrams a second a receiver takes from a UDP port without losing one, and what each
-// costs it. The baseline is the least that a program can do: a bare recvmmsg loop.
+// Measures how many datagrams a second a receiver takes from a UDP port without losing one, and the
+// cost of each. The baseline is the least that a program can do: a bare recvmmsg loop.
 //
-//   udp_bench [RECORDING]     the datagrams to send; unless told, those of 566 bytes that calibrate
+//   udp_bench [RECORDING]     the datagrams to send; by default those of 566 bytes that calibrate
 //                             the bundled meeting room
 //
 // Rates rise step by step; each is sent for two seconds by a process of its own. A rate counts when
@@ -33,7 +33,7 @@ namespace {
 constexpr int kReceiveBufferBytes = 8 << 20;
 constexpr double kSecondsPerRate = 2;
 
-// What is measured: takes what has arrived, waiting up to 10 ms; how many datagrams.
+// The receiver under test: takes what has arrived, waiting up to 10 ms; returns the count.
 class Receiver {
  public:
   virtual ~Receiver() = default;
@@ -161,7 +161,7 @@ Run run(Receiver& receiver, double rate, const Payloads& payloads) {
     got = receiver.receive();
     result.received += got;
   } while (got > 0 || !flood.finished());
-  // What came between the last look and the end.
+  // The datagrams that came between the last read and the end.
   while ((got = receiver.receive()) > 0) {
     result.received += got;
   }

@@ -141,8 +141,8 @@ TEST_P(AxcsiLayout, EqualsTheIndependentWriterByteForByte) {
   for (const int core : wire.cores) {
     frame.cores.push_back(static_cast<std::uint8_t>(core));
     const auto tones = test::wire_tones(wire, core, 0);
-    // Back from the order of the wire, as WIRE_FORMATS 1.4 gives it: tone -n/2 stands at n/2; 160
-    // MHz in 512 tones has its lower half at 256 to 511, each half in such an order.
+    // Back from the order of the wire, as WIRE_FORMATS 1.4 gives it: tone -n/2 is at n/2; 160 MHz
+    // in 512 tones has its lower half at 256 to 511, each half in such an order.
     const std::size_t n = tones.size();
     const std::size_t parts = n == 512 && GetParam().phy != test::WirePhy::kHe ? 2 : 1;
     const std::size_t length = n / parts;

@@ -255,7 +255,7 @@ TEST(CsiReceiver, MasksInTheDatagramNeedNoLearning) {
 
 TEST(CsiReceiver, AHeaderThatContradictsItsFrameIsRejected) {
   Recording recording = frames_of(1, 1);
-  recording[2].payload[23] = std::byte{1};  // HT, where the others say VHT
+  recording[2].payload[23] = std::byte{1};  // HT, where the others have VHT
   const Received received = receive(recording);
   EXPECT_THAT(received.counters.rejected, ElementsAre(Pair("frame_mismatch", 1)));
   EXPECT_EQ(received.counters.in_frames, 3U);

@@ -1,4 +1,4 @@
-// What EventClock makes of a machine's clock that is set while datagrams arrive.
+// Tests EventClock on a machine whose clock is set while datagrams arrive.
 #include "capture/source/event_clock.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Receive chains that bring nothing any more, and chains of which datagrams are lost.
+// Receive chains without any further datagrams, and chains whose datagrams are lost in part.
 #include <algorithm>
 #include <random>
 #include <vector>
@@ -18,7 +18,7 @@ using ::testing::Contains;
 
 constexpr int kFrames = 100;
 
-// What of frames of the cores 0, 2 and 3 comes: is_lost(frame, core).
+// Receives frames of the cores 0, 2 and 3, except the datagrams for which is_lost(frame, core).
 template <typename Lost>
 std::vector<CsiFrame> receive(Lost is_lost, CsiReceiverCounters* counters = nullptr) {
   CsiReceiverOptions options;
@@ -106,7 +106,7 @@ TEST(Field, GroupAndZeroAddressesAreNoDevices) {
   EXPECT_EQ(rejected_of(0x9078b2b836d5, options), Rejected());
 }
 
-// Extractors are tried with frames that somebody made up: 11:22:33:44:55:66 in example_4339.
+// Extractors are tried with made-up frames: 11:22:33:44:55:66 in example_4339.
 TEST(Field, GroupAddressThatTheSiteStatesIsTaken) {
   CsiReceiverOptions options;
   options.only_devices = true;

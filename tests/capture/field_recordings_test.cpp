@@ -126,7 +126,7 @@ Given read_stamps(const std::vector<std::int64_t>& stamps, const PcapFileOptions
   return read_files({folder.write("walk.pcap", file_of(stamps))}, options);
 }
 
-// What `cat walk.pcap | rayloc ...` reads.
+// Reads the file from a pipe, as `cat walk.pcap | rayloc ...` does.
 Given read_piped(const ByteString& file) {
   const Folder folder;
   const std::string path = folder.write("pipe", file);
@@ -146,7 +146,7 @@ TEST(Field, OneDamagedStampGovernsNothingButItsOwnRecord) {
       std::vector<std::int64_t> stamps = walk(60);
       const auto even = stamps;
       stamps[where] += error;
-      // At the end nobody can tell a gap of some seconds from a wrong stamp.
+      // At the end a gap of some seconds cannot be distinguished from a wrong stamp.
       if (where >= 175 && error > 0) {
         continue;
       }
@@ -289,7 +289,7 @@ TEST(Field, AClockThatWasSetAndSetRightAgainGoesOnEvenly) {
   }
 }
 
-// By standard input nobody can look ahead: what comes later is told by the clock before.
+// Standard input cannot be read ahead: times after the step follow the clock before it.
 TEST(Field, AClockThatWasSetBackInAPipeGoesOnEvenly) {
   std::vector<std::int64_t> stamps = walk(40);
   for (std::size_t i = 60; i < stamps.size(); ++i) {
@@ -338,7 +338,7 @@ TEST(Field, PausesOfASurveyAndSparseRecordingsAreNoDamage) {
   EXPECT_EQ(read_stamps(stamps).words.size(), 1U);
 }
 
-// A listing shows what the stamps say, but for those that are damaged.
+// A listing shows the recorded stamps, except for damaged ones.
 TEST(Field, AListingTellsTheStampsAsTheyAre) {
   std::vector<std::int64_t> stamps = walk(40);
   for (std::size_t i = 60; i < stamps.size(); ++i) {
@@ -351,7 +351,7 @@ TEST(Field, AListingTellsTheStampsAsTheyAre) {
   EXPECT_EQ(given.times.back(), at(stamps.back()));
 }
 
-// Whatever the stamps: all laws hold, and nothing overflows.
+// For any stamps, every record is counted, and nothing overflows.
 TEST(Field, AnyStampsAreCounted) {
   std::mt19937 random(5);
   std::uniform_int_distribution<std::int64_t> anywhere(0, 4'294'967'295);

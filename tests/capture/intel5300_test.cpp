@@ -1,6 +1,6 @@
-// The log of the Intel 5300's CSI tool: as a file, record by record, and what a record says. The
-// records are written here bit by bit, from the published layout; no code is shared with the
-// reader.
+// Tests the log of the Intel 5300's CSI tool: as a file, record by record, and the content of a
+// record. The records are written here bit by bit, from the published layout; no code is shared
+// with the reader.
 #include <unistd.h>
 
 #include <array>
@@ -46,7 +46,7 @@ struct Card {
   std::uint16_t count = 7;
 };
 
-// What the card would report of a chain, stream and group of tones: any byte occurs.
+// The value that the card reports for a chain, stream and group of tones: any byte occurs.
 std::pair<int, int> value_of(int chain, int stream, int group) {
   return {(37 * chain + 11 * stream + 5 * group) % 256 - 128,
           (91 * chain + 29 * stream + 13 * group) % 256 - 128};
@@ -157,7 +157,7 @@ Read read_file(const std::string& file) {
 }
 
 Read read_log(const Bytes& bytes) {
-  // Of this process: others run tests of this file at the same time.
+  // The name has the process id: other processes run tests of this file at the same time.
   const std::string file =
       ::testing::TempDir() + "/intel5300_" + std::to_string(::getpid()) + ".dat";
   std::ofstream(file, std::ios::binary) << bytes;
@@ -271,7 +271,7 @@ TEST(Intel5300, RefusesWhatIsNoRecord) {
   EXPECT_EQ(changed(10, 2), "length_mismatch");
   EXPECT_EQ(changed(16, 0), "antenna_permutation") << "three chains at one antenna";
   EXPECT_EQ(changed(20, 0), "legacy_rate") << "no HT frame";
-  // Whatever stands in it, a record is read or refused, and every prefix as well.
+  // Every prefix of a record is refused.
   for (std::size_t size = 0; size < good.size(); ++size) {
     EXPECT_NE(refusal(good.substr(0, size)), "taken");
   }

@@ -168,7 +168,7 @@ TEST(Field, AMixtureThatIsOverIsLocatedAgain) {
   EXPECT_GT(received.frames.front().time, kStart + std::chrono::seconds(30));
 }
 
-// What healthy access points do.
+// Recordings of healthy access points.
 TEST(Field, OneAccessPointIsNoMixture) {
   const auto expect_all = [](const Recording& recording, const char* what) {
     const Received received = receive(recording);

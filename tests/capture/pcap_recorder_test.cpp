@@ -1,5 +1,5 @@
-// What the recorder writes is what the reader and Wireshark read, whatever happens to the process
-// or the disk.
+// The reader and Wireshark can read all that the recorder writes, also after its process was killed
+// or the disk was full.
 #include "capture/record/pcap_recorder.h"
 
 #include <gmock/gmock.h>
@@ -209,7 +209,7 @@ TEST(PcapRecorder, CutsOffThePartOfABatchThatAFullDiskTook) {
     EXPECT_EQ(recorder->counters().lost(), lost);
     EXPECT_EQ(recorder->counters().errors, 1U);
     EXPECT_EQ(test::read_file(file.path()).size(), whole);
-    // What fits is still recorded.
+    // A smaller batch that fits is still recorded.
     ASSERT_TRUE(write(*recorder, std::span(all).first(1)));
     EXPECT_EQ(recorder->counters().given, recorder->counters().delivered + lost);
     EXPECT_EQ(read_back(file.path(), kAnyDisorder).size(), 51U);

@@ -280,8 +280,8 @@ TEST(PcapFileSource, ReadsGzipOfSeveralMembersAndOfHighCompression) {
   }
 }
 
-// Whatever the length at which a recording was cut off: what came before is delivered, the torn
-// record is counted, and only a file without any record is an error.
+// A recording may be cut off at any length: the records before the cut are delivered, the torn one
+// is counted, and only a file without any record is an error.
 TEST(PcapFileSource, ReadsEveryTruncationOfAFile) {
   const std::vector<ByteString> packets = {
       ethernet(udp("first")), ethernet(udp("second")), ethernet(udp("third"))};

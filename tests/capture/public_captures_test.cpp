@@ -197,7 +197,7 @@ std::map<std::string, int> kinds_of(const std::vector<CsiFrame>& frames) {
 
 TEST_F(PublicCaptures, NexmonOccupancyIsFoundByEnergy) {
   using ::testing::Pair;
-  // Legacy 20 MHz on the lowest part of 80 MHz, as the primary channel in the chanspec says.
+  // Legacy 20 MHz on the lowest part of 80 MHz, as the chanspec's primary channel states.
   EXPECT_THAT(kinds_of(receive("nexmon-csikit/example_4366c0.pcap").frames),
               ElementsAre(Pair("legacy 20 at -96", 293)));
   // Control frames, duplicated over the lower 40 MHz.

@@ -140,7 +140,7 @@ int differences(const std::vector<std::complex<float>>& csi,
   return count;
 }
 
-// nexmon's reader scales each datagram by its own power of two, which it does not tell, and
+// nexmon's reader scales each datagram by its own power of two, which it does not report, and
 // truncates: there must be one scale at which all values agree exactly.
 void expect_equal_up_to_scale(const std::string& name) {
   const Recording recording = test::read_public_capture("nexmon-csikit/" + name + ".pcap");

@@ -1,4 +1,4 @@
-// The mark of a gap is a datagram that our reader counts and gives to nobody.
+// The mark of a gap is a datagram that our reader counts and does not deliver.
 #include "capture/record/recording_gap.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// What a killed recorder left behind is a whole recording after its repair, wherever it was cut.
+// The repair of a killed recorder's file keeps every whole record, for a cut at any byte.
 #include "capture/record/recording_repair.h"
 
 #include <fcntl.h>
@@ -43,7 +43,7 @@ class RecordingRepairTest : public ::testing::Test {
     unlink(part_.c_str());
   }
 
-  // Of the repaired file: how many datagrams it gives.
+  // The number of datagrams in the repaired file.
   std::size_t datagrams() {
     const auto source = PcapFileSource::open(path_).value();
     std::size_t count = 0;

@@ -119,8 +119,8 @@ TEST(Recordings, UbilocateOf4CoresAnd4Streams) {
   }
 }
 
-// What the header does not say, the tones' energy does: a frame of the whole channel, of its
-// lowest quarter, and one that is repeated over its lower half.
+// The energy of the tones shows what the header does not state: a frame of the whole channel, of
+// its lowest quarter, and one that is repeated over its lower half.
 TEST(Recordings, NexmonOfEveryChipAndVersion) {
   struct Kind {
     WirePhy phy;

@@ -13,7 +13,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// Before what the process's clock says, so that the watermarks decide.
+// Earlier than the process's clock, so that the watermarks decide.
 constexpr Timestamp kLongAgo{std::chrono::sys_days(std::chrono::year(2001) / 1 / 1)};
 
 Error gone() { return {ErrorKind::kUnavailable, "interface eth7: The interface went down"}; }
@@ -45,7 +45,7 @@ class MortalSource final : public DatagramSource {
   SourceCounters counters_;
 };
 
-// What each opening gives: a source that can be read so often, or nothing for -1.
+// Each opening gives a source that can be read that many times, or no source for -1.
 class ReopeningSourceTest : public ::testing::Test {
  protected:
   static constexpr int kAbsent = -1;

@@ -103,7 +103,7 @@ Datagram datagram(const std::string& text, int microseconds) {
           std::as_bytes(std::span(text))};
 }
 
-// What a source has to its end.
+// Returns the texts of all datagrams up to the end of the source.
 std::vector<std::string> read_all(DatagramSource& source) {
   std::vector<std::string> texts;
   DatagramBatch batch;

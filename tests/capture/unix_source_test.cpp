@@ -58,7 +58,7 @@ class UnixSourceTest : public ::testing::Test {
     return batch;
   }
 
-  // What is there now, as text.
+  // Returns the datagrams that have arrived, as text.
   static std::vector<std::string> read(UnixSource& source, DatagramBatch& batch) {
     EXPECT_TRUE(source.read(batch, 0ms));
     std::vector<std::string> payloads;
@@ -111,7 +111,7 @@ TEST_F(UnixSourceTest, CountsWhatTheSenderCouldNotDeliver) {
   DatagramBatch batch;
   EXPECT_TRUE(relay->write(batch_of({"first"}, 0ms)));
   EXPECT_THAT(read(*source, batch), ElementsAre("first"));
-  // Nobody reads: the socket's queue fills, the rest is lost.
+  // Without a reader the socket's queue fills, and the rest is lost.
   const std::vector<std::string> many(5000, std::string(1000, 'x'));
   EXPECT_TRUE(relay->write(batch_of(many, 10ms)));
   EXPECT_GT(relay->counters().lost_by.at("not_taken"), 0U);
@@ -140,7 +140,7 @@ TEST_F(UnixSourceTest, CountsWhatWasLostWhileItWasAwayAndWhatTheSenderRefused) {
   relay->note_source(captured);
   EXPECT_TRUE(relay->write(batch_of({"heard"}, 10ms)));
   EXPECT_THAT(read(*source, batch), ElementsAre("heard"));
-  // What was before we came is not ours.
+  // Losses before this source was opened do not count.
   EXPECT_EQ(source->counters().kernel_drops, 0U);
   captured.kernel_drops = 5;
   captured.rejected["not_udp"] = 3;

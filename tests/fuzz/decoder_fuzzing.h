@@ -1,5 +1,5 @@
-// What every decoder's fuzz target does: gives the bytes to the decoder, and checks what it accepts
-// against what it promises (csi_decoder.h).
+// The part that all fuzz targets of decoders share: gives the bytes to the decoder, and checks
+// accepted ones against the decoder's contract (csi_decoder.h).
 #pragma once
 
 #include <cmath>

@@ -132,7 +132,7 @@ void write_decoders(const Corpus& corpus) {
 }
 
 constexpr std::uint64_t kNow = 1'800'000'000'000'000'000;     // of 2027 [ns]
-constexpr std::uint64_t kOf2200 = 7'258'118'400'000'000'000;  // the last time that is believed [ns]
+constexpr std::uint64_t kOf2200 = 7'258'118'400'000'000'000;  // the last accepted time [ns]
 
 // A header as capture/transport/relayed_datagram.h has it, and what follows it.
 Bytes relayed(std::uint64_t kind,

@@ -1,5 +1,5 @@
-// What both capture fuzzers do: parse the bytes as one window and again in pieces, as a pipe brings
-// them, judge the time stamps of what they hold, and check what must hold for any input.
+// The part that both capture fuzzers share: parses the bytes at once and in pieces, as from a pipe,
+// judges the time stamps of their records, and checks the properties that hold for any input.
 #pragma once
 
 #include <algorithm>
@@ -89,14 +89,14 @@ inline void judge_stamps(const std::vector<Timestamp>& stamps, bool as_stamped) 
           return s.begin <= *time && *time <= s.end;
         });
     if (!told) {
-      std::abort();  // a record outside of the times that are said to hold some
+      std::abort();  // a record outside of the times that have records
     }
   }
   if (refused != damaged || stamps.empty() != times.busy.empty()) {
     std::abort();
   }
   if (words_of(times, "file", limits.gap).size() > 10) {
-    std::abort();  // nobody reads that
+    std::abort();  // too many lines for a reader
   }
 }
 

@@ -1,5 +1,5 @@
 // pcapng, from the bytes of the file to the datagrams in it. The file begins with a section header
-// whatever the input says; classic pcap has a target of its own.
+// for any input; classic pcap has a target of its own.
 #include <array>
 #include <cstdint>
 

@@ -1,5 +1,5 @@
-// The header that rayloc-capture puts before each datagram: what is accepted says the same bytes
-// again, and is a time that durations can be added to; what is too short is refused.
+// The header that rayloc-capture puts before each datagram: an accepted one is written back as the
+// same bytes, and has a time that durations can be added to; a short one is refused.
 #include <algorithm>
 #include <chrono>
 #include <cstddef>

@@ -1,5 +1,5 @@
-// Stands in for libFuzzer's main in builds without it: gives each file of the given folders to the
-// fuzz target once, so that every input that once broke something is tried in every test run.
+// Replaces libFuzzer's main in builds without it: gives each file of the given folders to the fuzz
+// target once, so that every test run tries every input that once broke something.
 //
 //   fuzz_NAME FOLDER...       exits 1 when a folder is missing or holds no file: a corpus that
 //                             silently went away would be a test that cannot fail.

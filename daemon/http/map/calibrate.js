@@ -4,7 +4,7 @@ import {byId, setText} from './draw.js';
 
 const AGAIN_MS = 1000;
 
-// told: the answer of api/v1/calibrate.
+// `told`: the answer of api/v1/calibrate.
 export function calibrationText(told) {
   if (!told.running) return told.verdict ?? 'After the last point of the survey: from it chains, antennas and walls are found.';
   const share = told.share > 0 ? `${Math.round(100 * told.share)} %, ` : '';

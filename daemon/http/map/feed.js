@@ -3,7 +3,7 @@
 const AGAIN_MS = 5000;
 
 export class Feed {
-  // told: {snapshot(body), update(body), state('open' | 'lost' | 'refused')}
+  // `told`: {snapshot(body), update(body), state('open' | 'lost' | 'refused')}
   constructor(url, told) {
     this.url = url;
     this.told = told;

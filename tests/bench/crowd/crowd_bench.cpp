@@ -1,5 +1,5 @@
-// How many devices a real raylocd holds live: it hears them over loopback, at the pace of a
-// recorded walk, and what it publishes is read as a subscriber reads it. For each number of
+// Measures how many devices a real raylocd locates live: it receives them over loopback, at
+// the pace of a recorded walk, and a subscriber reads its messages. For each number of
 // devices:
 //   bursts         offered, explained, merged and dropped a second
 //   CPU            of the daemon, in cores, and of a burst
@@ -11,8 +11,8 @@
 //   crowd_bench SITE SECONDS DEVICES[,DEVICES...] AP=RECORDING.pcap...
 //   crowd_bench SITE SECONDS DEVICES AP=RECORDING.pcap... --rounds N
 //   crowd_bench SITE SECONDS DEVICES AP=RECORDING.pcap... --methods rayloc,spotfi
-// The second keeps the daemon for N rounds: each time half of the devices go, and others come. The
-// third compares methods: the first one's estimates are measured.
+// The second keeps the daemon for N rounds: each time half of the devices leave, and others come.
+// The third compares methods: the first one's estimates are measured.
 #include <unistd.h>
 
 #include <algorithm>
@@ -38,7 +38,7 @@ namespace {
 
 using Clock = std::chrono::system_clock;
 
-// [s], in which tracks begin: acquisitions are not what is measured.
+// [s], in which tracks begin: acquisitions are not measured.
 constexpr int kSettling = 5;
 
 struct Setting {
@@ -69,7 +69,7 @@ double cpu_seconds(pid_t pid) {
   return ticks / static_cast<double>(sysconf(_SC_CLK_TCK));
 }
 
-// What was published, by a subscriber on a thread of its own.
+// The published messages, received by a subscriber on a separate thread.
 class Ear {
  public:
   explicit Ear(const std::string& endpoint)
@@ -81,7 +81,7 @@ class Ear {
   Ear(const Ear&) = delete;
   Ear& operator=(const Ear&) = delete;
 
-  // From now on, of estimates.
+  // Starts the statistics of estimates anew.
   void begin() {
     const std::lock_guard lock(mutex_);
     latencies_.clear();
@@ -123,7 +123,7 @@ class Ear {
       }
     }
   }
-  // A burst's estimates are sent together, and its last moment tells how long the burst has waited.
+  // A burst's estimates are sent together; the latency of its last instant is that of the burst.
   void hear(const v1::Envelope& envelope) {
     const auto& end = envelope.location().capture_end();
     const auto ended = Clock::time_point(std::chrono::duration_cast<Clock::duration>(
@@ -158,7 +158,7 @@ class Ear {
 };
 
 State state_of(const e2e::LiveDaemon& daemon, Ear& ear) {
-  // The heartbeat that tells it comes within a tenth of a second.
+  // The heartbeat with these counters arrives within a tenth of a second.
   std::this_thread::sleep_for(std::chrono::milliseconds(150));
   return {cpu_seconds(daemon.pid()), daemon.resident_kib() / 1024.0, ear.counters()};
 }
@@ -201,7 +201,7 @@ void print(int devices, const State& before, const State& after, double seconds,
   std::fflush(stdout);
 }
 
-// `crowd`: who speaks; what and where to follows from the setting.
+// `crowd`: the devices that transmit; recordings and ports follow from the setting.
 void listen(const Setting& setting, const e2e::LiveDaemon& daemon, Ear& ear, Crowd crowd) {
   const int crowd_size = crowd.devices;
   crowd.recordings = setting.recordings;

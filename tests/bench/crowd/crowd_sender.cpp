@@ -14,7 +14,7 @@
 namespace rayloc::bench {
 namespace {
 
-// Where a datagram says who sent the frame.
+// The offset of the transmitter's address in a datagram.
 std::size_t address_in(std::span<const std::byte> payload) {
   const auto header = read_axcsi_header(payload);
   if (!header) {
@@ -112,7 +112,7 @@ void CrowdSender::run() {
     std::memcpy(payload.data() + address_at_[event.access_point],
                 crowd_address(crowd_.first + event.device).octets.data(),
                 sizeof(MacAddress::octets));
-    // A port that nobody reads is an error of the next call, and no concern of the sender's.
+    // A port without a reader is an error of the next call, which the sender ignores.
     static_cast<void>(::send(sockets[event.access_point], payload.data(), payload.size(), 0));
   }
   for (const int fd : sockets) {

@@ -23,7 +23,7 @@ struct Crowd {
   Duration length{};                 // shorter than the recordings
 };
 
-// Of device `number`: 02:52:4c:01:HIGH:LOW.
+// The address of device `number`: 02:52:4c:01:HIGH:LOW.
 MacAddress crowd_address(int number);
 
 class CrowdSender {
@@ -36,7 +36,7 @@ class CrowdSender {
 
   bool finished() const { return finished_; }
   std::uint64_t datagrams() const { return events_.size(); }
-  // How late the latest datagram was: the machine has no time for this test where it is much.
+  // The largest delay of a datagram: if it is large, the machine has no time for this test.
   std::chrono::milliseconds latest() const { return std::chrono::milliseconds(latest_ms_); }
 
  private:

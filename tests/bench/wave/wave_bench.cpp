@@ -1,16 +1,16 @@
-// Whether edges and diffuse scattering explain points that no fit has seen, on recordings of a
+// Tests if edges and diffuse scattering explain points that no fit has used, on recordings of a
 // calibrated site:
 //
 //   wave_bench [--reflected] [--made] SITE POINTS.csv [AP=]FILE...
 //
 // POINTS: surveyed, and not among those that SITE was calibrated with. The errors of the model
 // (ModelError) are fitted anew to every second point, for each kind of likelihood, and judged on
-// the others; then the other way round. A line an access point and a kind: the log-likelihood of a
-// point, and the logarithm of the probability of the right one of all points, each with how much
-// more it is than today's and the standard error of that; then what was fitted. --reflected: also
-// the density with one reflection before or after (slow in a corridor). --made: the recordings are
-// replaced by what the room as calibrated would let be heard, edges included: where they are there,
-// they are found.
+// the others; then the other way round. Prints a line for each access point and kind: the
+// log-likelihood of a point, and the logarithm of the probability of the right one of all points,
+// each with its gain over the product's likelihood and the standard error of the gain; then the
+// fitted errors. --reflected: also the density with one reflection before or after (slow in a
+// corridor). --made: the recordings are replaced by simulations of the room as calibrated, edges
+// included: a check that edges are found where they exist.
 #include <algorithm>
 #include <array>
 #include <cmath>

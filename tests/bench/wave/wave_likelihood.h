@@ -15,27 +15,27 @@
 
 namespace rayloc::bench {
 
-// What a likelihood makes of a WavePlace. The default is the product's.
+// A variant of the likelihood of a WavePlace. The default is the product's.
 struct WaveVariant {
   std::string name;
-  // Rays over an edge: how much of their amplitude; 0: none.
+  // The share of the amplitude of rays over an edge; 0: none.
   double edge_amplitude = 0.0;
   bool edge_phase = true;  // known as that of a reflection is; false: only their power
   bool deeper = false;     // rays of one interaction more in place of those over an edge
-  // Of the diffuse power the share that is of the density; the rest is the tail's.
+  // The share of the diffuse power that the density has; the rest is the tail's.
   double traced_share = 0.0;
   std::size_t density = 0;  // which, of kDensities
   bool lingers = false;     // every echo has a tail of its own
   bool absolute = false;    // d is of the density's power at the place, not of the rays'
 };
 
-// One point as one access point heard it.
+// One point as received by one access point.
 struct WaveSample {
   WavePlace place;
   ObservedArray observed;
 };
 
-// What a variant makes of a place, whatever the errors of the model are.
+// The rays of a place for a variant, for any errors of the model.
 struct PreparedPlace {
   std::vector<Ray> rays;     // those over edges are the last
   Eigen::MatrixXcd columns;  // of each ray, power 1 in all

@@ -25,9 +25,9 @@ using Value = std::complex<double>;
 
 constexpr std::size_t kMostEdges = 64;  // a count, chosen: rays over an edge that are kept
 constexpr double kRoughness = 0.3;      // S, chosen: the power is fitted, so that only 0 is not 0.3
-constexpr double kTolerance = 0.03;     // of a density's power, chosen: a likelihood tells less
+constexpr double kTolerance = 0.03;     // of a density's power, chosen: likelihoods resolve less
 
-// What surfaces a path meets, from the transmitter on.
+// The surfaces that a path meets, from the transmitter on.
 using PathKey = std::vector<std::tuple<InteractionKind, std::uint32_t, std::uint32_t>>;
 
 PathKey key_of(const Path& path) {

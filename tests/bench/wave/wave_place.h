@@ -1,5 +1,5 @@
-// WavePlace: all that is traced of a device at a surveyed point and of one access point: rays, rays
-// over one edge, and what rough surfaces scatter. What wave_bench compares likelihoods by.
+// WavePlace: all traced waves of a device at a surveyed point and one access point: rays, rays over
+// one edge, and the scattering of rough surfaces. wave_bench compares likelihoods by it.
 #pragma once
 
 #include <array>
@@ -23,8 +23,8 @@ inline constexpr std::size_t kDensities = 2;
 inline constexpr double kBin = 1e-9;       // [s], of a density, chosen: a sixth of 160 MHz's
 inline constexpr std::size_t kBins = 110;  // a count, chosen: beyond the window of DelayBasis
 
-// A ray over one edge, which no mirror image has: what each antenna hears is its own. Also one of
-// more reflections than a likelihood knows.
+// A ray over one edge, which no mirror image has: each antenna receives its own. Also a ray of more
+// reflections than a likelihood models.
 struct EdgeRay {
   Ray ray;  // to the array's centre; the edge counts as a reflection
   // Of each antenna: the amplitude over that of the centre, and how much longer the way is [m].
@@ -51,7 +51,7 @@ struct WaveOptions {
   std::size_t densities = 1;  // of kDensities; 0: none
 };
 
-// What it takes, of one access point.
+// Traces the WavePlace of a device at one access point.
 class WaveTracer {
  public:
   WaveTracer(const RoomModel& room,
@@ -59,13 +59,13 @@ class WaveTracer {
              const WaveOptions& options);
 
   WavePlace trace(const Vec3d& device) const;
-  // Of the same place: h of the edges alone, [antenna][tone], of each so much; phases count from a
-  // ray so long [m].
+  // The channel of the edges alone at that place, [antenna][tone], each edge with its share
+  // `known`; phases count from a ray of length `first_length` [m].
   std::vector<std::complex<double>> edge_csi(const WavePlace& place,
                                              std::span<const double> known,
                                              double first_length) const;
-  // What the access point would hear in this room, over edges too: [antenna][tone]. REQUIRES:
-  // edges.
+  // The channel that the access point would receive in this room, edges included: [antenna][tone].
+  // REQUIRES: edges.
   std::vector<std::complex<double>> edge_recording(const Vec3d& device) const;
 
  private:

@@ -1,4 +1,4 @@
-// Whether a calibration is called a success.
+// Tests the verdict on a calibration: a success, or the reasons why it is none.
 #include "daemon/calibrate/report/calibration_verdict.h"
 
 #include <string>
@@ -87,7 +87,7 @@ TEST(Field, CalibrationVerdictTellsWhatWasTriedWhereNothingWasFound) {
   EXPECT_EQ(verdict.reasons.back(), "the message");
 }
 
-// What the radios say needs no hypothesis, and no advice to check the channel.
+// Both reports, JSON and HTML, contain the verdict and its reasons.
 TEST(Field, CalibrationVerdictStandsInBothReports) {
   CalibrationReport report = report_with(0.7, 0.3, 3);
   EXPECT_TRUE(to_json(report).at("verdict").at("success"));
@@ -102,7 +102,7 @@ TEST(Field, CalibrationVerdictStandsInBothReports) {
   EXPECT_NE(to_html(report).find("the message"), std::string::npos);
 }
 
-// The first words of the report, for somebody who reads no more.
+// The report begins with the expected accuracy, for a reader who reads no further.
 TEST(Expectation, SaysHowWellASiteWillLocate) {
   CalibrationReport report = report_with(0.3, 0.9, 3);
   report.fixes.back().median_error_m = 0.041;

@@ -17,7 +17,7 @@ class CheckpointFile : public ::testing::Test {
  protected:
   void TearDown() override { fs::remove(file_); }
 
-  // What is in a file with that text, for `points` points.
+  // Loads a checkpoint from a file with that text, for `points` points.
   Expected<StoredCheckpoint> load(const std::string& text, std::size_t points = 2) const {
     EXPECT_TRUE(write_file(file_, text));
     return load_checkpoint(file_, "these inputs", room_, points);

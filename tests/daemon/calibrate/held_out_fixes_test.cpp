@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kSpots = 16;
 
-// A room that is as its model says, and what is heard of a device in it.
+// A room without errors of its model, and the frames of a device received in it.
 struct Recorded {
   std::shared_ptr<const RoomModel> room;
   std::vector<Vec3d> places;
@@ -44,8 +44,8 @@ const Recorded& recorded() {
   return kRecorded;
 }
 
-// With each exponent that is tried, of spots that are stated with an error of `survey` [m] on each
-// axis.
+// The results for each tried exponent, with spots whose stated positions have an error of `survey`
+// [m] on the x and y axes.
 std::vector<HeldOutFixes> fit_all(double survey, double survey_sigma) {
   std::mt19937 random(7);
   std::normal_distribution<double> normal;
@@ -69,13 +69,13 @@ TEST(HeldOutFixes, PositionsOfARoomThatIsAsItsModelAreStatedToMillimetres) {
   EXPECT_LE(fixes.least_sigma, 0.007);
 }
 
-// No burst says more than its model, and regions that hold what they say are no worse than chance.
-// At most 0.8 of several access points: what is wrong with the map is wrong for them all.
+// Regions contain the position as often as stated, up to chance. With several access points the
+// exponent is at most 0.8: an error of the map affects all of them.
 TEST(HeldOutFixes, TheExponentIsNotAboveTheModelAndItsRegionsHonest) {
   const HeldOutFixes fixes = fit(0.01, 0.01);
   EXPECT_LE(fixes.likelihood_exponent, 0.8);
-  EXPECT_LT(fixes.dishonesty, 3.9);  // honest ones are below it in 99 of 100 cases
-  // Spots that lie elsewhere than anybody says: as sure as the model is, the regions are wrong.
+  EXPECT_LT(fixes.dishonesty, 3.9);  // calibrated regions are below it in 99 of 100 cases
+  // With wrong positions of the spots, the regions are wrong at the highest exponent.
   const std::vector<HeldOutFixes> elsewhere = fit_all(0.3, 0.0);
   const auto sure = std::max_element(
       elsewhere.begin(), elsewhere.end(), [](const HeldOutFixes& a, const HeldOutFixes& b) {
@@ -86,13 +86,13 @@ TEST(HeldOutFixes, TheExponentIsNotAboveTheModelAndItsRegionsHonest) {
   EXPECT_LT(elsewhere.back().likelihood_exponent, 0.2);
 }
 
-// What the survey is off is no error of the fixes.
+// The stated error of the survey does not count as an error of the fixes.
 TEST(HeldOutFixes, ErrorsOfTheSurveyDoNotWidenTheRegions) {
   EXPECT_GE(fit(0.02, 0.0).least_sigma, 0.014);
   EXPECT_LE(fit(0.02, 0.02).least_sigma, 0.01);
 }
 
-// A survey at two heights tells more of the room; a fix assumes one of them.
+// A survey at two heights gives more information on the room; a fix assumes one height.
 TEST(HeldOutFixes, SpotsAtOtherHeightsDoNotCount) {
   std::vector<HeldOutSpot> spots;
   for (std::size_t i = 0; i < recorded().places.size(); ++i) {

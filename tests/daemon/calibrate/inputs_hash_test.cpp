@@ -12,7 +12,7 @@
 namespace rayloc::inputs_hash_test {
 namespace {
 
-// What a calibration may start from.
+// The inputs of a calibration.
 struct Inputs {
   Site site;
   RoomModel room = test::make_room();

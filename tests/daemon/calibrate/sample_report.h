@@ -1,5 +1,5 @@
-// A report of a made-up calibration of the synthetic room: two access points heard, four points,
-// two of them held out.
+// A report of a made-up calibration of the synthetic room: two access points with measurements,
+// four points, two of them held out.
 #pragma once
 
 #include <cstdint>

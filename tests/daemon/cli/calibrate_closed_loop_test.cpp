@@ -162,7 +162,7 @@ TEST_F(CalibrateClosedLoop, RecoversTheRoomAsBuilt) {
   }
   near("ap1.position.x", 0.004, 0.002);
   near("ap1.position.y", -0.003, 0.002);
-  // All points are of the array's height: only floor and ceiling tell it.
+  // All points are at the array's height: only floor and ceiling determine z.
   ASSERT_TRUE(found.contains("ap1.position.z"));
   EXPECT_LT(std::abs(found.at("ap1.position.z").first), 4.0 * found.at("ap1.position.z").second);
   near("ap1.yaw", kDegree, 0.2 * kDegree);
@@ -200,7 +200,7 @@ TEST_F(CalibrateClosedLoop, AnInterruptedCalibrationIsASiteAndGoesOn) {
   EXPECT_TRUE(room) << room.error().message;
   EXPECT_TRUE(fs::exists(checkpoint));
 
-  // Where an access point stands otherwise, the same numbers are of another room.
+  // With another orientation of an access point, the same parameters describe another room.
   fs::copy(kSite, folder_ / "turned", fs::copy_options::recursive);
   ASSERT_TRUE(write_file(
       folder_ / "turned/site.toml",

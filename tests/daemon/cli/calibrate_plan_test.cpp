@@ -55,7 +55,7 @@ TEST_F(CalibratePlan, WritesPointsThatSurveyReadsAndAPictureOfThem) {
     EXPECT_LT(std::abs(point.position.x), 1.765);
     EXPECT_LT(std::abs(point.position.y), 1.425);
   }
-  // In turn above and below, so that the height of the access points is told from both sides.
+  // In turn above and below, so that the points determine the access points' height.
   EXPECT_EQ(heights, (std::map<double, int>{{0.6, 4}, {1.2, 17}, {1.8, 4}}));
   EXPECT_THAT(read("plan.svg"), HasSubstr(">p01<"));
   EXPECT_THAT(read("plan.svg"), HasSubstr(">ap3<"));

@@ -143,7 +143,7 @@ TEST_F(CalibrateVerb, FitsTheRoomToTheSurvey) {
   EXPECT_EQ(read.status, 0) << read.err;
 }
 
-// It is said to have stood within the cabinet: where no ray leads, nothing is explained.
+// The survey places this point within the cabinet, where no ray of the room reaches it.
 TEST_F(CalibrateVerb, NamesThePointThatNoRayReaches) {
   const std::string file = points(1000, "-1.5400,-1.1000,1.2000", "-1.4000,-1.2000,0.4000");
   const Finished run =
@@ -364,7 +364,7 @@ TEST_F(Field, CalibrateNamesATurnedAccessPointAndWritesNoSite) {
   EXPECT_NE(read_text(out_ / "report.html").find("This calibration is no success"),
             std::string::npos);
 
-  // What was refused is in nobody's way.
+  // The refused output does not block the next calibration.
   state("yaw_deg = -37", "yaw_deg = -37");
   const Finished right = calibrate_gains();
   EXPECT_EQ(right.status, 0) << right.err;

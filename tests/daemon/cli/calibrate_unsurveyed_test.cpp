@@ -36,7 +36,7 @@ class UnsurveyedVerb : public ::testing::Test {
     const std::string ap = "ap" + std::to_string(access_point);
     return ap + "=" + kSite + "/" + name + "-" + ap + ".pcap.gz";
   }
-  // What was recorded under these names, of three access points.
+  // Calibrates from the recordings of these names, by three access points each.
   Finished calibrate(const std::string& site,
                      const std::vector<std::string>& names,
                      const std::string& out,
@@ -95,7 +95,7 @@ TEST_F(UnsurveyedVerb, FindsChainsAndWallsWhereNobodySaysWhereTheDeviceWas) {
   EXPECT_THAT(again.err, HasSubstr("is calibrated already"));
 }
 
-// What raylocd does with the plan alone, as replay does it.
+// raylocd learns the chains from the plan alone; `rayloc replay` does the same.
 TEST_F(UnsurveyedVerb, LearnsChainsOfAPlanFromWhomItHears) {
   ASSERT_EQ(rayloc({"calibrate", kSite, "--unsurveyed", "--out", path("plan")}).status, 0);
   ASSERT_EQ(rayloc({"replay",

@@ -35,7 +35,7 @@ TEST(Field, FilesOfOneAccessPointAreOneRecording) {
   EXPECT_EQ(recordings[0].access_point, "ap1");
   EXPECT_EQ(recordings[0].files, (std::vector<std::string>{"b", "a"}));
   EXPECT_EQ(files_text(recordings[0]), "b, a");
-  // Where no site says which there are, a file without a name is a recording of its own.
+  // Without a list of access points, each file without a name is a separate recording.
   EXPECT_EQ(recordings_of_any({"x", "ap1=a", "y", "ap1=b"}).size(), 3U);
 }
 

@@ -1,4 +1,4 @@
-// What `rayloc sub` prints, and which of it.
+// Tests the output of `rayloc sub` and its message filter.
 #include <google/protobuf/text_format.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -64,7 +64,7 @@ TEST(MessageFilter, KnowsKindAccuracyAndConfidenceOfLocations) {
       hypotheses { weight: 0.25 position { x: 1.4 } } })");
   EXPECT_TRUE(MessageFilter{.min_confidence = 0.75}.passes(two));
   EXPECT_FALSE(MessageFilter{.min_confidence = 0.76}.passes(two));
-  // What states no accuracy is not accurate.
+  // A location without an accuracy passes no limit of the accuracy.
   EXPECT_FALSE(MessageFilter{.max_accuracy = 100.0}.passes(parsed("location {}")));
   EXPECT_FALSE(MessageFilter{.min_confidence = 0.0}.passes(heartbeat()));
 }

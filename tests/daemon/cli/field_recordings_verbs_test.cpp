@@ -1,5 +1,5 @@
-// What verbs make of recordings as they come from the field. Each is a simulated recording of this
-// tree whose records are stamped anew, or cut in pieces as tcpdump -C does.
+// Verbs on recordings as they come from the field. Each is a simulated recording of this tree with
+// new time stamps, or cut into pieces as by tcpdump -C.
 #include <zlib.h>
 
 #include <algorithm>

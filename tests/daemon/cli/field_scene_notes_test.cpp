@@ -1,4 +1,4 @@
-// What a person should know of how a scene was read reaches them from the verbs.
+// The verbs print the notes on how a scene was read.
 #include <unistd.h>
 
 #include <filesystem>

@@ -86,7 +86,7 @@ TEST(Field, SurveyIsReadAtTheStatedTimeOffset) {
   EXPECT_EQ(inputs->content, ShiftedSurvey(Duration(0), 12).read()->content);
 }
 
-// The windows of some points meet other stands of the device.
+// The windows of some points coincide with other stops of the device.
 TEST(Field, SurveyThatMatchesPartlyByAClockThatIsOffIsNoSurvey) {
   for (const int shift : {40, -40, 20, -50, 10}) {
     EXPECT_THAT(ShiftedSurvey(seconds(shift), 72).error(),
@@ -117,7 +117,7 @@ TEST(Field, SurveyWithoutRecordingOfItsFirstPointsIsStillRead) {
   EXPECT_THAT(inputs->notes, ::testing::Contains(HasSubstr("6 of 14 points only")));
 }
 
-// A walk from stand to stand. The device transmits everywhere, or on its stands alone.
+// A walk from stop to stop. The device transmits all the time, or at its stops alone.
 class Walk {
  public:
   explicit Walk(bool transmits_on_the_way) {
@@ -146,7 +146,7 @@ class Walk {
     }
     return points;
   }
-  // Rows that nobody stood at.
+  // Rows of another survey, whose times match no stop.
   std::vector<SurveyPoint> other_points() {
     std::vector<SurveyPoint> points;
     Timestamp time = points_.front().t_start + std::chrono::hours(50);

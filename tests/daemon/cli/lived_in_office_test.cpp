@@ -19,7 +19,7 @@ class LivedInOffice : public test::VerbFolder {
  protected:
   LivedInOffice() : VerbFolder("lived_in_office") {}
 
-  // Of all three access points.
+  // The recordings of NAME by all three access points.
   std::vector<std::string> recordings(const std::string& name) const {
     std::vector<std::string> all;
     for (const char* ap : {"1", "2", "3"}) {
@@ -32,7 +32,7 @@ class LivedInOffice : public test::VerbFolder {
     arguments.insert(arguments.end(), files.begin(), files.end());
     run(arguments);
   }
-  // Of the points of NAME.csv.
+  // Simulates recordings of the points of NAME.csv.
   void record(const std::string& name, std::vector<std::string> options) const {
     std::vector<std::string> arguments = {
         "simulate", path("office"), "--points", path(name + ".csv"), "--seed", "7"};
@@ -53,7 +53,7 @@ class LivedInOffice : public test::VerbFolder {
     arguments.emplace_back("--capture");
     run_on(name, arguments);
   }
-  // The share of the places of NAME.csv.
+  // The share of the positions of NAME.csv with an error below 0.5 m.
   double below_half_a_metre(const std::string& site, const std::string& name) const {
     const std::string fixes = path(site + ".jsonl");
     run_on(name, {"replay", path(site), "--burst", "0.6s", "--out", fixes});
@@ -75,9 +75,9 @@ std::string office_points(int columns, int rows, double shift, int start) {
   return text;
 }
 
-// A regression of the whole way. Leaning devices, moved chairs and bumped access points are met by
-// who renews the chains from three known spots, or from a device that was carried about; who does
-// not is lost.
+// A regression test of the whole process: leaning devices, moved chairs and bumped access points.
+// Devices are located after the chains were renewed from three known spots or from a device that
+// was carried about, and are not located without.
 TEST_F(LivedInOffice, IsLocatedOnTheSecondDayOnceItsChainsAreRenewed) {
   if (std::getenv("RAYLOC_LIVED_IN") == nullptr) {
     GTEST_SKIP() << "takes minutes of CPU: tests/soak/run lived_in 1";
@@ -93,7 +93,7 @@ TEST_F(LivedInOffice, IsLocatedOnTheSecondDayOnceItsChainsAreRenewed) {
   calibrate("office", "survey", "--gains-only", "first_day");
   record("known", {"--second-day", "default"});
   calibrate("first_day", "known", "--rechain", "renewed");
-  // Of these nobody tells where they are.
+  // The calibration receives no positions of these points.
   write("carried.csv", office_points(6, 5, 0.09, 4000));
   record("carried", {"--second-day", "default"});
   calibrate("first_day", "carried", "--rechain", "learned", false);

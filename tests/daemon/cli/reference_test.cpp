@@ -1,5 +1,5 @@
-// `rayloc reference` and `rayloc replay --kind person` as processes, on what `rayloc simulate` says
-// is true.
+// Tests `rayloc reference` and `rayloc replay --kind person` as processes against the ground truth
+// of `rayloc simulate`.
 #include <unistd.h>
 
 #include <algorithm>
@@ -96,7 +96,7 @@ class ReferenceVerb : public ::testing::Test {
     return places;
   }
 
-  // Of this process: others run tests of this file at the same time.
+  // The folder of this process: other processes run tests of this file at the same time.
   static fs::path folder() {
     return fs::path(::testing::TempDir()) / ("reference_verb_" + std::to_string(::getpid()));
   }
@@ -169,7 +169,7 @@ class ReferenceVerb : public ::testing::Test {
     const double y = snapshot["position"]["y"];
     return std::hypot(x - truth.x, y - truth.y);
   }
-  // How many are within 15 cm of the truth.
+  // The number of snapshots within 15 cm of the truth.
   static int near(const std::vector<json>& snapshots, const std::vector<Place>& truth) {
     int count = 0;
     for (std::size_t i = 0; i < std::min(snapshots.size(), truth.size()); ++i) {
@@ -177,7 +177,7 @@ class ReferenceVerb : public ::testing::Test {
     }
     return count;
   }
-  // How many are as near as they say that they are.
+  // The number of snapshots within their stated accuracy.
   static int within_accuracy(const std::vector<json>& snapshots, const std::vector<Place>& truth) {
     int count = 0;
     for (std::size_t i = 0; i < std::min(snapshots.size(), truth.size()); ++i) {
@@ -188,8 +188,8 @@ class ReferenceVerb : public ::testing::Test {
   }
 };
 
-// After a power cycle the chains are new and the empty room is the old one: it tells the chains,
-// and people are found against it as before.
+// After a power cycle the chains are new and the empty room is unchanged: the fixed transmitter and
+// its reference give the chains, and people are located against the reference as before.
 TEST_F(ReferenceVerb, SurvivesAPowerCycle) {
   run({"reference",
        path("calibrated"),
@@ -216,7 +216,7 @@ TEST_F(ReferenceVerb, SurvivesAPowerCycle) {
   }
   const std::vector<json> usual = replay("before", "later");
   const std::vector<json> renewed = replay("after", "visit");
-  // Some of these places look alike: of two that are likely another noise may put the other first.
+  // Some of these places look alike: other noise may rank the other of two likely places first.
   for (const std::vector<json>& snapshots : {usual, renewed}) {
     EXPECT_GE(near(snapshots, later()), 4);
     EXPECT_GE(within_accuracy(snapshots, later()), 9);
@@ -251,7 +251,7 @@ TEST_F(ReferenceVerb, LeadsFromTheEmptyRoomToPlacesOfPeople) {
   EXPECT_GE(near(snapshots, truth), 7);
   EXPECT_GE(within_accuracy(snapshots, truth), 9);
 
-  // The empty room shows nobody.
+  // No person is detected in the empty room.
   for (const json& location : replay("people-site", "empty")) {
     EXPECT_EQ(location["mode"], "FIX_MODE_NO_FIX");
     EXPECT_THAT(location["quality"]["no_fix_reason"].get<std::string>(), HasSubstr("nobody"));

@@ -1,5 +1,5 @@
-// What `rayloc replay` says of a wrong call, and where another one was cut; what it computes is
-// tested in tests/e2e.
+// Tests the messages of `rayloc replay` for wrong calls, and how a replay continues another one;
+// its results are tested in tests/e2e.
 #include <unistd.h>
 
 #include <regex>
@@ -120,8 +120,8 @@ class CutReplay : public test::VerbFolder {
   }
 };
 
-// Without a calibration every burst says where it began and ended, and nothing else: what another
-// replay would have said, from any of its records on, is said byte by byte.
+// Without a calibration each burst states only its begin and end. A replay that continues from a
+// carried record prints the same bytes as the rest of the whole replay.
 TEST_F(CutReplay, IsGoneOnWith) {
   const std::string whole = replayed({"--carried-out", path("carried.jsonl")});
   const std::string rest =

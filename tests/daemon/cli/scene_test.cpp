@@ -137,7 +137,7 @@ TEST_F(SceneVerb, ImportMakesWhatCheckReadsAndRefusesWithoutATrace) {
   const Finished checked = RaylocProcess({"scene", "check", out()}).wait();
   EXPECT_EQ(checked.status, 0) << checked.err;
   EXPECT_NE(checked.out.find("glass_front"), std::string::npos) << checked.out;
-  // What cannot be read leaves what was drawn before.
+  // A refused import leaves the drawn scene unchanged.
   const std::string drawn = content(out() + "/scene.xml");
   const Finished refused =
       RaylocProcess(
@@ -249,13 +249,13 @@ class Field : public SceneVerb {
   void expect_good() const {
     const Finished checked = RaylocProcess({"check-config", "--quiet", out()}).wait();
     EXPECT_EQ(checked.status, 0) << checked.err;
-    // All that is left to say is that nobody has calibrated it.
+    // The only message that is left states that the site is not calibrated.
     EXPECT_EQ(std::count(checked.err.begin(), checked.err.end(), '\n'), 1) << checked.err;
     EXPECT_NE(checked.err.find("the site is not calibrated"), std::string::npos) << checked.err;
   }
 };
 
-// What the check advises makes the room that it missed.
+// The step that the check advises makes the scene valid.
 TEST_F(Field, RoomCheckNamesCentimetresAndWhatToWrite) {
   write_office(R"(<scale value="100"/>)");
   const std::string message = refusal();

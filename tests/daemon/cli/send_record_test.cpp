@@ -84,7 +84,7 @@ class Port {
     source_ = std::move(*source);
   }
   std::string address() const { return "127.0.0.1:" + std::to_string(source_->port()); }
-  // What is there by now.
+  // Returns the datagrams that have arrived by now.
   std::vector<Received> receive() {
     std::vector<Received> all;
     DatagramBatch batch;
@@ -139,8 +139,8 @@ TEST(Send, KeepsTheTimesOfSeveralRecordingsByOneOffset) {
   unlink(file_b.c_str());
 }
 
-// A clock that was set by a day, or a device that was away: with 100 ms it is over in no time, and
-// by itself it would take a day.
+// A clock that was set by a day, or a device that was away for a day: with --max-gap 0.1 the gap
+// takes 0.1 s instead of a day.
 TEST(Field, SendDoesNotWaitForAGap) {
   Port port;
   constexpr std::uint32_t kDay = 86'400'000;
@@ -157,7 +157,7 @@ TEST(Field, SendDoesNotWaitForAGap) {
   EXPECT_EQ(lines[2].at("rejected"), nlohmann::json::object());
   const auto all = port.receive();
   ASSERT_EQ(all.size(), 5U);
-  // What comes behind the gap arrives at the offset that was said with it.
+  // Datagrams after the gap arrive at the offset that the gap event states.
   const Duration offset = from_seconds(lines[1].at("time_offset_s").get<double>());
   EXPECT_EQ(all[2].payload, "c");
   EXPECT_GE(all[2].time, recorded(kDay) + offset - kClockReading);

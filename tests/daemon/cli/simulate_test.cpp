@@ -247,7 +247,7 @@ TEST_F(SimulateVerb, WhatIsSimulatedIsCalibratedAndLocatedToCentimetres) {
   const auto evaluated = nlohmann::json::parse(
       run({"evaluate", "--estimates", path("fixes.jsonl"), "--truth", truth, "--json"}));
   EXPECT_EQ(evaluated["n"], 16);
-  // Of a room with gains alone access points contradict each other now and then.
+  // In a room with calibrated gains alone, access points contradict each other at times.
   EXPECT_LE(evaluated["missed"].get<int>(), 1);
   EXPECT_LT(evaluated["median_m"].get<double>(), 0.06);
 

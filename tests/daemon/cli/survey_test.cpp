@@ -44,7 +44,7 @@ constexpr std::uint64_t kDevice = 0x02524c000001;  // of the site
 constexpr std::uint64_t kFixed = 0x02524c000002;
 constexpr std::uint64_t kStranger = 0x02524c0000aa;
 
-// An access point that hears a frame of a transmitter every two milliseconds.
+// An access point that receives a frame of a transmitter every two milliseconds.
 class HeardDevice {
  public:
   explicit HeardDevice(std::uint16_t port, std::uint64_t transmitter = kDevice)
@@ -113,7 +113,7 @@ class SurveyVerb : public ::testing::Test {
     std::ifstream in(path(name));
     return {std::istreambuf_iterator<char>(in), {}};
   }
-  // Its exit status; what it says is in "err", what it prints in "out".
+  // Returns the exit status; standard error goes to "err", standard output to "out".
   int survey(const std::string& answers, const std::string& arguments) const {
     std::ofstream(path("answers")) << answers;
     const std::string command = test::program_path("rayloc") + " survey " + kSite + " --out " +
@@ -126,7 +126,7 @@ class SurveyVerb : public ::testing::Test {
   fs::path folder_;
 };
 
-// How long it waits at a point where something is heard that has to come in that time.
+// The time limit at a point whose frames must arrive within that time.
 std::string timeout(std::chrono::milliseconds time) {
   return " --timeout " + std::to_string(to_seconds(test::patient(time)));
 }
@@ -187,7 +187,7 @@ TEST_F(SurveyVerb, EnterTakesThePlannedPointThatHasNoRowYet) {
       "--frames 3 --plan " + path("plan.csv") + " --listen ap1=127.0.0.1:" + std::to_string(port);
   ASSERT_EQ(survey("\nq\n", arguments), 0);
   EXPECT_THAT(read("err"), HasSubstr("Enter for first at 0.100,0.200,1.200"));
-  // Interrupted and continued: the file tells what is done.
+  // Interrupted and continued: the file contains the finished points.
   ASSERT_EQ(survey("\nq\n", arguments), 0);
   EXPECT_THAT(read("err"), HasSubstr("Enter for second"));
   EXPECT_THAT(read("err"), Not(HasSubstr("Enter for first")));

@@ -1,4 +1,4 @@
-// Where `rayloc top` looks for what was last said.
+// Tests the endpoint from which `rayloc top` requests the last messages.
 #include "daemon/feed/top_snapshot.h"
 
 #include <gtest/gtest.h>

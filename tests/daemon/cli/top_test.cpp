@@ -140,7 +140,7 @@ class TopOnTerminal {
     for (std::size_t at = 0; (at = rest.find("\x1b[K")) != std::string::npos;) {
       lines.push_back(rest.substr(0, at));
       rest.erase(0, at + 3);
-      // The terminal makes a line feed a return and a line feed, whatever stood before it.
+      // The terminal turns a line feed into a return and a line feed, after any character.
       rest.erase(0, std::min(rest.find_first_not_of("\r\n"), rest.size()));
     }
     return lines;
@@ -245,7 +245,7 @@ TEST_F(TopTest, GivesTheTerminalToTheShellWhileItIsStopped) {
   TopOnTerminal top(publisher_);
   ASSERT_TRUE(speaking_until([&] { return !top.picture().empty(); }));
   top.signal(SIGTSTP);
-  // Nobody is there to stop for (an orphaned process group): it comes back at once.
+  // The kernel does not stop an orphaned process group: the program returns at once.
   ASSERT_TRUE(
       speaking_until([&] { return top.shown().find(kLeave + kEnter) != std::string::npos; }));
   const std::size_t back = top.shown().find(kLeave + kEnter);

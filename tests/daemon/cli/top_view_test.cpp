@@ -1,4 +1,4 @@
-// What `rayloc top` keeps and shows.
+// Tests the model and the view of `rayloc top`.
 #include <algorithm>
 #include <iterator>
 #include <sstream>
@@ -164,7 +164,7 @@ TEST(TopView, CountsPeopleWhereTheyAreLookedFor) {
       << text_of(model, kStart);
 }
 
-// What an ordinary terminal is wide enough for.
+// An ordinary terminal has eighty columns.
 TEST(TopView, FitsIntoEightyColumns) {
   TopModel model;
   model.add("t",

@@ -1,4 +1,4 @@
-// What `rayloc trace` makes of its arguments.
+// Tests how `rayloc trace` reads its arguments.
 #include <array>
 #include <string>
 #include <vector>

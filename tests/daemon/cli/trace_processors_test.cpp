@@ -1,5 +1,5 @@
-// The same paths on every kind of processor: the C library is told that this one has no AVX2 and no
-// fused multiply-add (the kernel over tones: tests/engine/trace/cfr_kernel_test.cpp).
+// The same paths on every kind of processor: GLIBC_TUNABLES hides AVX, AVX2, AVX-512 and fused
+// multiply-add from the C library (the kernel over tones: tests/engine/trace/cfr_kernel_test.cpp).
 #include <complex>
 #include <cstdlib>
 #include <string>

@@ -1,5 +1,5 @@
-// `rayloc train` of the methods that know places, and `rayloc replay` of those that know people, as
-// processes, on what `rayloc simulate` says is true.
+// Tests `rayloc train` of the methods that learn from places, and `rayloc replay` of those for
+// people, as processes on recordings of `rayloc simulate`.
 #include <unistd.h>
 
 #include <chrono>
@@ -98,7 +98,7 @@ class TrainPlaces : public ::testing::Test {
     }
     return places;
   }
-  // Rows of somebody who stands at each place, and of somebody who walks.
+  // Rows of a person at rest at each place, and of a person who walks.
   static std::string stood(double begin, const std::vector<Place>& places, const std::string& z) {
     std::string rows = "t_start,t_end,x,y,z\n";
     for (std::size_t i = 0; i < places.size(); ++i) {
@@ -187,7 +187,7 @@ class TrainPlaces : public ::testing::Test {
     arguments.insert(arguments.end(), more.begin(), more.end());
     return rayloc(arguments);
   }
-  // What every snapshot states as the reason why it has no position.
+  // The reason for the missing position in each snapshot.
   static std::vector<std::string> reasons(const std::string& lines) {
     std::vector<std::string> all;
     std::istringstream in(lines);

@@ -67,7 +67,7 @@ class TrainVerb : public ::testing::Test {
   }
   static void TearDownTestSuite() { fs::remove_all(folder()); }
 
-  // Of this process: others run tests of this file at the same time.
+  // The folder of this process: other processes run tests of this file at the same time.
   static std::string folder() {
     return ::testing::TempDir() + "/train_verb_" + std::to_string(::getpid());
   }
@@ -274,7 +274,7 @@ TEST_F(TrainVerb, BeginsWhereItIsTold) {
   EXPECT_THAT(begun("spotfi", "0,0").err, HasSubstr("--start: method spotfi begins nowhere"));
 }
 
-// What was trained with another radio or calibration is worth nothing.
+// A training with another radio or calibration is refused.
 TEST_F(TrainVerb, RefusesATrainingOfAnotherRadioOrCalibration) {
   fs::copy(path("trained"), path("other"), fs::copy_options::recursive);
   const std::string file = path("other") + "/training/spotfi.toml";
@@ -305,7 +305,7 @@ TEST_F(TrainVerb, RefusesATrainingOfAnotherRadioOrCalibration) {
   EXPECT_THAT(replayed_with(replaced("sigma_psi", "sigma_pis")).err, HasSubstr("sigma_pis"));
 }
 
-// Other verbs that copy a site keep what is of its calibration.
+// A verb that copies a site keeps the training of the same calibration alone.
 TEST_F(TrainVerb, IsKeptByACopyOfTheSameCalibration) {
   const Finished second = train("trained", "second", {"--quiet"});
   ASSERT_EQ(second.status, 0) << second.err;

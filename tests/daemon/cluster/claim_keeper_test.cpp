@@ -70,7 +70,7 @@ TEST(ClaimRule, WhoIsBehindIsAskedLast) {
   EXPECT_EQ(rank_of("w1", "a", 9, workers) + rank_of("w3", "a", 9, workers), 1U);
 }
 
-// Of a worker: what it owns by what it was told.
+// A worker, and the sites that it owns by the changes that its keeper reports.
 struct Worker {
   Worker(const std::shared_ptr<FakeBroker>& broker,
          const std::string& name,
@@ -99,8 +99,8 @@ struct Worker {
     }
     return sites.size();
   }
-  // Waits until it has judged all its sites once more: it then claims one that is offered to nobody
-  // else, and that it looks at last. That one is withdrawn again.
+  // Waits until it has judged all its sites once more: it then claims a site that is offered to no
+  // other worker, and that it judges last. That site is withdrawn again.
   bool judges() {
     const std::string last = "the last site";
     keeper->offer(last);
@@ -112,7 +112,7 @@ struct Worker {
     sites.erase(last);
     return claimed;
   }
-  // Waits for its thread, which looks eight times in a lease.
+  // Waits for its thread, which makes eight rounds in a lease.
   bool looks(std::uint64_t times) const {
     const StageProgress& progress = keeper->progress();
     return eventually(
@@ -134,7 +134,7 @@ TEST(ClaimKeeper, EverySiteHasOneOwnerAndOneThatDiesIsReplaced) {
     EXPECT_EQ(generation, 1U);
   }
   const auto before = second->sites;
-  second.reset();  // says nothing any more
+  second.reset();  // sends nothing any more
   ASSERT_TRUE(eventually(kPatience, [&] { return first.owned() == kSites; }));
   for (const auto& [site, generation] : before) {
     EXPECT_EQ(first.sites.at(site), generation + 1);
@@ -183,7 +183,7 @@ TEST(ClaimKeeper, WhatOneGivesBackThatIsBehindGoesToWhoIsNot) {
   ASSERT_TRUE(eventually(kPatience, [&] { return !first.keeper->calmest(); })) << "it is full";
 }
 
-// Who offers it has not heard yet that it is no more.
+// The worker that offers the site has not been notified that it was removed.
 TEST(ClaimKeeper, ASiteThatWasRemovedIsClaimedOnceItIsThereAgain) {
   const auto broker = std::make_shared<FakeBroker>();
   const std::string site = "site 3";
@@ -217,10 +217,10 @@ TEST(ClaimKeeper, WhatIsGivenBackWhileTheBrokerIsAwayIsGivenBackLater) {
   EXPECT_EQ(first.keeper->owner_of(site), "w1");
   broker->set_connected(true);
   EXPECT_TRUE(eventually(kPatience, [&] { return second.keeper->owner_of(site).empty(); }));
-  EXPECT_EQ(first.owned() + second.owned(), kSites);  // told are those that others have
+  EXPECT_EQ(first.owned() + second.owned(), kSites);  // a release alone is not reported
 }
 
-// A claim whose owner lives and does not say that it has the site.
+// A claim whose owner is alive and does not list the site.
 TEST(ClaimKeeper, AnOwnerThatDoesNotNameItsSiteDoesNotHaveIt) {
   const auto broker = std::make_shared<FakeBroker>();
   ASSERT_TRUE(broker->ensure_stream(claim_stream({})));
@@ -244,7 +244,7 @@ TEST(ClaimKeeper, AnOwnerThatDoesNotNameItsSiteDoesNotHaveIt) {
   EXPECT_EQ(second.sites.at("site 0"), 6U);
 }
 
-// Nobody answers, and it is alive all the same: what it says waits for no answer.
+// A worker without answers stays alive: its reports wait for no answer.
 TEST(ClaimKeeper, ABrokerThatAnswersLateMakesNobodyLookDead) {
   const auto broker = std::make_shared<FakeBroker>();
   Worker only(broker, "w1", 0);
@@ -292,7 +292,7 @@ TEST(ClaimKeeper, OfTwoOfOneNameOneClaimsNothingAndSaysWhy) {
   EXPECT_EQ(first.keeper->trouble(), "");
   EXPECT_EQ(first.owned(), kSites);
   EXPECT_EQ(namesake.owned(), 0U);
-  first.keeper->finish();  // says nothing any more
+  first.keeper->finish();  // sends nothing any more
   EXPECT_TRUE(eventually(kPatience, [&] { return namesake.owned() == kSites; }));
   EXPECT_EQ(namesake.keeper->trouble(), "");
 }

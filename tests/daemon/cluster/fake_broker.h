@@ -19,7 +19,7 @@ namespace rayloc {
 class FakeBroker final : public Broker {
  public:
   static constexpr std::uint64_t kAll = ~std::uint64_t{0};  // set_lagging()
-  // What becomes of the n-th message (from 0) that is to be stored.
+  // The fate of the n-th message (from 0) that is to be stored.
   enum class Fate { kStored, kLost, kAcknowledgedAndLost, kAcknowledgementLost };
   std::function<Fate(std::uint64_t)> fate = [](std::uint64_t) { return Fate::kStored; };
 
@@ -30,19 +30,19 @@ class FakeBroker final : public Broker {
     connections_ += connected && !connected_ ? 1U : 0U;
     connected_ = connected;
   }
-  // As a server does that is started anew, its streams in memory.
-  // `later`: how much later those that are made anew seem to be made.
+  // Acts as a restarted server with its streams in memory.
+  // `later`: how much later the new streams seem to be created.
   void forget_streams(Duration later = Duration(0)) {
     const std::lock_guard lock(mutex_);
     streams_.clear();
     created_ += later.count();
   }
-  // Whether requests to streams have their answers, or wait until they do.
+  // With false, requests to streams wait for their answers until it is true again.
   void set_answering(bool answering) {
     answering_ = answering;
     answering_.notify_all();
   }
-  // What streams hold, in order.
+  // The messages of all streams, in order.
   std::vector<BrokerMessage> stored() const {
     const std::lock_guard lock(mutex_);
     std::vector<BrokerMessage> all;
@@ -53,13 +53,13 @@ class FakeBroker final : public Broker {
     }
     return all;
   }
-  // As retention does.
+  // Drops a message as retention does.
   void drop(const std::string& stream, std::uint64_t sequence) {
     const std::lock_guard lock(mutex_);
     streams_[stream].messages.erase(sequence);
   }
-  // As servers do of which one was cut off: replicas that are asked lack what was stored behind
-  // `replica`, and the stream's leader knows of nothing behind `leader`.
+  // Acts as servers of which one was cut off: a queried replica lacks the messages after `replica`,
+  // and the stream's leader those after `leader`.
   void set_lagging(std::uint64_t replica, std::uint64_t leader) {
     const std::lock_guard lock(mutex_);
     replica_has_ = replica;
@@ -87,7 +87,7 @@ class FakeBroker final : public Broker {
     if (!connected()) {
       return away();
     }
-    if (store(subject, data, "") == 0) {  // a stream hears everything
+    if (store(subject, data, "") == 0) {  // a stream delivers it itself
       tell({subject, 0, std::string(data)}, subject);
     }
     return {};
@@ -98,7 +98,7 @@ class FakeBroker final : public Broker {
   Expected<Published> publish_behind(const std::string& subject,
                                      std::string_view data,
                                      std::uint64_t last) override;
-  // As a server that answers nothing about its streams.
+  // Acts as a server that answers nothing about its streams.
   Expected<std::string> ask(const std::string& /*subject*/, std::string_view /*data*/) override {
     return away();
   }
@@ -128,7 +128,7 @@ class FakeBroker final : public Broker {
     std::map<std::uint64_t, BrokerMessage> messages;
     std::set<std::string> ids;
   };
-  // Recursive, for a handler may publish what it hears itself.
+  // Recursive, since a handler may publish to its own subject.
   struct Called {
     std::recursive_mutex mutex;
     Handler call;
@@ -177,7 +177,7 @@ class FakeBroker final : public Broker {
     AckHandler handler_;
   };
 
-  // REQUIRES: the mutex is held. Of a server that has nothing behind `has`.
+  // REQUIRES: the mutex is held. Answers as a server that has no message after `has`.
   Expected<std::optional<BrokerMessage>> found(const std::string& name,
                                                std::uint64_t sequence,
                                                std::uint64_t has);

@@ -13,7 +13,7 @@ constexpr FillQueue::Time kNow{std::chrono::seconds(1000)};
 
 TEST(FillQueue, GivesOneAtATimeUntilItIsAcknowledged) {
   FillQueue queue({});
-  queue.add(some_batch(4));  // nothing was heard
+  queue.add(some_batch(4));  // nothing was received
   queue.add(some_batch(5, {{"ap1", 3}}));
   queue.add(some_batch(6, {{"ap1", 2}, {"ap2", 1}}));
   EXPECT_EQ(queue.waiting().at("ap1"), 5U);

@@ -193,7 +193,7 @@ TEST(NumberedRing, WhatIsKeptIsBounded) {
   EXPECT_EQ(ring.counters().live.at("ap1"), 1000U);
 }
 
-// Whatever a broker does, and in whatever order.
+// For any behaviour of the broker, in any order.
 TEST(NumberedRing, TheLawHoldsAfterEveryStep) {
   std::mt19937 random(7);
   NumberedRing::Limits limits;

@@ -42,7 +42,7 @@ Location located(int ms, const std::string& device) {
   return location;
 }
 
-// What is said on this machine.
+// Collects the locations that this machine publishes.
 class Heard : public LocationSink {
  public:
   void location(Location&& location) override {
@@ -104,7 +104,7 @@ TEST(OwnerLog, BeginsAnewWhereTheStreamHasForgotten) {
   EXPECT_EQ(owner->say({}), OwnerLog::Said::kStored);
 }
 
-// One slept for longer than results are kept, and the next one has ended meanwhile.
+// The owner slept for longer than results are kept, and its successor has ended meanwhile.
 TEST(OwnerLog, AnOwnerThatSleptForLongerThanResultsAreKeptSaysNothingMore) {
   const auto broker = std::make_shared<FakeBroker>();
   const auto asleep = begun(broker, 3);
@@ -146,7 +146,7 @@ TEST(OutStage, WhatTwoOwnersSayIsEachInstantOnceAndInOrder) {
   first.location(located(40, "a"));
   first.advance(at(30));
   ASSERT_TRUE(eventually(kPatience, [&] { return first.counters().items == 2; }));
-  // The first sleeps; the second says what it had found and not said.
+  // The first sleeps; the second publishes the results that the first had not published.
   auto log = begun(broker, 2);
   EXPECT_EQ(log->start().from, at(30));
   EXPECT_EQ(log->start().resume.place.sequence, 7U);

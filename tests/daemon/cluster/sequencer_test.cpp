@@ -106,8 +106,8 @@ TEST(Sequencer, WhatIsHeldIsBounded) {
   EXPECT_EQ(sequencer.counters().missing, 1U);
 }
 
-// A capture node, and a stream that loses, repeats and disorders: whoever reads it asks for what it
-// lacks, and takes every batch once and in order but for those that are marked.
+// A capture node, and a stream that loses, repeats and reorders: the reader requests missing
+// batches, and takes every batch once and in order, except those that are marked.
 class LossyWay : public ::testing::TestWithParam<unsigned> {};
 
 TEST_P(LossyWay, EverythingIsTakenOrMarked) {
@@ -182,7 +182,7 @@ TEST_P(LossyWay, EverythingIsTakenOrMarked) {
 
 INSTANTIATE_TEST_SUITE_P(Seeds, LossyWay, ::testing::Range(1U, 9U));
 
-// Whatever reads the same records takes the same.
+// Readers of the same records take the same batches.
 TEST(Sequencer, IsAFunctionOfTheRecords) {
   std::mt19937 random(3);
   std::vector<Batch> records;

@@ -48,7 +48,7 @@ class Feed : public ::testing::Test {
     }
     feed_->start();
   }
-  // Of that node, at 20 ms times its number.
+  // Stores a batch of that node; its time is 20 ms times its number, after a fixed begin.
   void store(const std::string& node, const Batch& batch) {
     ++ids_;
     ASSERT_TRUE(publisher_->publish(
@@ -59,7 +59,7 @@ class Feed : public ::testing::Test {
     std::size_t bytes = 0;
     Timestamp watermark = Timestamp::min();
   };
-  // What has come so far of an access point.
+  // The datagrams and the watermark received so far from an access point.
   const Heard& heard(std::size_t i) {
     DatagramBatch batch;
     EXPECT_TRUE(sources_[i]->read(batch, milliseconds(1)));
@@ -127,7 +127,7 @@ TEST_F(Feed, ASilentNodeIsNotWaitedForUntilItIsHeardAgain) {
   }));
   EXPECT_TRUE(eventually(kPatience, [&] { return feed_->counters().silences == 1; }));
   const Timestamp promised = heard(1).watermark;
-  store("b", some_batch(2, {{"ap2", 4}}));  // heard before what was promised
+  store("b", some_batch(2, {{"ap2", 4}}));  // received before the promised watermark
   store("b", some_batch(3, {{"ap2", 1}}));
   const Batch later = some_batch(number + 100, {{"ap2", 2}});
   Batch fourth = later;
@@ -142,7 +142,7 @@ TEST_F(Feed, ASilentNodeIsNotWaitedForUntilItIsHeardAgain) {
   EXPECT_GE(heard(1).watermark, promised);
 }
 
-// Whoever goes on from a place behind the record leaves out the same.
+// A feed that resumes after the record leaves out the same batches.
 TEST_F(Feed, LeavesOutWhatARecordSaysFromThereOn) {
   open({"ap1"});
   const auto store_some = [&](std::uint64_t from, std::uint64_t to) {
@@ -155,7 +155,7 @@ TEST_F(Feed, LeavesOutWhatARecordSaysFromThereOn) {
   store_some(1, 30);
   ASSERT_TRUE(publisher_->publish(owner_subject("office"), seal(record), "shed", 1000));
   store_some(31, 130);
-  // Of 20 batches each, windows 2, 4 and 6 are used, and of 1 what came before.
+  // In windows of 20 batches, 2, 4 and 6 are used, and window 1 up to the record.
   ASSERT_TRUE(eventually(kPatience, [&] { return heard(0).watermark == time_of(130); }));
   EXPECT_EQ(heard(0).times.size(), 30U + 20 + 20 + 11);
   EXPECT_EQ(sources_[0]->counters().rejected["shed"], 9U + 20 + 20);

@@ -13,7 +13,7 @@ namespace rayloc {
 
 inline constexpr std::uint64_t kSomeEpoch = 77;
 
-// `counts`: how many datagrams of each access point. What they hold follows from `number`.
+// `counts`: the number of datagrams of each access point. Their content follows from `number`.
 inline Batch some_batch(std::uint64_t number,
                         const std::vector<std::pair<std::string, std::size_t>>& counts = {},
                         std::uint64_t epoch = kSomeEpoch) {

@@ -34,7 +34,7 @@ Location located(int ms, const std::string& device, double x = 1.0) {
   return location;
 }
 
-// What an owner says that has found these, all of instants before `done`.
+// The record of an owner with these results, complete for all instants before `done`.
 v1::OutputRecord said(std::uint64_t number, int done, const std::vector<Location>& found) {
   OutItems items(Timestamp::min());
   for (const Location& one : found) {
@@ -70,7 +70,7 @@ TEST(StandbyAudit, ComparesEachWindowOnceBothKnowIt) {
   for (const Location& one : found) {
     own.add(Location(one));
   }
-  audit.hear(said(7, 15, {found[0]}));  // who came in the middle does not know where it begins
+  audit.hear(said(7, 15, {found[0]}));  // the audit lacks the begin of this window
   audit.hear(said(8, 25, {found[1]}));
   audit.hear(said(8, 25, {}));  // a repeat
   audit.compare(own, {});
@@ -82,7 +82,7 @@ TEST(StandbyAudit, ComparesEachWindowOnceBothKnowIt) {
   EXPECT_EQ(audit.counters().not_compared, 1U);
   EXPECT_EQ(audit.counters().differing, 0U);
   EXPECT_EQ(audit.done(), at(25));
-  EXPECT_EQ(own.ready(), 1U);  // what the owner has not said yet
+  EXPECT_EQ(own.ready(), 1U);  // not published by the owner yet
   EXPECT_EQ(audit.trouble(), "");
 }
 
@@ -132,7 +132,7 @@ TEST(StandbyAudit, WhoseTracksHaveOtherNumbersCannotGoOn) {
   }
 }
 
-// Who began later has a target in a zone a burst earlier or later now and then.
+// After a later begin, a target enters or leaves a zone a burst earlier or later at times.
 TEST(StandbyAudit, OfOneThatBeganLaterOnlyADifferenceThatStaysCounts) {
   for (const int others : {4, 5}) {
     StandbyAudit audit(of_owner(Likeness::kSameSnapshots));
@@ -201,7 +201,7 @@ std::vector<std::int64_t> said_in(const FakeBroker& broker) {
   return times;
 }
 
-// The owner dies with a window that it had found and not said; who stood by says it, once.
+// The owner dies before it publishes a computed window; the standby publishes it, once.
 TEST(StandsBy, WhoIsPromotedGoesOnBehindTheOwnersLastWord) {
   const auto broker = std::make_shared<FakeBroker>();
   Silent silent;
@@ -244,12 +244,12 @@ TEST(StandsBy, WhoIsPromotedGoesOnBehindTheOwnersLastWord) {
       << stands_by.ended();
   EXPECT_EQ(said_in(*broker), (std::vector<std::int64_t>{10, 20, 30}));
   stands_by.finish();
-  // It followed the third owner, and the last word is the fourth's.
+  // It followed generation 3, and the last record is of generation 4.
   next.generation = 5;
   EXPECT_FALSE(OwnerLog::begin(broker, next));
 }
 
-// Between the question whether it can go on and its promotion, the owner's last words are compared.
+// Records of the owner are compared until the promotion, also after the decision for it.
 TEST(StandsBy, WhoCannotGoOnAfterAllSaysSo) {
   const auto broker = std::make_shared<FakeBroker>();
   Silent silent;

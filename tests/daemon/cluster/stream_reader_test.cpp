@@ -124,7 +124,7 @@ TEST_F(Stream, OneMissingInTheMiddleDoesNotHoldTheOthersForEver) {
   EXPECT_EQ(reader->counters().lost, 1U);
 }
 
-// One was cut off for a while, and what it missed comes to it late.
+// One replica was cut off for a while, and receives the missed messages late.
 TEST_F(Stream, WhatOneReplicaLacksTheLeaderHas) {
   for (const char* const word : {"a", "b", "c"}) {
     store(word);
@@ -136,7 +136,7 @@ TEST_F(Stream, WhatOneReplicaLacksTheLeaderHas) {
   EXPECT_EQ(reader->counters().lost, 0U);
 }
 
-// A leader that was cut off knows nothing of what the others have stored since.
+// A leader that was cut off lacks the messages that the others have stored since.
 TEST_F(Stream, ALeaderThatKnowsLessThanWasReadIsNotBelieved) {
   const auto reader = open();
   for (const char* const word : {"a", "b", "c"}) {

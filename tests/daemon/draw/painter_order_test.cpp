@@ -40,7 +40,7 @@ std::optional<double> seen_at(const Face& face, const Vec3d& eye, double margin)
   return at;
 }
 
-// What shows at that place: the face that is painted last.
+// The visible object at that place: that of the face which is painted last.
 std::optional<std::uint32_t> painted(const std::vector<Face>& order, const Vec3d& eye) {
   std::optional<std::uint32_t> object;
   for (const Face& face : order) {
@@ -51,7 +51,7 @@ std::optional<std::uint32_t> painted(const std::vector<Face>& order, const Vec3d
   return object;
 }
 
-// What is in front at that place. `is_clear` becomes false where rounding could decide.
+// The nearest object at that place. `is_clear` becomes false where rounding could decide.
 std::optional<std::uint32_t> nearest(const std::vector<Face>& faces,
                                      const Vec3d& eye,
                                      bool& is_clear) {

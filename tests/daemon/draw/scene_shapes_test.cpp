@@ -1,4 +1,4 @@
-// What a picture is made of: faces, sections, parts.
+// Tests the elements of a picture: faces, sections, parts.
 #include <cmath>
 #include <map>
 #include <string>

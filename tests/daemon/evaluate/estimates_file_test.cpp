@@ -91,7 +91,7 @@ TEST(EstimatesFile, ReadsDelimitedProtobuf) {
 
 TEST(EstimatesFile, ANoFixHasNoPosition) {
   v1::Location location = location_at(1s);
-  location.set_mode(v1::FIX_MODE_NO_FIX);  // whatever else it says
+  location.set_mode(v1::FIX_MODE_NO_FIX);  // regardless of its other fields
   const auto read = read_estimates(*to_json(location), "e");
   ASSERT_TRUE(read);
   EXPECT_FALSE(read->front().estimate.position);

@@ -80,7 +80,7 @@ TEST(ExperimentFile, ErrorsNameTheirPlace) {
               HasSubstr("e.toml:5:9: 'boxes' is a list"));
 }
 
-// What the file does not state is the paper's for the kind that is located.
+// Settings that the file does not state are the paper's for the kind that is located.
 TEST(ExperimentFile, PeopleHaveThePapersDefaultsForPeople) {
   const Study study = read(
                           "[[study]]\nname = \"s\"\nkind = [\"device\", \"person\"]\n"

@@ -31,7 +31,7 @@ class LivedInStudy : public ::testing::Test {
     EXPECT_TRUE(layouts) << layouts.error().message;
     return std::move(layouts->front());
   }
-  // Of the first frame of the first spot.
+  // The first row of CSI of the first frame at the first spot.
   static std::vector<std::complex<float>> heard(const StudyLayout& layout) {
     const auto row = layout.spots.at(0).frames.at(0).csi.row(0, 0);
     return {row.begin(), row.end()};
@@ -92,7 +92,7 @@ TEST_F(LivedInStudy, TiltsAndPowersChangeWhatIsHeardAndNotWhere) {
   }
 }
 
-// The usual day, and the model that knows of it: each chain is another one, as a whole.
+// The usual second day, in the model too: the response of each chain changes as a whole.
 TEST_F(LivedInStudy, ASecondDayHasOtherChainsAndTheModelMayNotKnowThem) {
   const StudyLayout first = world();
   condition_.second_day = "default";
@@ -107,7 +107,7 @@ TEST_F(LivedInStudy, ASecondDayHasOtherChainsAndTheModelMayNotKnowThem) {
     EXPECT_LT(std::abs(now.gain[i] / then.gain[i] - now.gain[start] / then.gain[start]), 1e-9);
   }
   EXPECT_GT(std::abs(now.gain[0] - then.gain[0]), 0.01);
-  // What the model says of the room stays as it was surveyed.
+  // The pose of the modelled array stays as it was surveyed.
   EXPECT_EQ(second.model.access_points[0].array.pose.position,
             first.model.access_points[0].array.pose.position);
   EXPECT_NE(heard(second), heard(first));
@@ -128,7 +128,7 @@ TEST_F(LivedInStudy, NamesTheDayThatIsMissing) {
   EXPECT_THAT(layouts.error().message, HasSubstr("nowhere.toml"));
 }
 
-// From the file to the report: who does not know that the chains are others is lost.
+// From the file to the report: with the chains of the first day the error more than doubles.
 TEST_F(LivedInStudy, RunsFromTheFileToTheReport) {
   folder_.write("cycle.toml", "base = \"none\"\nchain_phase_deg = 180\nchain_gain_db = 1.5\n");
   const auto file = experiment(

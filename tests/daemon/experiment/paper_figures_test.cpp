@@ -1,5 +1,5 @@
-// deploy/experiments/paper_figures.toml in a form of two spots: every system has its row, and what
-// is out of its domain says so.
+// Tests deploy/experiments/paper_figures.toml in a form of two spots: every system has its row, and
+// conditions outside its domain state the reason.
 #include <filesystem>
 #include <fstream>
 #include <iterator>

@@ -103,7 +103,7 @@ paper.iterations = 2
   EXPECT_EQ(found.n, 3U);
   EXPECT_EQ(found.missed, 0U);
   EXPECT_LT(found.median_m, 0.3);
-  // Two steps from a random place lead nowhere; each repeat starts elsewhere.
+  // Two steps from a random place do not converge; each repeat begins at another place.
   const ConditionResult& papers = results[1].conditions[0];
   EXPECT_EQ(papers.points.size(), 6U);
   EXPECT_EQ(papers.statistics.missed, 0U);
@@ -112,7 +112,7 @@ paper.iterations = 2
   EXPECT_NE(papers.points[0].error, papers.points[1].error);
 }
 
-// Of somebody who walks each 0.1 s is judged; a method that needs more frames says so.
+// A walk is evaluated every 0.1 s; a method that needs more frames states so.
 TEST_F(RunExperiment, FollowsPeopleWhoWalk) {
   const auto walking = parse_experiment(R"(name = "walking"
 [defaults]
@@ -143,7 +143,7 @@ method = "witraj"
     EXPECT_EQ(one.points.size(), 25U) << one.condition.method;
     EXPECT_EQ(one.refusal, "") << one.condition.method;
   }
-  // Standing at the start is right at the start, and ever less.
+  // The start position is right at the start, and its error grows.
   const std::vector<PointResult>& start = of[0].points;
   EXPECT_LT(start[0].error, 1e-9);
   EXPECT_GT(start[10].error, start[1].error);

@@ -55,7 +55,7 @@ class EventStream : public ::testing::Test {
     client.send("GET /events HTTP/1.1\r\n" + headers + "\r\n");
     return client;
   }
-  // What comes until `text` is part of it; what came so far when it does not come.
+  // Returns the text received until it contains `text`, or all of it if it never does.
   static std::string read_until(const HttpClient& client, const std::string& text) {
     std::string all;
     eventually(kPatience, [&] {

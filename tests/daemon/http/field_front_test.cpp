@@ -1,4 +1,4 @@
-// Behind other servers: what they pass on, and what browsers say that look through them.
+// Tests the server behind other servers: forwarded paths, and the headers of browsers.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@ using testing::HttpClient;
 using ::testing::Not;
 using ::testing::StartsWith;
 
-// Says hello, and then nothing for ever.
+// Sends one event, and nothing afterwards.
 class QuietFeed : public EventFeed {
  public:
   EventBatch take(EventCursor& cursor) override {
@@ -64,7 +64,7 @@ TEST(Field, HttpAnswersBelowAPathThatIsPassedOn) {
   EXPECT_THAT(server.get("/home/rayloc/"), EndsWith("\r\n\r\npage"));
   EXPECT_THAT(server.get("/home/rayloc/map/main.js?1"), EndsWith("\r\n\r\nscript"));
   EXPECT_THAT(server.get("/map/main.js"), EndsWith("\r\n\r\nscript")) << "and without it";
-  // Relative, as the addresses of the page are: whatever is before this server, it stays there.
+  // Relative, as the addresses of the page are, so it is right behind any server.
   const std::string moved = server.get("/home/rayloc");
   EXPECT_THAT(moved, StartsWith("HTTP/1.1 308 "));
   EXPECT_THAT(moved, HasSubstr("\r\nLocation: rayloc/\r\n"));
@@ -82,7 +82,7 @@ TEST(Field, HttpEventsAreNeitherKeptNorPackedOnTheirWay) {
   const HttpClient viewer(server.port());
   viewer.send("GET /events HTTP/1.0\r\nHost: 127.0.0.1:8480\r\nConnection: close\r\n\r\n");
   std::string all;
-  // What says nothing for long would be closed by a server in between.
+  // A server in between would close a silent stream: this one sends comments.
   EXPECT_TRUE(eventually(std::chrono::seconds(60), [&] {
     all += viewer.receive(std::chrono::milliseconds(1));
     return all.find("\r\n\r\ndata: hello\n\n:\n\n:\n\n") != std::string::npos;
@@ -122,7 +122,7 @@ TEST(Field, HttpAnswersToTheNamesThatAreListedAndToNoOther) {
     EXPECT_THAT(answer, StartsWith("HTTP/1.1 421 ")) << host;
     EXPECT_THAT(answer, HasSubstr("[http] origins")) << "what to do";
   }
-  // What anybody could write makes no difference.
+  // Headers that any client can write have no effect.
   EXPECT_THAT(
       server.ask("GET / HTTP/1.1\r\nHost: evil.example\r\nX-Forwarded-Host: home.example\r\n"
                  "Forwarded: host=home.example\r\n\r\n"),

@@ -1,4 +1,4 @@
-// Viewers that ask for events and never read: whoever comes beside them is answered.
+// Viewers that request events and never read do not keep other clients from their answers.
 #include <deque>
 
 #include <gmock/gmock.h>
@@ -37,7 +37,7 @@ std::unique_ptr<HttpServer> started(const HttpServer::Options& options) {
 
 TEST(Field, HttpViewersThatNeverReadResetNobodyWhoHasJustCome) {
   HttpServer::Options options;
-  // The machine may be busy; what is asked is who has to go.
+  // The machine may be busy: the test examines only which connections are displaced.
   options.limits.time = test::patient(kPatience);
   const auto server = started(options);
   std::deque<HttpClient> silent;

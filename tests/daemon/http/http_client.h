@@ -38,7 +38,7 @@ class HttpClient {
     return ::send(socket_, text.data(), text.size(), MSG_NOSIGNAL) ==
            static_cast<ssize_t>(text.size());
   }
-  // What comes until the server closes its side, or nothing more for `patience`, which is scaled as
+  // Receives until the server closes its side or nothing arrives for `patience`, which is scaled as
   // every deadline is.
   std::string receive(std::chrono::milliseconds patience = std::chrono::seconds(10)) const {
     std::string text;
@@ -74,7 +74,7 @@ inline std::string http_body(const std::string& answer) {
   return end == std::string::npos ? "" : answer.substr(end + 4);
 }
 
-// What keeps browsers from taking it for something else.
+// Checks the headers that keep browsers from interpreting the answer in another way.
 inline void expect_policy(const std::string& answer) {
   const std::string head = answer.substr(0, answer.find("\r\n\r\n") + 2);
   for (const char* line :

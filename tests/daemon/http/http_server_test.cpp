@@ -115,7 +115,7 @@ TEST_F(HttpServerTest, TakesBodiesWhereARouteDoes) {
               StartsWith("HTTP/1.1 403 "));
 }
 
-// Whoever may not write costs no memory.
+// The body of a request without permission uses no memory.
 TEST_F(HttpServerTest, AsksForTheTokenBeforeTheBody) {
   HttpServer::Options options;
   options.token = "a-token-that-is-long-enough";
@@ -128,7 +128,7 @@ TEST_F(HttpServerTest, AsksForTheTokenBeforeTheBody) {
               EndsWith("5 bytes\n"));
 }
 
-// Whoever waits for a descriptor costs no processor, and is answered when there is one.
+// A client that waits for a descriptor costs no processor time, and is answered once one is free.
 TEST_F(HttpServerTest, RestsWhenNobodyCanBeAccepted) {
   HttpServer::Options options;
   options.on_round = [this] { ++rounds_; };
@@ -166,7 +166,7 @@ TEST_F(HttpServerTest, SendsALargeAnswerToAClientThatReadsInPieces) {
   EXPECT_EQ(testing::http_body(client.receive()).size(), std::size_t{32} << 20U);
 }
 
-// What the map controls: by a page of ours, and by programs that say that they mean it.
+// Controls accept requests of our own pages, and of programs that send the control header.
 TEST_F(HttpServerTest, IsControlledByItsOwnPagesAlone) {
   start();
   const auto post = [&](const std::string& headers) {
@@ -192,7 +192,7 @@ TEST_F(HttpServerTest, IsControlledByItsOwnPagesAlone) {
   }
   EXPECT_THAT(answer_to("GET /control HTTP/1.1\r\n\r\n"), EndsWith("as it is\n"));
   EXPECT_THAT(answer_to("POST /open HTTP/1.1\r\n" + meant + "\r\n"), StartsWith("HTTP/1.1 405 "));
-  // Which header a page may send across origins is asked for by OPTIONS first.
+  // A browser asks by OPTIONS which headers a page may send across origins.
   EXPECT_THAT(answer_to("OPTIONS /control HTTP/1.1\r\nOrigin: http://evil.example\r\n\r\n"),
               StartsWith("HTTP/1.1 405 "));
 }

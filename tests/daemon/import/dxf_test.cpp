@@ -87,7 +87,7 @@ TEST_F(Dxf, ADrawingOfAnotherProgramBecomesARoom) {
               0);
     const auto room = import(made);
     ASSERT_TRUE(room) << room.error().message;
-    // Around the outer face; walls stand between their two faces.
+    // The room spans the outer faces; walls lie between their two faces.
     EXPECT_NEAR(room->bounds.size().x, 6.4, 1e-9) << version;
     EXPECT_NEAR(room->bounds.size().y, 4.4, 1e-9);
     EXPECT_NEAR(room->bounds.size().z, kUsualHeight, 1e-9);
@@ -164,7 +164,7 @@ TEST_F(Dxf, BlocksWithinBlocksEnd) {
 }
 
 TEST(WallLines, TwoFacesAreOneWallAndALineAloneIsOne) {
-  // The faces of two walls that meet in a corner, and a line that stands alone.
+  // The faces of two walls that meet in a corner, and a single line.
   const std::vector<WallLine> drawn = {{{0, 0}, {4, 0}, "w", 0},
                                        {{0.1, 0.1}, {3.9, 0.1}, "w", 0},
                                        {{4, 0}, {4, 3}, "w", 0},

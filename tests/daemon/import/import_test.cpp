@@ -92,7 +92,7 @@ TEST_F(Import, MillimetresAreRecognised) {
   EXPECT_NE(remarks(*room).find("millimetres"), std::string::npos);
 }
 
-// A storey of 12 m drawn in centimetres is no model of 1.2 m; what fits nowhere is asked for.
+// A storey drawn in centimetres is read as 12 m, not as 1.2 m; a wrong stated unit is refused.
 TEST_F(Import, UnitsAreThoseInWhichRoomsAreAsHighAsRooms) {
   const std::string storey =
       "o walls\nv 0 0 0\nv 1200 0 0\nv 1200 250 0\nv 0 250 0\nv 0 0 -800\nf 1 2 3 4\nf 1 2 5\n";
@@ -125,7 +125,7 @@ TEST_F(Import, FilesOfAnotherProgramAreTheSameRoom) {
   }
 }
 
-// What is imported may come from anybody, and what it names may be anybody's.
+// A model may come from an untrusted source and name any file.
 TEST_F(Import, OnlyFilesBesideTheModelAreOpened) {
   const auto triangle = [](const std::string& buffer) {
     return R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],

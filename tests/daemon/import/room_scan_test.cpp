@@ -22,7 +22,7 @@ using Json = nlohmann::json;
 constexpr double kTurned = 30.0 * kDegree;  // the phone began the scan anyhow
 constexpr double kHeight = 2.5;             // [m]
 
-// A box whose middle is at x, y, z of the room (z up), turned by `yaw` in it, as a phone tells it.
+// A box with its centre at x, y, z of the room (z up), turned by `yaw`, in a phone's format.
 Json box(const std::string& list,
          const Json& category,
          const Vec3d& at,
@@ -103,7 +103,7 @@ const StatedObject& object_of(const ImportedScene& scene, const std::string& nam
 TEST_F(RoomScan, WallsOpeningsAndFurnitureBecomeARoom) {
   const auto room = imported(office());
   ASSERT_TRUE(room) << room.error().message;
-  // However it was turned, it stands straight at the origin.
+  // For any orientation of the scan, the room is parallel to the axes at the origin.
   EXPECT_NEAR(room->bounds.lower.x, 0.0, 1e-9);
   EXPECT_NEAR(room->bounds.lower.y, 0.0, 1e-9);
   EXPECT_NEAR(room->bounds.lower.z, 0.0, 1e-9);

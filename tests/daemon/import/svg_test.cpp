@@ -100,7 +100,7 @@ TEST_F(Svg, ADrawingOfAnotherProgramBecomesARoom) {
   }
   EXPECT_THAT(remarks(*room), HasSubstr("left out: 1 hidden, 1 text"));
   EXPECT_THAT(remarks(*room), HasSubstr("drawn at 1:50, as told"));
-  // Without the scale nobody can tell.
+  // Without a scale the size is ambiguous.
   const auto unscaled = import(made);
   ASSERT_FALSE(unscaled);
   EXPECT_THAT(unscaled.error().message, HasSubstr("is 128 mm large on paper"));
@@ -108,7 +108,7 @@ TEST_F(Svg, ADrawingOfAnotherProgramBecomesARoom) {
 }
 
 TEST_F(Svg, GroupsOfAHandWrittenFileAreLayers) {
-  // A unit is a centimetre, as width and viewBox say.
+  // A unit is a centimetre, according to width and viewBox.
   const auto room = imported(drawing(R"(
 <defs><g id="seat"><rect width="50" height="50"/></g></defs>
 <g id="walls"><path d="M0 0H600V400H0z"/><line x1="300" y1="0" x2="300" y2="2500mm" visibility="hidden"/></g>
@@ -265,7 +265,7 @@ TEST(SvgText, PathsAreReadAsTheStandardWritesThem) {
   EXPECT_NEAR(reach("1 1").first, -9.0, 0.03);
   EXPECT_NEAR(reach("0 0").second, 1.0, 0.03);
   EXPECT_NEAR(reach("1 0").second, 9.0, 0.03);
-  // Turned by a quarter, its long axis stands; radii that are too small grow.
+  // Turned by a quarter, its long axis is vertical; radii that are too small grow.
   const auto standing = svg_path("M0 0A2 1 90 0 1 2 0");
   EXPECT_NEAR(standing->at(0).points.at(standing->at(0).points.size() / 2)[1], -2.0, 0.02);
   EXPECT_EQ(svg_path("M0 0A0 1 0 0 1 2 0")->at(0).points.size(), 2U);

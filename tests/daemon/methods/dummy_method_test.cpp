@@ -1,5 +1,5 @@
-// A method that stands in a folder of the tests alone is a method like the others, everywhere: one
-// registry is all that the programs know. The programs are linked of the product's own objects.
+// A method in a folder of the tests alone is available everywhere, as the others are: the programs
+// use one registry. They are linked from the product's own objects.
 #include <array>
 #include <cstdio>
 #include <cstdlib>

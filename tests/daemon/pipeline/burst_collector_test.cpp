@@ -143,7 +143,7 @@ std::string lines(const std::vector<Burst>& bursts) {
   return text;
 }
 
-// Of three transmitters, with silences shorter and longer than a gap.
+// Frames of three transmitters, with silences shorter and longer than a gap.
 std::vector<CsiFrame> irregular_frames() {
   std::vector<CsiFrame> frames;
   for (int ms = 3; ms < 4000; ms += 7) {
@@ -155,8 +155,8 @@ std::vector<CsiFrame> irregular_frames() {
   return frames;
 }
 
-// Whatever the moment: who is told of the open bursts, and hears the frames since the first of
-// them, makes the bursts that would have been made anyway.
+// At any moment, a collector that receives the starts of the open bursts and the frames since the
+// first of them makes the same bursts as one that was not interrupted.
 TEST_F(BurstCollectorTest, BeginsInTheMiddleWithTheStartsOfTheOpenBursts) {
   for (const int length : {200, 1200}) {
     options_.length = milliseconds(length);

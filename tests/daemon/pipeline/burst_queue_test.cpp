@@ -11,7 +11,7 @@ using std::chrono::milliseconds;
 
 Timestamp at(int ms) { return Timestamp(milliseconds(ms)); }
 
-// Of three kept frames, and a surplus one.
+// A burst of three kept frames and a surplus one.
 Burst burst(std::uint8_t transmitter, int ms) {
   Burst burst;
   burst.transmitter.octets[5] = transmitter;
@@ -168,12 +168,12 @@ TEST(Field, BurstQueueDropsAndCountsWhatHasWaitedTooLong) {
   EXPECT_EQ(queue.dropped_bursts(), 2U);
   EXPECT_EQ(queue.dropped_frames(), 8U);
   EXPECT_EQ(queue.frames(), 4U);
-  // One who goes on is not old, however long it has waited for its turn.
+  // A burst that continues is not old, however long it has waited for its turn.
   push(queue, {burst(2, 3000)}, at(6000));
   EXPECT_EQ(pop_all(queue), (std::vector{2}));
   EXPECT_EQ(queue.dropped_bursts(), 2U);
   EXPECT_EQ(queue.merged_bursts(), 1U);
-  // Who was dropped begins anew.
+  // The next burst of a dropped transmitter begins anew.
   push(queue, {burst(1, 6000)}, at(6200));
   EXPECT_EQ(queue.pop().heard_since, at(6000));
 }

@@ -1,4 +1,4 @@
-// What one pipeline carries over to the next: numbers, stays, verdicts, and their message.
+// Tests the state that a pipeline passes to the next: numbers, stays, verdicts, and its message.
 #include "daemon/pipeline/warm/carried.h"
 
 #include <gtest/gtest.h>
@@ -30,14 +30,14 @@ TEST(TrackNumbers, ASuccessorGoesOn) {
   first.of(mac(1), "one", at(0));
   first.of(mac(2), "two", at(0));
   first.lost(mac(2), at(1));
-  // Behind what has been said one is lost and begins again, and another one begins.
+  // After the last carried instant one track is lost and begins again, and another one begins.
   first.of(mac(3), "three", at(2));
   first.lost(mac(1), at(5.1));
   first.of(mac(1), "one", at(5.2));
   first.of(mac(4), "four", at(5.3));
   first.advance(at(5));
   TrackNumbers second(first.carried(), at(5));
-  // While it listens it uses up nothing.
+  // Before its first own instant the successor assigns no number.
   EXPECT_EQ(second.of(mac(1), "one", at(3)), 1U);
   EXPECT_EQ(second.of(mac(9), "nine", at(3)), 0U);
   second.lost(mac(1), at(3));

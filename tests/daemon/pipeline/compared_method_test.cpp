@@ -71,7 +71,7 @@ class PatientEstimator : public DescribingEstimator {
   const std::vector<std::unique_ptr<ComparedMethod>>* others_ = nullptr;
 };
 
-// Of one access point's recording.
+// The locations of a replay of one access point's recording.
 std::vector<Location> replay(Estimator& estimator) {
   std::vector<SourceWorker::Input> inputs(1);
   inputs[0].access_point = "ap1";
@@ -224,7 +224,7 @@ TEST(ComparedMethod, TakesBurstsSilenceAndMovesInTheirOrder) {
   const auto method = make_method(std::make_unique<NotingEstimator>(notes));
   bool replaces = false;
   method->start([&](Location&&) { return std::exchange(replaces, true); });
-  // What was added before the move is not explained behind it.
+  // Bursts that were added before the move are not explained after it.
   method->advance(kBegin + 5s);
   EXPECT_TRUE(eventually(kPatience, [&] { return method->counters().filtered == 1; }));
   method->restart("moved");

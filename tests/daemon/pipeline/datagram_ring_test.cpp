@@ -1,4 +1,4 @@
-// The last of what was received, within time and bytes, and the files that are made of it.
+// The most recent datagrams, within time and bytes, and the files that are made of them.
 #include "daemon/pipeline/record/datagram_ring.h"
 
 #include <gmock/gmock.h>
@@ -122,7 +122,7 @@ TEST_F(RingSnapshotsTest, SaysWhyNothingIsWritten) {
   EXPECT_TRUE(std::filesystem::is_empty(folder_));
 }
 
-// What a reload says holds, and not what was said at the start.
+// The limits of a reload replace those of the start.
 TEST_F(RingSnapshotsTest, KeepsToTheLimitsSetLast) {
   DatagramRing ring(std::chrono::seconds(30), std::size_t{1} << 30U);
   tap(ring, 1, 10, std::chrono::milliseconds(1));

@@ -1,4 +1,4 @@
-// What people are told of receive chains: dead ones, and those that a file of learned chains names.
+// Tests the notices on receive chains: dead ones, and those restored from a file.
 #include <unistd.h>
 
 #include <filesystem>

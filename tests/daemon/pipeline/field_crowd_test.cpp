@@ -24,7 +24,7 @@ constexpr Duration kLength = seconds(6);
 constexpr Duration kIdleStep = milliseconds(10);
 const Timestamp kBegin{seconds(1718000000)};
 
-// Time as the test's air and estimator have it.
+// The time that the air and the estimator of the test share.
 struct Clock {
   std::atomic<Duration::rep> elapsed = 0;
   std::atomic<bool> explaining = false;  // then the estimator moves it, else the air
@@ -61,7 +61,7 @@ test::Recording crowd(int more) {
   return recording;
 }
 
-// Gives what the clock has come to.
+// Delivers the datagrams up to the time of the clock.
 class Air : public DatagramSource {
  public:
   Air(test::Recording recording, Clock& clock) : recording_(std::move(recording)), clock_(clock) {}
@@ -94,7 +94,7 @@ class Air : public DatagramSource {
   SourceCounters counters_;
 };
 
-// Takes its time, in which the air goes on.
+// Takes kEstimateTime for an estimate, during which the air continues.
 class BusyEstimator : public Estimator {
  public:
   BusyEstimator(Clock& clock, Rank device) : clock_(clock), device_(device) {}
@@ -102,7 +102,7 @@ class BusyEstimator : public Estimator {
   void estimate(const Burst& burst, Estimates& out) override {
     clock_.explaining = true;
     clock_.elapsed += kEstimateTime.count();
-    // What was on its way when the clock was moved is followed by two reads at the new time.
+    // After a read that was under way when the clock moved, two reads happen at the new time.
     const std::uint64_t reads = clock_.reads;
     while (clock_.reads < reads + 3 && !clock_.over) {
       std::this_thread::sleep_for(std::chrono::microseconds(50));
@@ -160,7 +160,7 @@ Outcome run(int more, Rank device, Overflow overflow = Overflow::kDropOldest) {
   return {estimator.of_device(), estimator.transmitters(), estimator.oldest(), counters};
 }
 
-// Its bursts of 200 ms, with nobody else.
+// The number of bursts of 200 ms of the device when no other one transmits.
 constexpr std::size_t kBurstsOfDevice = 30;
 
 TEST(Field, PipelineLocatesAListedDeviceInACrowdNearlyAsOftenAsAlone) {

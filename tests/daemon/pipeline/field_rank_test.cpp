@@ -1,4 +1,4 @@
-// Whose bursts come first, as the estimator of a real site says it.
+// Tests the priority of bursts that the estimator of a real site gives.
 #include <gtest/gtest.h>
 
 #include "daemon/pipeline/device_estimator.h"

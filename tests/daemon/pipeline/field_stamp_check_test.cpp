@@ -85,7 +85,7 @@ TEST(Field, HealthyStampsRaiseNoAlarm) {
     return Timestamp(std::chrono::floor<milliseconds>(time));
   };
   EXPECT_THAT(text_of(walk(3'000, microseconds(250), in_ms)), IsEmpty());
-  // Many devices at once are no device that stands still in time.
+  // Frames of many devices at one time are no frozen clock.
   auto crowd = walk(40, Duration(0), as_is);
   for (std::size_t i = 0; i < crowd.size(); ++i) {
     crowd[i].transmitter.octets[5] = static_cast<std::uint8_t>(i);

@@ -67,7 +67,7 @@ TEST(Field, APaceDoesNotWaitForAGap) {
   const std::size_t b = pace.join();
   const Timestamp begin(hours(1000));
   const auto origin = pace.due(a, begin);
-  // What the other one brings is not known yet.
+  // The time of the other recording's next datagram is not available yet.
   EXPECT_EQ(pace.due(a, begin + hours(1)) - origin, hours(1));
   EXPECT_EQ(pace.due(b, begin + milliseconds(500)) - origin, milliseconds(500));
   EXPECT_EQ(pace.due(a, begin + hours(1)) - origin, hours(1));
@@ -77,7 +77,7 @@ TEST(Field, APaceDoesNotWaitForAGap) {
   EXPECT_GE(next, before + hours(1));
   EXPECT_LE(next, Pace::Clock::now() + hours(1) + milliseconds(1000));
   EXPECT_EQ(next - pace.due(a, begin + hours(1)), hours(1));
-  // One that has ended holds nobody up.
+  // A recording that has ended delays no other.
   pace.leave(a);
   const auto alone = pace.due(b, begin + hours(2));
   EXPECT_LE(alone, Pace::Clock::now() + milliseconds(1000));

@@ -1,5 +1,5 @@
-// People without a device through the whole pipeline: what two fixed transmitters say of somebody
-// who stands in a simulated room for two seconds and leaves.
+// Tests device-free localization through the whole pipeline: two fixed transmitters detect a person
+// who stays in a simulated room for two seconds and leaves.
 #include "daemon/pipeline/person_estimator.h"
 
 #include <tbb/global_control.h>
@@ -62,7 +62,7 @@ struct Outcome {
     }
     return states;
   }
-  // When somebody was last seen of it.
+  // The last instant at which a measurement located the track.
   Timestamp last_seen(std::uint64_t track) const {
     Timestamp last{};
     for (const v1::Location& location : locations) {
@@ -131,8 +131,8 @@ class PeopleOfTwoTransmitters : public ::testing::Test {
          "--out",
          path("calibrated")});
     learn_the_empty_room();
-    // Somebody stands there for two seconds; then both fall silent, and time goes on by the frames
-    // of a device.
+    // A person stays there for two seconds; then both transmitters are silent, and the frames of a
+    // device advance the time.
     simulate("plug",
              kHeader + std::string("3000,3002,0.1,-0.1,0\n"),
              {"--transmitter", "plug", "--person", "--frames", "40"});
@@ -160,7 +160,7 @@ class PeopleOfTwoTransmitters : public ::testing::Test {
          "--out",
          path("people")});
   }
-  // Of this process: others run tests of this file at the same time.
+  // The folder of this process: other processes run tests of this file at the same time.
   static fs::path folder() {
     return fs::path(::testing::TempDir()) / ("person_estimator_" + std::to_string(::getpid()));
   }
@@ -185,7 +185,7 @@ class PeopleOfTwoTransmitters : public ::testing::Test {
   }
   static Outcome replay(std::size_t ring_frames, const std::shared_ptr<Pace>& pace) {
     PersonEstimator::Options options;
-    options.settings.values["person_cell_m"] = 0.1;  // enough to see somebody, and soon done
+    options.settings.values["person_cell_m"] = 0.1;  // fine enough to detect a person, and fast
     return replay(ring_frames, pace, options);
   }
   static Outcome replay(std::size_t ring_frames,
@@ -217,7 +217,7 @@ class PeopleOfTwoTransmitters : public ::testing::Test {
     return outcome;
   }
 
-  // Of a replay.
+  // The outcome of one replay, made once.
   static const Outcome& outcome() {
     static const Outcome kMade = replay(8192, nullptr);
     return kMade;
@@ -243,7 +243,7 @@ TEST_F(PeopleOfTwoTransmitters, AreLostOnceEach) {
             outcome().counters.used + outcome().counters.nobody + outcome().counters.unexplained +
                 outcome().counters.out_of_order + outcome().counters.unusable);
 
-  // At fixed times after somebody was seen, however the frames of others come.
+  // At fixed times after the last detection, independent of the times of other frames.
   EXPECT_EQ(plug[2].second, outcome().last_seen(1) + std::chrono::milliseconds(500));
   EXPECT_EQ(plug[3].second, outcome().last_seen(1) + std::chrono::milliseconds(5100));
   EXPECT_EQ(lamp[2].second, outcome().last_seen(2) + std::chrono::milliseconds(500));
@@ -258,7 +258,7 @@ TEST_F(PeopleOfTwoTransmitters, DependNeitherOnSpeedNorOnQueuesNorOnThreads) {
   EXPECT_EQ(replay(8192, nullptr).text, outcome().text);
 }
 
-// While somebody is tracked, snapshots are of the track; from when it is lost, of the next.
+// Until a track is lost, snapshots have its number; afterwards, that of the next track.
 TEST_F(PeopleOfTwoTransmitters, HaveTheNumbersOfTheirTracksInSnapshots) {
   for (const std::uint64_t number : {1U, 2U}) {
     const Timestamp lost = outcome().life(number).back().second;
@@ -280,7 +280,7 @@ TEST_F(PeopleOfTwoTransmitters, AreNeverOneTarget) {
   for (const v1::Location& location : outcome().locations) {
     by_number[location.target().track()].push_back(location);
   }
-  // While both see somebody, each says so under its own number, snapshots too.
+  // While both detect the person, each reports under its own number, snapshots too.
   for (const std::uint64_t number : {1U, 2U}) {
     const auto snapshots = static_cast<std::size_t>(std::count_if(
         by_number[number].begin(), by_number[number].end(), [](const v1::Location& location) {

@@ -1,5 +1,5 @@
-// The whole way from datagrams to locations, with an estimator that only describes its bursts: what
-// the stages between must keep is that nothing is lost or changed by speed, threads or queues.
+// Tests the path from datagrams to locations, with an estimator that only describes its bursts:
+// speed, threads and queues must neither lose nor change anything.
 #include "daemon/pipeline/pipeline.h"
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ namespace {
 
 const std::string kSite = test::data_path("/sites/meeting_room/");
 
-// Says of each burst which frames it had: any change of order or content changes the text.
+// Lists the frames of each burst: any change of order or content changes the text.
 class DescribingEstimator : public Estimator {
  public:
   void estimate(const Burst& burst, Estimates& out) override {
@@ -112,7 +112,7 @@ TEST(Pipeline, ReplayDependsNeitherOnSpeedNorOnQueues) {
   EXPECT_EQ(replay(8192, std::make_shared<Pace>(200.0)).locations, reference.locations);
 }
 
-// What is followed has an end that is told, and the sources are whose who comes next.
+// Reports the end of its tracks as an event with the reason.
 class EndingEstimator : public DescribingEstimator {
  public:
   void restart(const std::string& reason, Estimates& out) override {
@@ -204,7 +204,7 @@ TEST(Pipeline, LiveTakesTheNewestBurstAndCountsWhatItMerged) {
   EXPECT_EQ(counters.in_flight, 0U);
   EXPECT_EQ(counters.taken + pipeline.mailbox_counters()[0].dropped,
             pipeline.source_reports()[0].receiver.frames);
-  // The last one explained is the newest of the recording, and says that others came before.
+  // The burst explained last is the newest of the recording; heard_since covers those before.
   const Outcome all = replay(8192, nullptr, 1);
   // One that waits through a silence of more than three seconds is dropped instead.
   EXPECT_EQ(explained.size() + counters.bursts_merged + counters.bursts_dropped,

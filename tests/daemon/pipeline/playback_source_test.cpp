@@ -34,7 +34,7 @@ Expected<std::unique_ptr<DatagramSource>> open_recording(const std::string& file
   return std::unique_ptr<DatagramSource>(std::move(*opened));
 }
 
-// Notes the beginnings of bursts, and where it was told to begin anew.
+// Records the beginnings of bursts, separated at each restart.
 class NotingEstimator : public Estimator {
  public:
   void estimate(const Burst& burst, Estimates& /*out*/) override {
@@ -50,7 +50,7 @@ class NotingEstimator : public Estimator {
     EXPECT_EQ(reason, "the recording was moved to another place");
     parts_.emplace_back();
   }
-  // Of each place, one after the other.
+  // The beginnings of bursts at each place, one place after the other.
   std::vector<std::vector<Timestamp>> parts() const {
     const std::lock_guard lock(mutex_);
     return parts_;

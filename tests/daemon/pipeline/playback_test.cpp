@@ -20,7 +20,7 @@ class PlaybackTest : public ::testing::Test {
         {{kBegin, kBegin + seconds(60)}}, speed, seconds(1), seconds(10), [this] { return now_; }});
     EXPECT_EQ(due(kBegin), speed ? seconds(0) : seconds(60));
   }
-  // Until where a source that waits for `next` may give out, after the beginning.
+  // How far after the beginning a source that waits for `next` may deliver.
   Duration due(Timestamp next) {
     return playback_->wait_for(next, playback_->place().number, now_) - kBegin;
   }
@@ -51,7 +51,7 @@ TEST_F(PlaybackTest, AMoveBeginsEarlierAndGivesWhatLeadsThereAtOnce) {
   EXPECT_EQ(playback_->place().number, 1U);
   EXPECT_EQ(playback_->place().from, kBegin + seconds(29));
   EXPECT_EQ(due(kBegin + seconds(29)), seconds(30));
-  // Who is still at the place before gets nothing more of it.
+  // A source that is still at the previous place receives nothing more of it.
   EXPECT_EQ(playback_->wait_for(kBegin, 0, now_), Timestamp::min());
   EXPECT_EQ(playback_->state().moves, 1U);
 }

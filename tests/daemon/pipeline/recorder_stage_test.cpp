@@ -36,7 +36,7 @@ class RecorderStageTest : public ::testing::Test {
     stage.tap(datagrams);
   }
 
-  // Of the one recording that there is.
+  // The counters of the only recording.
   SourceCounters recorded() const {
     const std::filesystem::directory_iterator file(folder_);
     const auto source = PcapFileSource::open(file->path().string()).value();

@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-// What a recording gives.
+// The content of a recording.
 struct Recorded {
   std::vector<std::int64_t> times;  // microseconds
   std::uint64_t gaps = 0;
@@ -44,7 +44,7 @@ Recorded read_back(const fs::path& file) {
   return all;
 }
 
-// A folder of its own, and a recorder whose time and disk the test has in its hand.
+// A separate folder, and a recorder whose time and disk space the test controls.
 class Recordings {
  public:
   Recordings() { fs::remove_all(folder_); }
@@ -131,7 +131,7 @@ TEST_F(RotatingRecorderTest, RotatesBySizeAndByAge) {
 TEST_F(RotatingRecorderTest, SaysWhenAFileCannotGetItsName) {
   auto recorder = open({.rotate_bytes = 2500});
   write(*recorder, 3);
-  fs::create_directory(folder_ / "ap1-20251121T140509Z.pcap");  // somebody's
+  fs::create_directory(folder_ / "ap1-20251121T140509Z.pcap");  // of another program
   passed_ += std::chrono::seconds(1);
   write(*recorder, 1);  // into the second
   EXPECT_THAT(recorder->counters().error,
@@ -151,7 +151,7 @@ TEST_F(RotatingRecorderTest, KeepsTheTotalByRemovingTheOldest) {
   for (const std::string& name : names()) {
     total += fs::file_size(folder_ / name);
   }
-  EXPECT_LT(total, 20'000U + 5 * 1100);  // what comes between two looks
+  EXPECT_LT(total, 20'000U + 5 * 1100);  // written between two checks
   EXPECT_GT(total, 14'000U);
   EXPECT_GT(recorder->counters().removed, 10U);
   EXPECT_EQ(read(names().back()).times.back(), 99) << "the newest are there";
@@ -161,7 +161,7 @@ TEST_F(RotatingRecorderTest, StopsWithTooLittleRoomAndMarksWhatIsMissing) {
   auto recorder = open({.min_free_bytes = 1'000'000});
   write(*recorder, 2);
   free_ = 999'999;
-  write(*recorder, 1);  // the disk is looked at once a second
+  write(*recorder, 1);  // the free space is checked once a second
   passed_ += std::chrono::seconds(1);
   write(*recorder, 40);
   EXPECT_TRUE(recorder->counters().stopped);
@@ -202,7 +202,7 @@ TEST_F(RotatingRecorderTest, BeginsStoppedOnAFullDiskAndGoesOnByItself) {
   EXPECT_EQ(all.unrecorded, 5U);
 }
 
-// A limit on the length of files, as a disk that is full before anybody looked.
+// A limit on the length of files acts as a disk that became full between two checks.
 TEST_F(RotatingRecorderTest, MarksWhatADiskRefused) {
   std::signal(SIGXFSZ, SIG_IGN);
   rlimit before{};
@@ -215,7 +215,7 @@ TEST_F(RotatingRecorderTest, MarksWhatADiskRefused) {
   write(*recorder, 3);
   EXPECT_THAT(recorder->counters().error, HasSubstr("cannot be written"));
   EXPECT_EQ(recorder->counters().lost, 3U);
-  // The mark itself fits: it says so at the end.
+  // The mark itself fits: it is written at the end.
   recorder.reset();
   const Recorded all = read("ap1-20251121T140509Z.pcap");
   EXPECT_THAT(all.times, ElementsAre(0, 1));
@@ -247,8 +247,8 @@ TEST_F(RotatingRecorderTest, WhatItWritesIsNoLeftover) {
   EXPECT_EQ(repair_recording(part, Timestamp{})->result, RecordingRepair::Result::kInUse);
 }
 
-// Something keeps the recorder from beginning, until `mend`: nothing of two batches is recorded,
-// which is counted and said, and all goes well a second later.
+// The recorder cannot begin until `mend`: the datagrams of two batches are lost, which is counted
+// and reported, and recording begins a second later.
 void expect_to_begin_after(Recordings& all,
                            const std::function<void()>& mend,
                            const std::string& said) {

@@ -1,5 +1,5 @@
-// What a pipeline states of devices when a receive chain of the only access point has turned, until
-// it is learned: a simulated room, its survey and a device on other places.
+// Tests the estimates of devices after the phase of a receive chain of the only access point has
+// changed, until it is learned: a simulated room, its survey and a device at other places.
 #include <unistd.h>
 
 #include <cmath>
@@ -134,7 +134,7 @@ TEST_F(TurnedChains, AreNotBelievedUntilTheyAreLearnedAndThenKept) {
       coarse += snapshot.position ? 1 : 0;
       const Vec3d truth = spots.points[static_cast<std::size_t>(i)].point.position;
       held += region_reaching(snapshot, truth).value_or(0.0) < 0.95 ? 1 : 0;
-      // Without the phases there is a coarse fix, or none; either says why.
+      // Without the phases the fix is coarse or missing; both state the reason.
       const std::string& why = snapshot.position ? snapshot.warnings.at(0) : snapshot.reason;
       EXPECT_NE(why.find("learning the chains of ap1: "), std::string::npos) << why;
       EXPECT_GT(snapshot.time, burst.first);
@@ -155,7 +155,7 @@ TEST_F(TurnedChains, AreNotBelievedUntilTheyAreLearnedAndThenKept) {
   EXPECT_TRUE(estimator->calibration_warnings().empty());
   EXPECT_LT(learning, (kBursts - kJumpAt) / 2);
 
-  // The next program begins with what this one learned, whatever happened to its recording.
+  // The next program begins with the chains learned here, also after a move of its recording.
   options.chains = {path("chains.json"), ""};
   const auto next = DeviceEstimator::create(site, options).value();
   Estimates moved;

@@ -1,4 +1,4 @@
-// Whoever goes on in the place of another says what the other would have said, burst by burst.
+// A pipeline that continues another one reports the same results, burst by burst.
 #include "daemon/pipeline/warm/warm_start.h"
 
 #include <string>
@@ -24,7 +24,7 @@ using std::chrono::milliseconds;
 const std::string kSite = test::data_path("/sites/meeting_room/");
 constexpr Timestamp kStart{std::chrono::seconds(1'718'000'000)};
 
-// Says of each burst all that it is made of, at its beginning and at its end.
+// Lists all frames of each burst, at its beginning and at its end.
 class DescribingEstimator : public Estimator {
  public:
   void estimate(const Burst& burst, Estimates& out) override {
@@ -124,7 +124,7 @@ TEST_P(WarmStartOf, GoesOnWithTheSameBursts) {
       EXPECT_EQ(start->from, whole.records[i].done);
       const Writer after = replay(GetParam(), *start, milliseconds(230));
       EXPECT_EQ(after.lines, from(start->from, whole.lines)) << i;
-      // The successor's successor would be told the same. Several records may have one `done`.
+      // The next successor would receive the same records. Several records may have one `done`.
       EXPECT_EQ(text_behind(start->from, after.records), text_behind(start->from, whole.records))
           << i;
     }
@@ -172,7 +172,7 @@ TEST(WarmStart, ListensFromBeforeTheLongestSilence) {
   EXPECT_EQ(people[0].moment, records[13].done);
   records.back().heard = kStart + std::chrono::seconds(15);
   EXPECT_EQ(begin(), kStart + std::chrono::seconds(10));
-  // All of it where nobody knows what was open so early.
+  // The whole recording where no record states the open bursts of that time.
   records.back().heard = kStart + std::chrono::seconds(4);
   EXPECT_EQ(begin(), Timestamp::min());
 }

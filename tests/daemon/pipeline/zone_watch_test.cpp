@@ -219,7 +219,7 @@ TEST(FillZones, AddsTheHypothesesAndLeavesTheRestOutside) {
   EXPECT_TRUE(location.zones.empty());  // NO_FIX
 }
 
-// Whatever the moment: who is told of the stays decides as the one before would have.
+// At any moment, a successor that receives the stays decides as its predecessor would have.
 TEST(ZoneWatch, ASuccessorGoesOnWithTheStays) {
   std::mt19937 random(5);
   std::vector<Location> sightings;
@@ -248,7 +248,7 @@ TEST(ZoneWatch, ASuccessorGoesOnWithTheStays) {
   for (double moment = 0.05; moment < 60.0; moment += 3.7) {
     ZoneWatch first(zones(2));
     for (const Location& sighting : sightings) {
-      if (sighting.estimate.time < at(moment + 0.3)) {  // some that nobody has decided by
+      if (sighting.estimate.time < at(moment + 0.3)) {  // some are undecided then
         first.see(sighting);
       }
     }

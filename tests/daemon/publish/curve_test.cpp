@@ -1,4 +1,4 @@
-// Who gets in: CURVE over real sockets, and everything that is no handshake.
+// Tests the access control: CURVE over real sockets, and everything that is no handshake.
 #include <sys/stat.h>
 
 #include <atomic>

@@ -1,4 +1,4 @@
-// Messages without an end, to both of our sockets: bounded, counted, and who sends them cut off.
+// Messages without an end, to both of our sockets: bounded, counted, and their senders cut off.
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -98,7 +98,7 @@ TEST(Field, EndlessMessagesThroughCurveAreCutOffAsWell) {
                                    CurveClientKeys{server.public_key, client}));
 }
 
-// What is long and has an end: many requests, and many subscriptions at once.
+// Long transfers with an end: many requests, and many subscriptions at once.
 TEST(Field, MessagesWithAnEndAreNeverCutOff) {
   const GuardedDaemon daemon({});
   zmq::context_t context;
@@ -193,20 +193,20 @@ TEST(Field, InboundWatchCountsWhatHasNoEnd) {
   const Connected two;
   const Connected three;
   const Connected four;
-  // Messages that reach us before we hear of their connection do not count either.
+  // Messages that arrive before the event of their connection do not count either.
   three.send(4000);
   watch.delivered(three.watched(), 4000);
   for (const Connected* connection : {&one, &two, &three}) {
     watch.accepted(0, connection->watched(), begin);
   }
-  // What belongs to whole messages does not count.
+  // Bytes of whole messages do not count.
   one.send(2000);
   watch.delivered(one.watched(), 2000);
   two.send(5000);
   watch.delivered(two.watched(), 5000);
   watch.look(begin);
   EXPECT_EQ(watch.cut_off(), 0U);
-  // Nor do signs of life; what was not sent is no credit.
+  // Nor do signs of life; bytes that were not sent give no credit.
   one.send(1000);
   two.send(400);
   watch.look(begin + 50s);
@@ -230,7 +230,7 @@ TEST(Field, InboundWatchCountsWhatHasNoEnd) {
   EXPECT_FALSE(watch.empty());
   watch.gone(0, three.watched());
   EXPECT_TRUE(watch.empty());
-  // Too many subscriptions are, also those before we hear of the connection.
+  // Too many subscriptions do, also those before the event of the connection.
   const Connected eager;
   for (int i = 0; i < 20; ++i) {
     watch.subscribed(eager.watched(), std::to_string(i), true);

@@ -58,7 +58,7 @@ TEST(GapDetector, HeartbeatsShowLossOnSilentTopics) {
   const auto gaps = detector.add("v1/heartbeat/s/", heartbeat);
   ASSERT_EQ(gaps.size(), 1U);
   EXPECT_EQ(gaps[0].lost, 2U);
-  // Told once.
+  // Reported once.
   EXPECT_TRUE(detector.add("v1/location/s/a/", numbered(1, 43)).empty());
 }
 

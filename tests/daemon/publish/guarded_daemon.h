@@ -1,4 +1,4 @@
-// A publisher and a snapshot server behind one guard, which say something all the time.
+// A publisher and a snapshot server behind one guard; a heartbeat is published every millisecond.
 #pragma once
 
 #include <atomic>

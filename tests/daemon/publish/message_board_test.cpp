@@ -89,7 +89,7 @@ TEST_F(MessageBoardTest, LeavesChannelsOut) {
   EXPECT_THAT(after(0), IsEmpty());
 }
 
-// Where somebody was, as those who look at the board ask for it.
+// Tests where and how long targets were present, as readers of the board request it.
 class PresenceTest : public ::testing::Test {
  protected:
   void put(std::uint64_t track,

@@ -90,7 +90,7 @@ INSTANTIATE_TEST_SUITE_P(Transport, PublisherOver, ::testing::Values("tcp", "ipc
 TEST(Publisher, NumbersEachTopicFromOne) {
   auto publisher = Publisher::bind(on_loopback());
   ASSERT_TRUE(publisher) << publisher.error().message;
-  // Published before anybody listens: counted, so that who comes later knows that it came later.
+  // Published before any subscription, and counted: a later subscriber detects the missed message.
   publisher->publish(location_of("a"), kNow);
   auto subscriber = Subscriber::connect(publisher->endpoint(), {"v1/"});
   wait_for_subscriptions(*publisher, 1);

@@ -21,10 +21,10 @@ using namespace std::chrono_literals;
 constexpr int kTargets = 5;
 constexpr auto kPatience = 30s;
 
-// A publisher that says something of five targets as fast as every 200 us, and heartbeats.
+// A publisher of locations of five targets, one each 200 us at most, and of heartbeats.
 class BusyPublisher {
  public:
-  // Where it was before, and as another start, when they are stated.
+  // At the endpoints of an earlier instance, and with another epoch, if stated.
   explicit BusyPublisher(const std::string& endpoint = "tcp://127.0.0.1:*",
                          const std::string& snapshot = "tcp://127.0.0.1:*",
                          std::uint64_t epoch = 77)

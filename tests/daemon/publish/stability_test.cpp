@@ -37,11 +37,11 @@ pb::FileDescriptorSet released() {
   return set;
 }
 
-// What this build publishes.
+// The definitions of the messages that this build publishes.
 pb::FileDescriptorSet current() {
   pb::FileDescriptorSet set;
-  // They reach every file: the reply holds envelopes, and those hold all bodies. What machines tell
-  // each other, and what one pipeline carries over to the next, are no bodies.
+  // These files depend on all others: the reply contains envelopes, and those contain all bodies.
+  // Batches of a cluster and the carried state of a pipeline are no bodies.
   std::vector<const pb::FileDescriptor*> files{v1::SnapshotReply::descriptor()->file(),
                                                v1::Carried::descriptor()->file(),
                                                v1::CsiBatch::descriptor()->file()};

@@ -60,7 +60,7 @@ std::optional<std::uint32_t> object_named(const Scene& scene, const std::string&
   return std::nullopt;
 }
 
-// Of all surfaces of the object [m^2].
+// The area of all surfaces of the object [m^2].
 double area_of(const Scene& scene, const std::string& name) {
   double area = 0.0;
   for (std::uint32_t i = 0; i < scene.surfaces().size(); ++i) {
@@ -228,7 +228,7 @@ TEST(RoomSite, IsASiteOnceAnAccessPointIsNamed) {
   const auto lacking = parse_site(text, "site.toml");
   ASSERT_FALSE(lacking);
   EXPECT_NE(lacking.error().message.find("the file lacks 'access_point'"), std::string::npos);
-  // What the comment says to write is right: without its '#' only the scene file is missing here.
+  // The instructions of the comment are right: without its '#' only the scene file is missing here.
   std::string uncommented = text;
   for (std::size_t at = 0; (at = uncommented.find("\n# [", at)) != std::string::npos;) {
     uncommented.erase(at + 1, 2);
@@ -280,7 +280,7 @@ TEST(RoomSite, AccessPointsAndCarrierComeBackAsStated) {
       "[[access_point.antenna]]\ncore = 0\noffset = [0, 0.1, 0]\n";
   const auto plan = parse_room_plan(room_text() + stated, kRoomFile);
   ASSERT_TRUE(plan) << plan.error().message;
-  // scene.xml of the meeting room stands for the one that would be beside it.
+  // scene.xml of the meeting room replaces the one that would be beside it.
   const auto site = parse_site(room_site(*plan), test::data_path("/sites/meeting_room/site.toml"));
   ASSERT_TRUE(site) << site.error().message;
   EXPECT_EQ(site->name, "office");

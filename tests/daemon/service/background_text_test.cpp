@@ -1,4 +1,4 @@
-// What takes long is made once at a time, and nobody waits for it.
+// A text that takes long is computed once at a time, and no request waits for it.
 #include "daemon/live_map/background_text.h"
 
 #include <atomic>
@@ -26,14 +26,14 @@ TEST(BackgroundText, IsThereAtOnceAndRenewedForWhoAsksNext) {
       "none");
   EXPECT_EQ(text.ask(), "none");
   ASSERT_TRUE(eventually(kPatience, [&] { return made == 1; }));
-  // While the first is being made nobody waits for it, and no second one is begun.
+  // While the first is computed, no request waits for it, and no second computation begins.
   for (int i = 0; i < 100; ++i) {
     EXPECT_EQ(text.ask(), "none");
   }
   EXPECT_EQ(made, 1);
   EXPECT_FALSE(text.idle());
   release.set_value();
-  // All who asked meanwhile together get one more.
+  // All requests in the meantime cause one more computation together.
   ASSERT_TRUE(eventually(kPatience, [&] { return made == 2; }));
   EXPECT_TRUE(eventually(kPatience, [&] { return text.ask() >= "2"; }));
   EXPECT_TRUE(eventually(kPatience, [&] { return text.idle(); }));

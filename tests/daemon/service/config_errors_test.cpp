@@ -1,4 +1,4 @@
-// What raylocd's configuration says when it is wrong: the exact place, and what to write instead.
+// Tests the errors of a wrong configuration of raylocd: the exact place, and what to write instead.
 #include <fstream>
 
 #include <gmock/gmock.h>

@@ -35,7 +35,7 @@ class ConfigFiles : public ::testing::Test {
     std::ofstream(folder_ / name) << text;
     return folder_ / name;
   }
-  // What loading says, the folder taken out.
+  // The error of loading the file, without the folder in its paths.
   std::string errors(const fs::path& file) const {
     const Expected<DaemonConfig> config = load_config(file);
     return config

@@ -233,7 +233,7 @@ TEST(DaemonSetup, ReportsTheErrorsOfBothFiles) {
   EXPECT_THAT(setup.error().message, HasSubstr(":1:8: 'name' is an integer"));
 }
 
-// The example with every commented key in place, as somebody would write it.
+// The example with every commented key enabled, as an operator would write it.
 std::string example_with_every_key() {
   return std::regex_replace(config_example(), std::regex("(^|\n)#([a-z])"), "$1$2");
 }
@@ -277,7 +277,7 @@ TEST(ConfigExample, IsValidAndHoldsTheDefaults) {
 
 TEST(ConfigExample, StatesEveryKeyWithAValueThatIsAccepted) {
   std::string text = example_with_every_key();
-  // Of the three kinds only one can be tried at a time.
+  // A source has one kind, so each of the three is tried separately.
   for (const ConfigOption& option : config_options()) {
     EXPECT_THAT(text, HasSubstr("\n" + std::string(option.key) + " = ")) << option.key;
     EXPECT_FALSE(option.description.empty()) << option.key;

@@ -85,7 +85,7 @@ Site make_site(const fs::path& folder) {
   return site;
 }
 
-// At 1 m/s along x, heard every 5 ms.
+// A walk at 1 m/s along x, with a frame every 5 ms.
 Burst walk(const RoomModel& room, double from_x, Timestamp begin) {
   Burst burst;
   burst.transmitter = made(parse_mac_address(kDevice));
@@ -104,7 +104,7 @@ Burst walk(const RoomModel& room, double from_x, Timestamp begin) {
   return burst;
 }
 
-// What an access point heard of a burst, as the map draws it: of mean square 1.
+// The amplitudes of a burst at an access point, as the map draws them: of mean square 1.
 std::vector<double> amplitudes(const RoomModel& room, std::size_t index, const Burst& burst) {
   const RoomAccessPoint& ap = room.access_points[index];
   auto heard =
@@ -194,7 +194,7 @@ TEST(Field, NoChannelIsShownOfAnotherTime) {
   channel.estimator().restart("the recording was moved to another place", none);
   EXPECT_TRUE(channel.shown().empty()) << "of before the move";
 
-  // Nobody asks for as long as a hundred bursts take.
+  // No request arrives for as long as a hundred bursts take.
   ChannelWatch watch;
   const auto add = [&](const std::string& target) {
     if (watch.is_wanted()) {

@@ -1,4 +1,4 @@
-// What goes on from one start of a site to the next, and what does not.
+// Sources that pass from one start of a site to the next, and those that are closed.
 #include "daemon/service/sources/handed_sources.h"
 
 #include <array>

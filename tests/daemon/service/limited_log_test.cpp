@@ -114,7 +114,7 @@ TEST(LossWatch, KnowsEveryStage) {
                                               "log_dropped"));
 }
 
-// Sites share the publisher: none of them says what it lost.
+// Sites share the publisher: the log of a site reports none of its losses.
 TEST(LossWatch, OfASiteSaysNothingOfWhatIsShared) {
   Written written;
   LossWatch watch(std::make_shared<LimitedLog>(written.write()), "site 'office': ");

@@ -1,4 +1,4 @@
-// What `rayloc doctor` finds of ports and secrets; the rest depends on the machine.
+// Tests findings of `rayloc doctor` on ports and secrets; the others depend on the machine.
 #include "daemon/machine/machine_check.h"
 
 #include <arpa/inet.h>

@@ -1,5 +1,5 @@
-// What a viewer of the map is told: everything, then what changes, and after a lost connection what
-// it missed.
+// Tests the events for a viewer of the map: a snapshot, then updates, and after a lost connection
+// the missed messages.
 #include "daemon/live_map/map_events.h"
 
 #include <gmock/gmock.h>
@@ -86,7 +86,7 @@ TEST_F(MapEventsTest, ResumeWhereAViewerWas) {
 
 TEST_F(MapEventsTest, BeginAnewForWhomTheyDoNotKnow) {
   say("a");
-  // Of another start, of the future, no id at all.
+  // Ids of another start, of the future, and invalid ones.
   for (const char* id : {"6-1", "7-2", "7-", "7-x", "7--1", "7-99999999999999999999", "garbage"}) {
     EventCursor again;
     again.last_event_id = id;

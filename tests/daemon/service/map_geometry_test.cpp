@@ -1,4 +1,4 @@
-// What the map is told of a place, for the bundled site.
+// Tests the geometry of a site that the map receives, for the bundled site.
 #include "daemon/live_map/map_geometry.h"
 
 #include <filesystem>

@@ -1,4 +1,4 @@
-// What may be asked of the playback of recordings, and what is said of the rest.
+// Tests the accepted requests to a playback of recordings, and the errors of the others.
 #include "daemon/live_map/playback_control.h"
 
 #include <gmock/gmock.h>

@@ -59,7 +59,7 @@ TEST(Field, EverybodyIsToldWhyLessIsLocatedOrRecorded) {
   health.saturated = {"frames were dropped"};
   health.overloaded = {"too many bursts"};
   health.recording_errors = {"the disk is full"};
-  health.reload_failed = true;  // of no concern to who looks at the map
+  health.reload_failed = true;  // irrelevant to viewers of the map
   EXPECT_EQ(warnings_for_everybody(health),
             (std::vector<std::string>{"not calibrated",
                                       "no people",

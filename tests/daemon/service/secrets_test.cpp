@@ -92,7 +92,7 @@ TEST_F(Secrets, EachThatCannotBeUsedIsNamedWithTheReason) {
   config.privacy.key_file = config.http.token_file;
   config.curve.enabled = false;
   EXPECT_TRUE(check_secrets(config)) << check_secrets(config).error().message;
-  // What is switched off is not looked at.
+  // Secrets of a disabled section are not read.
   config.http.enabled = false;
   config.http.token_file = folder_ / "none";
   EXPECT_TRUE(check_secrets(config));

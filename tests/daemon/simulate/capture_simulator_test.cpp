@@ -252,7 +252,7 @@ TEST(CaptureSimulator, LosesTheStatedShareOfDatagramsAndCountsThem) {
   EXPECT_NEAR(static_cast<double>(capture.lost), 300.0, 3 * 15.5);
 }
 
-// Behind the walls nothing is heard: noise at the floor, and no path.
+// Outside the walls the access point receives no path: noise at the floor alone.
 TEST(CaptureSimulator, CountsNoPathFromOutsideOfTheRoom) {
   const RoomModel room = test::make_room();
   CaptureSimulator simulator(room, 0, options_with(default_impairments()));

@@ -32,7 +32,7 @@ RoomModel room_with(const ModelError& error) {
   return room;
 }
 
-// Of many draws: the mean of each value, and the covariance of some with the first of the antenna.
+// Statistics of many draws: mean and variance of each value, covariances of the first antenna.
 struct Moments {
   std::vector<Value> mean;
   std::vector<double> variance;
@@ -81,7 +81,7 @@ std::vector<Ray> rays_of_room(const RoomModel& room) {
       PathTracer(room.scene, room.trace), room, room.access_points[0].array, kPlace);
 }
 
-// What is drawn about the same paths, traced to each element.
+// Without errors a draw is the channel that is traced to each element.
 TEST(ChannelDraw, WithoutErrorsIsTheTracersChannel) {
   const RoomModel room = room_with(kExact);
   const auto h = ChannelDraw(room, 0, RandomStream(1)).at({kPlace, {}}, room.grid);
@@ -189,8 +189,8 @@ TEST(ChannelDraw, ASeedGivesTheSameAndAPlaceBehindAWallNothing) {
   EXPECT_EQ(outside.h, std::vector<Value>(outside.h.size()));
 }
 
-// What is drawn is what the likelihood means: then the regions that a fix states hold the truth as
-// often as they say (Talts et al., Validating Bayesian inference algorithms with simulation-based
+// Draws follow the model of the likelihood: the regions of the fixes then contain the truth as
+// often as stated (Talts et al., Validating Bayesian inference algorithms with simulation-based
 // calibration, 2018).
 TEST(ChannelDraw, IsWhatALocalizerTakesItToBe) {
   ModelError error;

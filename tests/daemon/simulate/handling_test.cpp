@@ -167,7 +167,7 @@ TEST(Handling, DependsOnTheSeedAndAPointMoreLeavesTheOthers) {
   EXPECT_EQ(handled(spots(1), {})[0].position, spots(1)[0].position);
 }
 
-// What is recorded is the channel of a device that leans and sends as the spot says.
+// The recording contains the channel of a device at the spot's orientation and power.
 TEST(Handling, ReachesTheChannel) {
   const RoomModel room = test::make_room();
   const auto tones = [&](const SimulatedSpot& spot) {

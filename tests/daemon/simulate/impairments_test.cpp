@@ -26,7 +26,7 @@ TEST(Impairments, AnEmptyFileMeansTheDefaults) {
   }
 }
 
-// Whatever is in the table can be read, and is stored where it is written from.
+// Every key of the table is read back into the member from which its text was written.
 TEST(Impairments, EveryKeyReadsBackTheTextThatIsWritten) {
   Impairments stated = no_impairments();
   std::string text;

@@ -1,5 +1,5 @@
-// Each impairment alone, against what its key says. The tones are turned back here by hand: at 40
-// MHz 802.11 multiplies those at and above the centre by j.
+// Tests each impairment alone, against the definition of its key. The test derotates the tones
+// itself: at 40 MHz 802.11 multiplies those at and above the centre by j.
 #include "daemon/simulate/radio.h"
 #include "engine/base/constants.h"
 

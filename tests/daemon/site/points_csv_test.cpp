@@ -91,7 +91,7 @@ TEST(PointsCsv, ErrorsNameFileLineAndColumn) {
 
 const std::string kHeader = "t_start,t_end,x,y,z\n";
 
-// What people's programs make of one survey.
+// One survey as several spreadsheet programs write it.
 TEST(Field, PointsOfEverySpreadsheetAreThoseOfTheSurvey) {
   for (const char* text :
        {"\"t_start\",\"t_end\",\"x\",\"y\",\"z\"\n\"10.5\",\"11\",\"-1.54\",\"2\",\"1.2\"\n",

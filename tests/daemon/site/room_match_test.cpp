@@ -177,7 +177,7 @@ TEST(Field, RoomWithAnotherOriginNamesTheWayToMoveIt) {
               HasSubstr("move it by -500.000, -700.000, -520.000 m"));
 }
 
-// Where no wall is at the sides of [bounds], nothing can be told from them.
+// Without a wall at the sides of [bounds], they give no evidence on unit or axes.
 TEST(Field, RoomInAHallIsSilent) {
   const auto hall = scene_of(room_of({20, 15, 6}), as_it_is);
   Site corner = office_site();
@@ -188,7 +188,7 @@ TEST(Field, RoomInAHallIsSilent) {
   EXPECT_EQ(found(*hall, &corner), "");
 }
 
-// [bounds] may be any part of the room: what is inside of it says nothing of its unit.
+// [bounds] may be any part of the room: bounds inside of it give no evidence on its unit.
 TEST(Field, RoomThatHoldsTheBoundsIsNeverRefused) {
   const auto scene = scene_of(room_of(kOffice), as_it_is);
   std::mt19937_64 random(25);

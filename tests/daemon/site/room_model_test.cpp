@@ -104,7 +104,7 @@ TEST_F(RoomModelTest, OfACopyIsThatOfTheOriginalWithItsCalibration) {
               1e-12);
 }
 
-// A calibration holds what was true of the site when it was made; what the site says now counts.
+// The calibration states the levels; the site now states which transmitters are constant.
 TEST_F(RoomModelTest, BelievesLevelsOfTransmittersThatTheSiteSaysAreConstant) {
   const auto site = load_site(kSite);
   ASSERT_TRUE(site);
@@ -120,7 +120,7 @@ TEST_F(RoomModelTest, BelievesLevelsOfTransmittersThatTheSiteSaysAreConstant) {
   auto stated = load_site(folder_);
   ASSERT_TRUE(stated) << stated.error().message;
 
-  const auto silent = load_room_model(*stated);  // as is: constant_power is nowhere stated
+  const auto silent = load_room_model(*stated);  // constant_power is not stated
   ASSERT_TRUE(silent) << silent.error().message;
   for (const RoomAccessPoint& ap : silent->access_points) {
     EXPECT_TRUE(ap.levels.empty()) << ap.id;

@@ -1,4 +1,4 @@
-// What site.toml says when it is wrong: the exact place, and what to write instead.
+// Tests the errors of a wrong site.toml: the exact place, and what to write instead.
 #include <array>
 
 #include <gmock/gmock.h>
@@ -19,7 +19,7 @@ struct Case {
   const char* from;   // replaced in the text ...
   const char* to;     // ... by this
   const char* begin;  // how the message begins
-  const char* hint;   // what else it says
+  const char* hint;   // what else it contains
 };
 
 class SiteError : public ::testing::TestWithParam<Case> {};

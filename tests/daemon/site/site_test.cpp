@@ -133,7 +133,7 @@ TEST(Site, HeightIsUnknownUnlessItIsStated) {
   ASSERT_TRUE(unstated) << unstated.error().message;
   EXPECT_EQ(unstated->targets.height_sigma, 0.3);
   EXPECT_EQ(unstated->transmitters[0].height_sigma, 0.3);
-  // The text ends with [targets]; a tag of known height says so.
+  // The text ends with [targets]; the deviation of a tag of known height is stated as 0.
   const Expected<Site> stated = parse_site(
       site_text("height_m = 1.1", "height_m = 1.1\nheight_sigma_m = 0") + "height_sigma_m = 0.2\n",
       kSiteFile);

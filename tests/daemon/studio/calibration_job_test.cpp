@@ -1,5 +1,5 @@
-// A program beside ours: what it is told of, and that it ends with us. The calibration itself is a
-// process of `rayloc` (tests/e2e/map_test.py, first-hour).
+// Tests a child process: its output, its status, and that it ends with its parent. The calibration
+// itself is a process of `rayloc` (tests/e2e/map_test.py, first-hour).
 #include "daemon/studio/calibration_job.h"
 
 #include <unistd.h>

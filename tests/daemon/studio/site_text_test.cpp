@@ -1,4 +1,4 @@
-// What a person wrote stays as it is but for what was changed.
+// An edit changes the edited values and leaves all other text of a file as it is.
 #include "daemon/studio/site_text.h"
 
 #include <gmock/gmock.h>
@@ -141,7 +141,7 @@ TEST_F(SiteTextTest, KeepsLineEndsOfWindows) {
             "[[zone]]\r\nname = \"b\"\r\npolygon = [[0, 0], [1, 0], [1, 1]]\r\n");
 }
 
-// In braces what is there can be changed; more cannot be said.
+// In braces, values can be changed; nothing can be added or removed.
 TEST_F(SiteTextTest, RefusesWhatItCannotWriteInPlace) {
   const std::string text = "zone = [{name = \"a\", polygon = [[0, 0], [1, 0], [1, 1]]}]\n";
   auto draft = read_site_text(text, "site.toml").value();

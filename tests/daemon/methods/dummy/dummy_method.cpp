@@ -1,5 +1,5 @@
-// The row `dummy`, of tests alone: every device is in the middle of the room. No file of the
-// product knows it.
+// The method `dummy`, for tests alone: it places every device in the middle of the room. No file of
+// the product refers to it.
 #include <utility>
 
 #include "daemon/methods/device_method.h"
