@@ -178,7 +178,7 @@ ScatteredPatch PersonLikelihood::patch(const ScatteredRays& rays,
       const double turn_x = ray.slope_x.imag();
       const double turn_y = ray.slope_y.imag();
       const double turn = turn_x * turn_x + turn_y * turn_y;  // [rad^2/m^2]
-      // A front that is nearer by d is equivalent to a body that stands nearer by d.
+      // A front that is nearer by d is equivalent to a body that is nearer by d.
       const double unknown = -std::expm1(-front_sigma * front_sigma * turn);
       add_samples(ray, std::sqrt(1.0 - unknown) * field, s, plan, {sample.data() + m * q, size});
       const double power = std::norm(field);

@@ -151,7 +151,7 @@ PersonObservation PersonLocalizer::Impl::hear(std::span<const CsiFrame> frames) 
   return observation;
 }
 
-// Cells where a person can stand, clear of the others.
+// Cells that a person can occupy, clear of the others.
 std::vector<std::size_t> PersonLocalizer::Impl::clear_cells(const PersonContext& context) const {
   const RoomGrid& grid = squares_.standing.grid;
   const TargetBody& body = reference_.person.body;

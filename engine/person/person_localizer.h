@@ -56,7 +56,7 @@ struct PersonContext {
   // these people only.
   std::span<const PersonSample> others{};
   std::optional<PersonSample> about{};  // only within 0.3 m of it
-  // Cells to evaluate instead, where a person can stand, and a sample of cells that represents the
+  // Cells to evaluate instead, which a person can occupy, and a sample of cells that represents the
   // rest of the room; empty: the whole room.
   std::span<const std::size_t> cells{};
   std::span<const std::size_t> sample{};
@@ -64,15 +64,15 @@ struct PersonContext {
 
 // Evidence of a burst on a person's place.
 struct PersonMap {
-  // For every cell, tempered, relative to the null model (no person there); far below 0 where no
-  // person can stand and in cells that were not evaluated.
+  // For every cell, tempered, relative to the null model (no person there); far below 0 in cells
+  // that no person can occupy and in cells that were not evaluated.
   std::vector<double> log_likelihood;
   // The evaluated cells if PersonContext::cells is given, followed by its sample; empty: all.
   // `weights`: number of cells that each one represents.
   std::vector<std::size_t> cells;
   CellWeights weights;
   KnownCells within;      // position within the best cells
-  double somebody = 0.0;  // log of the mean over the places where a person can stand
+  double somebody = 0.0;  // log of the mean over the places that a person can occupy
   std::vector<std::string> warnings;
   bool is_explained = true;  // by a person at one of the places
   // The best place is right beside the transmitter, and several access points receive changes that

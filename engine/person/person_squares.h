@@ -1,5 +1,5 @@
 // PersonSquares: likelihood models of every access point for a person at every place of the room
-// where a person can stand. Traced once; localization is then a table look-up.
+// that a person can occupy. Traced once; localization is then a table look-up.
 #pragma once
 
 #include <cstddef>
@@ -26,7 +26,7 @@ struct PersonSample {
 struct PersonLinkMap {
   PersonLikelihood likelihood;
   PersonScattering scattering;
-  std::vector<PersonPlace> cells;  // empty where no person can stand
+  std::vector<PersonPlace> cells;  // empty where no person fits
   WhitenedGaussian nobody;
   std::vector<WhitenedGaussian> changed;  // the room, changed but not by a person, by some shares
 };

@@ -1,4 +1,4 @@
-// StandingRoom: the places of a room where a person can stand: not in a wall, not in a cupboard and
+// StandingRoom: the places of a room that a person can occupy: not in a wall, not in a cupboard and
 // not on a table. Chairs and other small, low objects are not obstacles: people move them, or sit
 // on them.
 #pragma once
@@ -15,7 +15,7 @@ namespace rayloc {
 
 struct StandingRoom {
   RoomGrid grid;                   // on the floor
-  std::vector<std::uint8_t> free;  // 1: a person can stand in the middle of the cell
+  std::vector<std::uint8_t> free;  // 1: a person fits at the middle of the cell
 };
 
 // Cells of `step` over the part of the room's bounds within the square about `area`. If no cell

@@ -69,7 +69,7 @@ struct PersonTrackerOptions {
   std::optional<Timestamp> last_moment = std::nullopt;
 };
 
-// moments = used + nobody + unexplained + out_of_order + unusable; begun = lost + tracks now.
+// moments = used + `nobody` + unexplained + out_of_order + unusable; begun = lost + tracks now.
 struct PersonTrackerCounters {
   std::uint64_t begun = 0;         // tracks
   std::uint64_t lost = 0;          // tracks
@@ -116,7 +116,7 @@ class PersonTracker {
 
  private:
   enum class Sight : std::uint8_t { kSeen, kNobody, kUnexplained };
-  // `least`: least value of PersonMap::somebody at which a person is reported.
+  // `least`: least value of `PersonMap::somebody` at which a person is reported.
   static Sight sight_of(const PersonMap& map, double least);
 
   struct Life {

@@ -61,19 +61,19 @@ def test_home_assistant_sees_a_device_and_who_is_alive(tmp_path: Path) -> None:
             state = json.loads(home.last[STATE])
             assert 0.0 < state["x"] < 4.0 and 0.0 < state["y"] < 4.0 and state["accuracy_m"] > 0.0
 
-            # Home Assistant begins anew: it is told everything again.
+            # Home Assistant restarts: the bridge announces everything again.
             with home.lock:
                 del home.last[TRACKER]
             home.client.publish("homeassistant/status", "online")
             assert eventually(lambda: TRACKER in home.last)
 
-            # raylocd ends, and comes back.
+            # raylocd stops and restarts.
             assert daemon.stop() == 0
             assert home.hears("rayloc/meeting_room/status", "offline")
             daemon.start()
             assert home.hears("rayloc/meeting_room/status", "online")
 
-            # The bridge crashes: the broker says its will.
+            # The bridge crashes: the broker publishes its will.
             assert home.last["rayloc/status"] == "online"
             assert bridge.stop(signal.SIGKILL) == -signal.SIGKILL
             assert home.hears("rayloc/status", "offline")
@@ -100,7 +100,7 @@ def test_field_a_zone_named_home_is_renamed_with_a_notice(tmp_path: Path) -> Non
 
 
 def test_field_a_bridge_without_raylocd_is_not_available(tmp_path: Path) -> None:
-    """What an earlier run left would look as if it were so still."""
+    """The state that an earlier run left would appear to be current."""
     with Broker(tmp_path) as broker, Daemon(tmp_path) as daemon, Listener(broker) as home:
         home.client.publish("rayloc/status", "online", qos=1, retain=True)
         assert home.hears("rayloc/status", "online")
@@ -131,7 +131,7 @@ def test_who_was_located_before_a_crash_of_raylocd_is_away_after_it(tmp_path: Pa
     with Broker(tmp_path) as broker, Daemon(tmp_path) as daemon, Listener(broker) as home:
         with Bridge(daemon, broker):
             assert eventually(lambda: '"place": "home"' in home.last.get(STATE, "")), home.last
-            assert daemon.stop(signal.SIGKILL) == -signal.SIGKILL  # it says nothing of its tracks
+            assert daemon.stop(signal.SIGKILL) == -signal.SIGKILL  # publishes no loss of its tracks
             daemon.hear_nobody()
             daemon.start()
             assert eventually(lambda: '"place": "not_home"' in home.last[STATE])
@@ -158,7 +158,7 @@ def test_what_an_earlier_run_announced_is_taken_back(tmp_path: Path) -> None:
             assert home.hears(TRACKER, "")
             assert home.hears(f"{STATE}/place", "")  # the last of all
         with Listener(broker) as late:
-            assert late.hears("rayloc/status", "offline")  # told on subscribing, as what it keeps
+            assert late.hears("rayloc/status", "offline")  # retained: received upon subscription
             assert late.last.keys() == {"rayloc/status", "rayloc/meeting_room/status"}
 
 

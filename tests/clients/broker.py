@@ -1,4 +1,4 @@
-"""A real mosquitto on a port of the kernel's choice, and a subscriber that keeps what it says."""
+"""A real mosquitto on a port of the kernel's choice, and a subscriber that keeps its messages."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ class Broker:
     def __init__(self, folder: Path) -> None:
         self._log = folder / "mosquitto.log"
         self._configuration = folder / "mosquitto.conf"
-        for _ in range(10):  # somebody may take the port before mosquitto does
+        for _ in range(10):  # another process may take the port before mosquitto does
             with socket.socket() as chosen:
                 chosen.bind(("127.0.0.1", 0))
                 self.port = int(chosen.getsockname()[1])

@@ -1,8 +1,8 @@
 // Publishes locations of 20 devices at a steady rate, for the tests of the clients.
 //   burst_publisher MESSAGES RATE SUBSCRIPTIONS
 // Prints the endpoints of publisher and snapshots, waits for that many subscriptions, sends
-// MESSAGES (0: until its standard input closes) at RATE a second with a heartbeat every 500, says
-// goodbye and prints how many locations it sent in how many seconds.
+// MESSAGES (0: until its standard input closes) at RATE a second with a heartbeat every 500, sends
+// a goodbye and prints how many locations it sent in how many seconds.
 #include <poll.h>
 #include <unistd.h>
 
@@ -38,7 +38,7 @@ Timestamp now() {
   return std::chrono::time_point_cast<Timestamp::duration>(std::chrono::system_clock::now());
 }
 
-// Of the size of a real one.
+// A location with the size of a real one.
 v1::Location location_of(std::uint64_t device) {
   v1::Location location;
   location.set_kind(v1::LOCATION_KIND_FILTERED);

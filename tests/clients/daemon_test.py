@@ -38,7 +38,7 @@ def test_it_resumes_after_a_crash_and_a_restart(tmp_path: Path) -> None:
             daemon.start()
             again = await_message(messages, lambda m: m.restarted)
             assert again.envelope.epoch == messages.epoch != before
-            assert again.from_snapshot  # what the new one had said before we were back
+            assert again.from_snapshot  # published by the new process before the client reconnected
             located = await_message(messages, lambda m: m.location is not None)
             assert located.envelope.epoch == messages.epoch
             assert not messages.stale

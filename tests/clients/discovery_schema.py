@@ -1,4 +1,4 @@
-"""What Home Assistant documents of MQTT discovery (www.home-assistant.io/integrations/mqtt, device_tracker.mqtt,
+"""The documented MQTT discovery of Home Assistant (www.home-assistant.io/integrations/mqtt, device_tracker.mqtt,
 sensor.mqtt), as far as the bridge announces it: keys, their kinds, and which of them exclude or need each other."""
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Every example of deploy/clients and every client snippet of the READMEs, as they stand there,
+"""Every example of deploy/clients and every client snippet of the READMEs, as they are there,
 against a live raylocd."""
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ CLIENTS_README = "deploy/clients/README.md"
 RAYLOC_PYTHON = Path(os.environ["RAYLOC_PYTHON"])
 PLACE = re.compile(r"^02:52:4c:00:00:01 -?\d+\.\d\d -?\d+\.\d\d -?\d+\.\d\d$", re.M)
 TABLE = re.compile(r"^\{'02:52:4c:00:00:01': \(-?\d+\.\d+, -?\d+\.\d+\)\} lost=0 stale=False$", re.M)
-# What each must print; an example without a line here fails.
+# The output that each example must print; an example without a line here fails.
 PRINTS = {"subscribe.py": PLACE, "subscribe_async.py": TABLE}
 
 

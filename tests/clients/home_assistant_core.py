@@ -50,7 +50,7 @@ def write(kind: str, **found: Any) -> None:
 
 
 class Reports(logging.Handler):
-    """What a user would find in the log."""
+    """The messages that a user would find in the log."""
 
     def emit(self, record: logging.LogRecord) -> None:
         write("log", level=record.levelname, logger=record.name, text=self.format(record))

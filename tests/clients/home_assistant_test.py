@@ -1,4 +1,4 @@
-"""What Home Assistant is told of what raylocd says."""
+"""The messages to Home Assistant about the messages of raylocd."""
 
 from __future__ import annotations
 
@@ -146,11 +146,11 @@ def test_the_place_is_the_zone_that_it_is_in_by_its_events() -> None:
         return told[-1]["place"] if told else None
 
     probable = {"desk": 0.6, "door": 0.3}
-    assert place(located(zones=probable)) == "home"  # probable, but not yet said to be inside
+    assert place(located(zones=probable)) == "home"  # probable, but no event of entry yet
     assert place(zone("desk", MAC)) == "desk"  # at once, without an estimate
     assert place(zone("desk", "person-4", MAC)) is None  # nothing new about it
-    assert place(located(zones={"desk": 0.4})) == "desk"  # hardly, but not yet said to have left
-    assert place(zone("door", MAC)) == "desk"  # of two the likelier
+    assert place(located(zones={"desk": 0.4})) == "desk"  # improbable, but no event of departure yet
+    assert place(zone("door", MAC)) == "desk"  # the likelier of two zones
     assert place(located(zones={"desk": 0.2, "door": 0.5})) == "door"
     assert place(zone("door")) == "desk"
     assert place(zone("desk", "person-4")) == "home"
@@ -178,7 +178,7 @@ def test_what_is_not_believed_yet_is_not_announced() -> None:
     assert subject.on_message(lost(), 0.5) == []
     for state in (TRACK_STATE_CONFIRMED, TRACK_STATE_COASTING):
         assert len(announced(HomeAssistant(Setting()).on_message(located(state=state), 1.0))) == 5
-    # And one that is known comes back only when it is believed again.
+    # A lost track that is announced returns only once it is confirmed again.
     subject.on_message(located(), 1.0)
     (away,) = states(subject.on_message(located(state=TRACK_STATE_LOST), 2.0))
     assert away["place"] == "not_home"
@@ -266,7 +266,7 @@ def kept_of_an_earlier_run(person: int = 0) -> list[Publication]:
 
 
 def adopting(setting: Setting, now: float = 0.0) -> HomeAssistant:
-    """One that has heard raylocd, and what the broker has kept."""
+    """A bridge that has received a heartbeat of raylocd, and the retained messages of the broker."""
     subject = HomeAssistant(setting)
     subject.on_message(heartbeat(), now)
     for each in kept_of_an_earlier_run():
@@ -293,7 +293,7 @@ def test_what_an_earlier_run_announced_is_announced_anew_when_it_is_located() ->
     names = {json.loads(p.payload)["device"]["name"] for p in announced(told)}
     assert names == {"tag of the forklift"}
     assert [s["place"] for s in states(told)] == ["home"]
-    for each in kept_of_an_earlier_run():  # the broker says it once more on the next connection
+    for each in kept_of_an_earlier_run():  # the broker sends retained messages again on the next connection
         subject.adopt(each.topic, each.payload, 500.0)
     assert len(announced(subject.on_time(602.0, stale=False))) == 5  # since it was located, not since then
 
@@ -314,7 +314,7 @@ def test_what_another_bridge_announced_is_left_alone(setting: Setting) -> None:
 def test_what_was_announced_of_other_sites_or_by_others_is_left_alone() -> None:
     subject = HomeAssistant(Setting(forget=1.0))
     (first, *_) = kept_of_an_earlier_run()
-    subject.adopt(first.topic, first.payload, 0.0)  # before raylocd said which site it is
+    subject.adopt(first.topic, first.payload, 0.0)  # before raylocd has reported the name of its site
     subject.on_message(heartbeat(), 0.0)
     subject.adopt(first.topic, first.payload.replace("my%20office", "lab"), 0.0)
     topic = f"homeassistant/sensor/{NODE}/x/config"
@@ -371,7 +371,7 @@ def test_field_zones_of_home_assistant_are_in_the_attributes() -> None:
     assert away["in_zones"] == []
     (nowhere,) = states(subject.on_message(located(x=None), 0.2))
     assert nowhere["in_zones"] == []
-    assert not {"latitude", "longitude", "gps_accuracy"} & state.keys()  # of the world, which we do not know
+    assert not {"latitude", "longitude", "gps_accuracy"} & state.keys()  # positions on the earth are not published
 
 
 OWN = ["home", "Home", " not_home", "Not Home", "NOT-HOME", "None", "unknown ", "Unavailable", "away", "", " "]

@@ -55,7 +55,7 @@ def _run(release: str, *words: str) -> None:
 
 
 def _interpreter(least: tuple[int, int, int]) -> Optional[Path]:
-    """Of the same minor version, since older releases do not take newer ones."""
+    """An interpreter of the same minor version, since older releases do not take newer ones."""
     for path in _interpreters():
         program = "import sys; print(*sys.version_info[:3])"
         done = subprocess.run([path, "-c", program], capture_output=True, text=True)

@@ -63,7 +63,7 @@ def until_goodbye(messages: rayloc.Subscriber) -> Iterator[rayloc.Message]:
 
 @dataclass
 class Taken:
-    """What a client took of a burst, and what it cost."""
+    """The messages that a client received of a burst, and their cost."""
 
     received: list[rayloc.Message] = field(default_factory=list)
     lost: int = 0

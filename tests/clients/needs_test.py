@@ -1,4 +1,4 @@
-"""Without a Python package that they need, the client and the bridges say which Debian package has it."""
+"""Without a Python package that they need, the client and the bridges name the Debian package that has it."""
 
 from __future__ import annotations
 

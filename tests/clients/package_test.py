@@ -1,5 +1,5 @@
 """The package as a whole: its types, its version, that pip makes the same of it as CMake, and that it
-is there where the READMEs say that it is installed. (The Debian package: tests/package/debian.)"""
+is at the place of installation that the READMEs state. (The Debian package: tests/package/debian.)"""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from processes import blocks
 ROOT = Path(__file__).resolve().parents[2]
 SOURCES = ROOT / "deploy/clients/python"
 STAGED = Path(os.environ["RAYLOC_PYTHON"])  # where CMake has put it together
-# What needs the native module, which pip does not make, or torch (tests/python).
+# Files that need the native module, which pip does not make, or torch (tests/python).
 NATIVE = {"autograd", "calibrating", "localizing", "recording", "studying", "tracing"}
 PATHS = f"{STAGED}:{ROOT}/tests/clients:{ROOT}/tests/clients/stubs:{ROOT}/tests/support"
 
@@ -68,7 +68,7 @@ def test_pip_as_the_readme_has_it_makes_the_same_package_as_cmake(tmp_path: Path
     run("cp", "-r", SOURCES, copy)
     run("cp", "-r", ROOT / "proto", tmp_path / "proto")
     (commands,) = [each for each in blocks("deploy/clients/README.md", "sh") if "pip" in each]
-    # What it needs is Debian's, wherever the tests run.
+    # Its dependencies are Debian's packages, wherever the tests run.
     run("env", "-C", tmp_path, "bash", "-euc", commands, PIP_NO_INDEX="1")
     installed = imported_from(tmp_path / "VENV/bin/python", tmp_path)
     assert installed.is_relative_to(tmp_path / "VENV")

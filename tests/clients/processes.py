@@ -1,4 +1,4 @@
-"""Programs of this build as real processes, on places that nobody else uses. No test leaves one
+"""Programs of this build as real processes, at endpoints of their own. No test leaves one
 behind, and none waits for a time it hopes is enough."""
 
 from __future__ import annotations
@@ -35,14 +35,14 @@ def eventually(condition: Callable[[], bool], patience: float = PATIENCE) -> boo
 
 
 def free_port() -> int:
-    """Of UDP, on this machine."""
+    """A UDP port that is free on this machine."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         probe.bind(("127.0.0.1", 0))
         return int(probe.getsockname()[1])
 
 
 def all_blocks(readme: str) -> list[tuple[str, str]]:
-    """The blocks of code in a file of the checkout, each with its language; "" where none is said."""
+    """The blocks of code in a file of the checkout, each with its language; "" if none is stated."""
     text = (ROOT / readme).read_text()
     return re.findall(r"^ *```(\w*)\n(.*?)^ *```$", text, re.M | re.S)
 
@@ -107,7 +107,7 @@ class Daemon:
         )
 
     def hear_nobody(self) -> None:
-        """From the next start on: a port to which nobody sends takes the place of the recordings."""
+        """From the next start on, a port without a sender replaces the recordings."""
         before, sources = self.configuration.read_text().split("[[source]]", 1)
         after = sources[sources.index("[http]") :]
         silent = f'kind = "udp"\naccess_point = "{ACCESS_POINTS[0]}"\n'

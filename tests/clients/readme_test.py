@@ -1,4 +1,4 @@
-"""The commands of the front page and of the page on running, as they stand there."""
+"""The commands of the front page and of the page on running, as they are there."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def start(script: str, folder: Path) -> subprocess.Popen[str]:
 
 
 def run(script: str, folder: Path) -> str:
-    """What it says on standard output; it ends well."""
+    """Its standard output; it ends with status 0."""
     process = start(script, folder)
     output, words = process.communicate(timeout=10 * PATIENCE)
     assert process.returncode == 0, words
@@ -161,7 +161,7 @@ def test_the_readme_goes_from_a_plan_of_points_to_their_frames(tmp_path: Path) -
 
 
 def test_the_readme_goes_from_a_survey_to_locations(tmp_path: Path) -> None:
-    """As it stands there, the room fitted too, to every fourth point of the survey."""
+    """As in the README, with a fit of the room, to every fourth point of the survey."""
     calibrate = block_with("rayloc calibrate SITE --capture")
     offline, live = block_with("rayloc evaluate").split("raylocd --config")
     for name, file in {
@@ -223,7 +223,7 @@ def test_zones_have_events_and_places_on_the_earth_as_the_page_says(tmp_path: Pa
     first = events()
     kinds = {json.loads(line)["kind"] for line in first.splitlines()}
     assert kinds >= {"ZONE_EVENT_KIND_ENTERED", "ZONE_EVENT_KIND_LEFT"}
-    # What may be left out is stated with its default: these change nothing, others would.
+    # Optional keys are stated with their defaults: omitting them changes nothing, other values would.
     may_be_left_out = re.findall(r"^(?:enter|leave|dwell)_.*\n", zone, re.M)
     assert len(may_be_left_out) == 5
     short = zone

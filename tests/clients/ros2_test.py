@@ -1,4 +1,4 @@
-"""What ROS 2 is told: the mapping and the operations, without ROS and without a daemon."""
+"""The messages for ROS 2: the mapping and the operations, without ROS and without a daemon."""
 
 from __future__ import annotations
 

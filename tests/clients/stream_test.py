@@ -1,4 +1,4 @@
-"""What a subscriber makes of what arrives, without sockets."""
+"""The messages and losses that a subscriber reports, without sockets."""
 
 from __future__ import annotations
 
@@ -118,7 +118,7 @@ def test_a_snapshot_newer_than_what_comes_is_waited_for() -> None:
     taken(subject)
     feed(subject, location(4), location(5), heartbeat(2), location(6), heartbeat(3))
     assert sequences(subject) == [("location", 6), ("heartbeat", 3)]
-    # All that the snapshot told has passed: 1 is now a topic that the daemon had forgotten.
+    # All messages of the snapshot have passed: 1 now belongs to a topic that the daemon had forgotten.
     feed(subject, location(1))
     assert sequences(subject) == [("location", 1)]
 
@@ -161,7 +161,7 @@ def test_a_daemon_that_dies_before_it_answers_costs_no_message() -> None:
 
 def test_an_answer_that_does_not_come_is_overdue() -> None:
     subject = stream(snapshot=True)
-    assert not subject.overdue(99.0)  # no daemon is heard: nothing to complain of
+    assert not subject.overdue(99.0)  # no message from a daemon yet: no answer is due
     feed(subject, heartbeat(1), at=100.0)
     assert not subject.overdue(109.0)
     assert subject.overdue(110.5)
@@ -210,7 +210,7 @@ def test_a_clock_that_is_set_is_no_delay_and_nor_is_that_of_another_start() -> N
 
 def test_stale_is_silence_an_old_heartbeat_or_a_goodbye() -> None:
     subject = stream()
-    assert subject.stale(1000.0)  # nothing heard yet
+    assert subject.stale(1000.0)  # no message yet
     feed(subject, heartbeat(1))
     assert not subject.stale(1004.0)
     assert subject.stale(1005.5)

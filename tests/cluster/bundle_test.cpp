@@ -1,5 +1,5 @@
-// `rayloc cluster apply` and `fetch` with a real server and a real worker: a site that was applied
-// is worked for, another one takes its place, and one that does not check changes nothing.
+// `rayloc cluster apply` and `fetch` with a real server and a real worker: an applied site has an
+// owner, another version replaces it, and an invalid version changes nothing.
 #include <csignal>
 #include <filesystem>
 #include <fstream>
@@ -57,7 +57,7 @@ class Bundles : public ::testing::Test {
   std::vector<std::string> fetch_words() const {
     return {"cluster", "fetch", (folder_.path() / "sites").string(), "--server", server_.url()};
   }
-  // Of a worker whose sites are all that were applied.
+  // Configuration of a worker with all applied sites.
   fs::path configuration() const {
     const std::string folder = folder_.path().string();
     std::ofstream(folder_.path() / "raylocd.toml")
@@ -75,7 +75,7 @@ class Bundles : public ::testing::Test {
   fs::path plan_ = folder_.path() / "plan";
 };
 
-// Generations begin where the stream of claims was made, so their numbers are not known.
+// Generations begin at the creation time of the stream of claims, so their numbers vary.
 int times_owned(const Process& worker) {
   const std::string said = worker.errors();
   const std::string owned = "site 'hall' is owned, generation ";
@@ -113,7 +113,7 @@ TEST_F(Bundles, ReachWorkersOnceTheyCheckAndGoWhenTheyAreRemoved) {
   const std::string good = read_text(hall / "site.toml");
   EXPECT_THAT(good, HasSubstr("# another one"));
 
-  // What does not check is applied by nobody; if it were, nobody would take it.
+  // An invalid site is not applied; if it is stored all the same, `fetch` does not take it.
   std::ofstream(plan_ / "site.toml", std::ios::app) << "[bounds]\n";
   const Said refused = apply();
   EXPECT_EQ(refused.status, 78) << refused.text;
@@ -141,7 +141,7 @@ TEST_F(Bundles, ReachWorkersOnceTheyCheckAndGoWhenTheyAreRemoved) {
   const Said unknown = remove("hall");
   EXPECT_EQ(unknown.status, 69) << unknown.text;
   EXPECT_THAT(unknown.text, HasSubstr("no site 'hall' was applied or claimed"));
-  // One of that name that comes back is worked for.
+  // A site that is applied again under this name has an owner again.
   std::ofstream(plan_ / "site.toml") << good;
   ASSERT_EQ(apply().status, 0);
   EXPECT_TRUE(eventually(kPatience, [&] { return times_owned(worker) == 3; })) << worker.errors();

@@ -1,4 +1,4 @@
-// A capture node as a real process, and a broker that comes late, dies and comes back.
+// A capture node as a real process, and a broker that starts late, dies and restarts.
 #include <csignal>
 #include <cstring>
 #include <map>
@@ -34,7 +34,7 @@ std::string cluster_toml(const NatsServer& server) {
          server.url() + "\"]\n";
 }
 
-// What the stream of a site holds, each batch once.
+// The contents of a site's stream, each batch once.
 struct Streamed {
   std::map<std::uint64_t, Batch> batches;
   std::map<std::string, std::set<std::uint64_t>> heard;  // numbers of datagrams by access point

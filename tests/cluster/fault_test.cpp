@@ -1,7 +1,7 @@
-// Machines of a cluster fail one after the other, while something is located: nothing is lost but
-// what marks stand for, nothing is said twice, and the gateway says what the replay of the stream
-// says. RAYLOC_CLUSTER_FAULTS: how many (tests/soak), some of them two at once; else one of each
-// machine.
+// Machines of a cluster fail one after the other while a device is located: no datagram is lost
+// unless a gap mark counts it, no result is published twice, and the gateways publish the results
+// of a replay of the stream. RAYLOC_CLUSTER_FAULTS: number of faults (tests/soak), some of them two
+// at once; by default one of each machine.
 #include <algorithm>
 #include <array>
 #include <csignal>
@@ -48,7 +48,7 @@ std::chrono::seconds lasts(const Fault& fault) {
 
 std::string words(const Fault& fault) { return fault.machine + " " + fault.way; }
 
-// One machine, or in a soak every third time two at once.
+// One machine, or in a soak, every third time, two at once.
 std::vector<Fault> nth(std::size_t i) {
   constexpr std::size_t kPair = 3;
   const std::size_t machine = i % kMachines.size();
@@ -96,9 +96,9 @@ class Faults : public OneSite {
       machines_.at(name)->begin();
     }
   }
-  // All at once.
+  // All of them at once.
   void fail(const std::vector<Fault>& faults) {
-    std::vector<std::string> names;  // of the machines that they befall, while the broker says it
+    std::vector<std::string> names;  // of the machines, while the broker can report the owner
     for (const Fault& fault : faults) {
       names.push_back(fault.machine == "worker" ? owner() : fault.machine);
     }
@@ -119,7 +119,7 @@ class Faults : public OneSite {
 class HotFaults : public Faults {
  protected:
   std::string standby() const override { return "hot"; }
-  // Until the worker that does not own the hall has compared some windows.
+  // Waits until the worker that does not own the hall has compared some results.
   bool stands_by() {
     std::mutex mutex;
     v1::StandbyState last;
@@ -168,18 +168,18 @@ TEST_F(Faults, LoseNothingButWhatMarksStandForAndSayNothingTwice) {
   expect_one_story();
   expect_every_datagram();
   const std::vector<nlohmann::json> again = expect_what_was_said();
-  // What marks stand for came later, and is located by whoever asks.
+  // Batches behind gap marks arrived later; a replay with --fill locates their device.
   const std::vector<nlohmann::json> history = replay({"--fill"});
   EXPECT_FALSE(history.empty());
   for (const nlohmann::json& location : history) {
     EXPECT_EQ(std::find(again.begin(), again.end(), location), again.end()) << location.dump();
   }
-  if (faults() > kMachines.size()) {  // of the soak: the room is prepared once more
+  if (faults() > kMachines.size()) {  // in the soak: the room is prepared once more
     replay({"--uninterrupted"});
   }
 }
 
-// The other worker computes along, and goes on at once. RAYLOC_CLUSTER_FAULTS: how many owners die.
+// The hot standby takes over at once. RAYLOC_CLUSTER_FAULTS: number of owners that are killed.
 TEST_F(HotFaults, OfTheOwnerAreOverAtOnce) {
   std::vector<double> spoken;
   std::vector<double> whole;
@@ -213,7 +213,7 @@ TEST_F(HotFaults, OfTheOwnerAreOverAtOnce) {
   tell("had said everything", whole);
   std::cout << windows_ << " windows compared, " << differing_ << " differ\n";
   EXPECT_EQ(differing_, 0U);
-  EXPECT_TRUE(stands_by());  // the last one has begun
+  EXPECT_TRUE(stands_by());  // the last one that was killed has restarted
   sender_->signal(SIGTERM);
   sender_->wait(kPatience);
   for (const std::string name : {"w1", "w2"}) {
@@ -223,8 +223,8 @@ TEST_F(HotFaults, OfTheOwnerAreOverAtOnce) {
   replay({});
 }
 
-// Nobody else has prepared the room, or knows anything: it is read from its cache, and the traffic
-// of some seconds is listened to again.
+// No other worker has prepared the room or holds its state: the worker reads the room from its
+// cache and some seconds of datagrams again.
 TEST_F(Faults, OfTheOnlyWorkerAreOverWhenItIsBegunAgain) {
   const std::string only = owner();
   EXPECT_EQ(machines_.at(only == "w1" ? "w2" : "w1")->end(SIGTERM), 0);

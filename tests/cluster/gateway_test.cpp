@@ -1,4 +1,4 @@
-// A gateway as a real process: what an owner says comes out once, also when it was started anew.
+// A gateway as a real process: it publishes each result of an owner once, also after a restart.
 #include <algorithm>
 #include <string>
 #include <vector>
@@ -97,7 +97,7 @@ TEST(Gateway, SaysWhatOwnersSayOnceAndNothingOfThoseThatWereReplaced) {
     })) << daemon.log();
     const auto second = begun(broker, "hall", 2);
     ASSERT_EQ(second->say(said("hall", 7)), OwnerLog::Said::kStored);
-    // One that was replaced, and does not ask first.
+    // A record of a replaced owner, without a check of its predecessor.
     v1::OutputRecord stale;
     stale.set_generation(1);
     stale.set_number(99);
@@ -123,7 +123,7 @@ TEST(Gateway, SaysWhatOwnersSayOnceAndNothingOfThoseThatWereReplaced) {
     const std::vector<int> now = seconds(again, "hall");
     return !now.empty() && now.back() == 31;
   }));
-  // Whoever has listened all the time has heard what was said before.
+  // A new gateway repeats nothing: its subscribers received earlier results when they were new.
   EXPECT_EQ(seconds(again, "hall"), std::vector<int>{31});
   EXPECT_EQ(seconds(again, "attic"), std::vector<int>{});
   EXPECT_EQ(again.stop(), 0) << again.errors();
@@ -176,7 +176,7 @@ TEST(Gateway, SaysWhatOwnersSayAfterTheBrokerHasLostItsStore) {
   server.lose_store();
   ASSERT_TRUE(server.start());
   ASSERT_TRUE(eventually(kPatience, [&] { return broker->connections() > 1; }));
-  const Owner second(broker, "w2");  // knows nothing of the first
+  const Owner second(broker, "w2");  // has no record of the first owner
   EXPECT_GT(second.generation, before);
   ASSERT_EQ(second.log->say(said("hall", 12)), OwnerLog::Said::kStored);
   EXPECT_TRUE(eventually(kPatience, [&] { return seconds(daemon, "hall").size() == 11; }));

@@ -1,4 +1,4 @@
-// The broker against a real server: what the other parts of a cluster rely on.
+// The broker against a real server: the operations that the rest of a cluster requires.
 #include <atomic>
 #include <filesystem>
 #include <fstream>
@@ -98,7 +98,7 @@ TEST_F(RealBroker, ConnectsWhenTheServerComesAndAgainAfterItWasAway) {
   ASSERT_TRUE(broker->publish("some.word", "to nobody"));
 }
 
-// Where a server is silent for longer than a second when it is asked first, libnats gives up.
+// If the first answer of a server takes longer than a second, libnats gives up.
 TEST_F(RealBroker, ConnectsToAServerThatHangsAtFirst) {
   RAYLOC_NEEDS_NATS_SERVER();
   ASSERT_TRUE(server_->start());
@@ -119,7 +119,7 @@ TEST_F(RealBroker, ConnectsToAServerThatHangsAtFirst) {
       kPatience, [&] { return broker->publish("some.word", "at last") && inbox.size() > 0; }));
 }
 
-// A server that lets nobody in twice in a row: libnats closes the connection that it had.
+// A server that refuses a client twice in succession: libnats closes the existing connection.
 TEST_F(RealBroker, ConnectsAgainWhereItWasRefused) {
   RAYLOC_NEEDS_NATS_SERVER();
   ASSERT_TRUE(server_->start());
@@ -150,7 +150,7 @@ TEST_F(RealBroker, StreamsStoreOnceTellAgainAndAnswerBySequence) {
   const StreamOptions stream = site_stream("lab 2", {});
   const auto made = broker->ensure_stream(stream);
   ASSERT_TRUE(made) << made.error().message;
-  ASSERT_TRUE(broker->ensure_stream(stream));  // it is there
+  ASSERT_TRUE(broker->ensure_stream(stream));  // it exists already
   Inbox live;
   auto subscription = broker->subscribe(live_subjects("lab 2"), live.handler());
   ASSERT_TRUE(subscription);
@@ -221,7 +221,7 @@ TEST_F(RealBroker, OnlyWhoKnowsTheLastMessagePublishesBehindIt) {
   EXPECT_FALSE(broker->publish_behind(office, "d", 0)->is_last);
 }
 
-// An access point that is heard, from a thread of its own.
+// Datagrams of an access point, from a separate thread.
 class Hearing {
  public:
   Hearing(DatagramTap& tap, milliseconds period) : tap_(tap), period_(period) {}
@@ -252,7 +252,7 @@ class Hearing {
   std::thread thread_;
 };
 
-// Reads the stream of a site from its beginning and asks for what it lacks.
+// Reads the stream of a site from its beginning and requests missing batches.
 class Reading {
  public:
   Reading(std::shared_ptr<Broker> broker, const std::string& site, std::string node)
@@ -328,10 +328,10 @@ class Reading {
   std::thread thread_;
 };
 
-// Batches through a server that is killed, forgets what it had in memory, and hangs.
+// Batches through a server that is killed, loses its memory store, and hangs.
 TEST_F(RealBroker, EveryDatagramIsInABatchOrInAMark) {
   RAYLOC_NEEDS_NATS_SERVER();
-  const std::shared_ptr<Broker> broker = connect();  // the server is not there yet
+  const std::shared_ptr<Broker> broker = connect();  // the server does not run yet
   auto role = CaptureRole::open(broker, {"node1", kSomeEpoch, {}});
   ASSERT_TRUE(role);
   const std::shared_ptr<BatchSender> sender = *(*role)->add_site("office");
@@ -342,7 +342,7 @@ TEST_F(RealBroker, EveryDatagramIsInABatchOrInAMark) {
     const Batch some = some_batch(++round, {{"ap1", 10}});
     tap.tap(some.parts[0].datagrams.datagrams());
     tap.advance(some.parts[0].watermark);
-    std::this_thread::sleep_for(milliseconds(10));  // their pace
+    std::this_thread::sleep_for(milliseconds(10));  // the pace of datagrams
   };
   const auto hear_until = [&](const auto& condition) {
     return eventually(kPatience, [&] {
@@ -375,7 +375,7 @@ TEST_F(RealBroker, EveryDatagramIsInABatchOrInAMark) {
   EXPECT_EQ(counters.captured["ap1"], 10 * round);
   EXPECT_EQ(counters.captured["ap1"], counters.ring.live["ap1"] + counters.ring.marked["ap1"]);
   EXPECT_EQ(sender->trouble(), "");
-  // What marks stand for is filled in, once somebody has made the stream for it.
+  // Batches behind gap marks are filled in once the history stream exists.
   ASSERT_TRUE(broker->ensure_stream(fill_stream({})));
   EXPECT_TRUE(
       eventually(kPatience, [&] { return sender->counters().filled == counters.ring.marked; }));
@@ -403,7 +403,7 @@ TEST_F(RealBroker, EveryDatagramIsInABatchOrInAMark) {
   EXPECT_EQ(times.size(), history->datagrams);
 }
 
-// A reader that comes late, of a stream whose server is killed and hangs.
+// A reader that starts late, of a stream whose server is killed and hangs.
 TEST_F(RealBroker, EveryDatagramThatIsCapturedIsReadOnceOrMarked) {
   RAYLOC_NEEDS_NATS_SERVER();
   ASSERT_TRUE(server_->start());
@@ -420,7 +420,7 @@ TEST_F(RealBroker, EveryDatagramThatIsCapturedIsReadOnceOrMarked) {
   second.begin();
   ASSERT_TRUE(eventually(kPatience, [&] { return sender->counters().ring.live["ap1"] > 100; }));
   Reading reading(connect(), "office", "node1");
-  // Read beyond what has been heard by now.
+  // The reader passes all datagrams received so far.
   const auto is_read_on = [&] {
     const std::uint64_t heard = first.heard();
     return eventually(kPatience, [&] { return reading.all("ap1") > heard; });
@@ -428,7 +428,7 @@ TEST_F(RealBroker, EveryDatagramThatIsCapturedIsReadOnceOrMarked) {
   ASSERT_TRUE(is_read_on());
   server_->freeze();
   ASSERT_TRUE(eventually(kPatience, [&, heard = first.heard()] {
-    return first.heard() > heard + 200;  // which nobody stores meanwhile
+    return first.heard() > heard + 200;  // none of them is stored meanwhile
   }));
   server_->thaw();
   ASSERT_TRUE(is_read_on());

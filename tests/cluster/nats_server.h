@@ -13,44 +13,44 @@ namespace rayloc::cluster {
 
 class NatsServer {
  public:
-  // Whether there is one; tests are skipped where there is none.
+  // True if a server is installed; tests are skipped otherwise.
   static bool is_installed();
 
-  // Of the installed one: {2, 9} for 2.9.10; {0, 0} where it does not say.
+  // Version of the installed server: {2, 9} for 2.9.10; {0, 0} if it prints none.
   static std::pair<int, int> version();
 
-  // Where it listens, and the process whose network it is in; 0: ours.
+  // Address of the server, and the process whose network namespace it uses; 0: ours.
   struct Place {
     std::string host = "127.0.0.1";
     std::uint16_t port = 0;
     pid_t network = 0;
   };
 
-  // Not started. What it stores is in `folder`/nats. On loopback, on a port that nobody uses now.
+  // Does not start it. It stores in `folder`/nats and listens on a free port of loopback.
   explicit NatsServer(const std::filesystem::path& folder);
   NatsServer(const std::filesystem::path& folder, Place place);
   ~NatsServer();
   NatsServer(const NatsServer&) = delete;
   NatsServer& operator=(const NatsServer&) = delete;
 
-  // Returns when it listens; false when it does not come.
+  // Returns once the server listens; false if it never does.
   bool start() {
     launch();
     return comes();
   }
   void launch();
   bool comes() const;
-  // As a machine that loses its power.
+  // Ends it as a loss of power would.
   void kill();
-  // As a service manager ends it.
+  // Ends it as a service manager does.
   void stop();
-  // Everything that it has stored; REQUIRES: it does not run.
+  // Deletes all that it has stored; REQUIRES: it does not run.
   void lose_store() const;
-  // As one that hangs, until it is continued.
+  // Stops its execution, as if it hung, until thaw().
   void freeze() const;
   void thaw() const;
 
-  // From its next start it reads this file, which says what it stores where.
+  // Later starts use this configuration file, not the options for the store; empty: none.
   void set_configuration(const std::filesystem::path& file) { configuration_ = file; }
 
   std::string url() const { return "nats://" + place_.host + ":" + std::to_string(place_.port); }
@@ -65,12 +65,12 @@ class NatsServer {
   pid_t pid_ = -1;
 };
 
-// A port of TCP that nobody uses now.
+// A TCP port that is free at present.
 std::uint16_t free_tcp_port();
 
 }  // namespace rayloc::cluster
 
-// At the beginning of a test.
+// At the beginning of a test: skips it if no server is installed.
 #define RAYLOC_NEEDS_NATS_SERVER()                                                  \
   if (!rayloc::cluster::NatsServer::is_installed()) {                               \
     GTEST_SKIP() << "no nats-server: install it, or name it in RAYLOC_NATS_SERVER"; \

@@ -21,19 +21,19 @@
 namespace rayloc::cluster {
 namespace {
 
-constexpr int kClientPort = 4222;  // the ports that NATS has by default
+constexpr int kClientPort = 4222;  // the default ports of NATS
 constexpr int kServerPort = 6222;
 constexpr int kMonitorPort = 8222;
-constexpr int kFirstMinor = 11;  // 2.11, the first one that is known to keep its word
+constexpr int kFirstMinor = 11;  // 2.11, the first one that is known to keep acknowledged messages
 constexpr std::chrono::seconds kPatience{5};
 
-// Two networks: clients and servers meet in the first, servers among themselves in the second.
+// Two networks: clients reach servers in the first, servers each other in the second.
 std::string client_host(std::size_t server) { return "10.83.1." + std::to_string(server + 1); }
 std::string server_host(std::size_t server) { return "10.83.2." + std::to_string(server + 1); }
 std::string client_link(std::size_t server) { return "clients" + std::to_string(server + 1); }
 std::string server_link(std::size_t server) { return "servers" + std::to_string(server + 1); }
 
-// Its exit status.
+// Returns the exit status.
 int run(std::vector<std::string> words) {
   std::vector<char*> argv;
   argv.reserve(words.size() + 1);
@@ -180,7 +180,7 @@ NatsServers::~NatsServers() {
 }
 
 bool NatsServers::start() {
-  // None listens for long without the others' votes.
+  // No server listens for long without the votes of the others.
   for (const auto& server : servers_) {
     server->launch();
   }

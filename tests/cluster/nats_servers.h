@@ -1,9 +1,9 @@
-// NatsServers: three servers that keep each message three times, each with a network of its own:
-// any of them may be killed, hang, or be cut off from the other servers, or from clients as well.
-// They and all processes that the test begins are in a network of the test, which nobody else sees.
+// NatsServers: three servers that keep three copies of each message, each with its own network: any
+// of them may be killed, hang, or be cut off from the other servers, or from clients as well. The
+// servers and all processes that the test begins are in a network namespace of the test.
 //
-// Needs to be root, `ip` (iproute2), and a server that keeps what it has acknowledged when one of
-// three is cut off: 2.9.10, which Debian 12 has, does not.
+// Requires root, `ip` (iproute2), and a server that keeps acknowledged messages when one of three
+// is cut off: 2.9.10, the version in Debian 12, does not.
 #pragma once
 
 #include <array>
@@ -20,30 +20,30 @@ class NatsServers {
  public:
   static constexpr std::size_t kCount = 3;
 
-  // Why a test of them is skipped; empty: it is not.
+  // The reason to skip a test of them; empty: none.
   static std::string why_not();
 
-  // What they store is in `folder`. Processes that are begun afterwards are in their network.
+  // They store in `folder`. Processes that are begun afterwards share their network.
   // REQUIRES: why_not() is empty; the process has one thread.
   explicit NatsServers(const std::filesystem::path& folder);
   ~NatsServers();
   NatsServers(const NatsServers&) = delete;
   NatsServers& operator=(const NatsServers&) = delete;
 
-  // All of them; returns when they listen. False when one does not come.
+  // Starts all servers, and returns once they listen. False if one of them does not.
   bool start();
   NatsServer& at(std::size_t server) { return *servers_.at(server); }
 
-  // The other servers, or nobody at all, is heard by it and hears it.
+  // Cuts the links of a server to the other servers, or all its links.
   enum class Cut { kFromServers, kFromAll };
   void cut(std::size_t server, Cut from) const;
   void join(std::size_t server) const;
 
   std::vector<std::string> urls() const;
-  // What a server says of itself, by its port for that; empty: nothing.
+  // The answer of a server's monitoring port for this path; empty: none.
   std::string monitor(std::size_t server, const std::string& path) const;
-  // Of each server what it stores of each stream, a line for each; nothing where one of them does
-  // not say it.
+  // For each server, the state of its streams, a line for each stream; nothing if a server does not
+  // answer.
   std::vector<std::string> stored() const;
 
  private:

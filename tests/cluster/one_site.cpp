@@ -22,7 +22,7 @@ namespace {
 using e2e::number;
 using e2e::Process;
 
-// Of the sender, in datagrams a second: a device that sends more has a track as well.
+// Rate of the sender, in datagrams a second: at a higher rate, the device also has a track.
 std::string rate() {
   const char* const stated = std::getenv("RAYLOC_CLUSTER_RATE");
   return stated == nullptr ? "20" : stated;
@@ -190,7 +190,7 @@ void OneSite::expect_every_datagram() {
 
 void OneSite::expect_one_story() {
   Expected<std::vector<Chapter>> story = read_story(*broker_, "hall");
-  // Servers that have just chosen a leader do not answer for a moment.
+  // Servers that have just elected a leader do not answer for a moment.
   (void)eventually(kPatience, [&] {
     if (!story) {
       story = read_story(*broker_, "hall");
@@ -245,7 +245,7 @@ void OneSite::note_captured() {
 
 std::vector<nlohmann::json> OneSite::expect_what_was_said() {
   const std::vector<nlohmann::json> again = replay({});
-  // A gateway that finds its servers late begins behind what was said until then.
+  // A gateway that connects late publishes no results from before that.
   const std::vector<nlohmann::json> begun = heard("witness");
   const auto first =
       begun.empty() ? again.end() : std::find(again.begin(), again.end(), begun.front());
@@ -254,7 +254,7 @@ std::vector<nlohmann::json> OneSite::expect_what_was_said() {
   std::cout << expected.size() << " of " << again.size() << " since the witness listens\n";
   EXPECT_TRUE(eventually(kPatience, [&] { return heard("witness").size() >= expected.size(); }));
   EXPECT_EQ(heard("witness"), expected);
-  // The other one was away now and then.
+  // The other gateway was absent at times.
   std::set<std::string> said;
   for (const nlohmann::json& location : heard("gateway")) {
     EXPECT_NE(std::find(again.begin(), again.end(), location), again.end()) << location.dump();

@@ -1,5 +1,5 @@
-// OneSite: the machines of a cluster about one site, while a device is heard there: a capture node,
-// two workers, two gateways. What tests of faults want to see of them afterwards.
+// OneSite: the machines of a cluster with one site and one device: a capture node, two workers, two
+// gateways. Checks that the tests of faults share.
 #pragma once
 
 #include <chrono>
@@ -22,7 +22,7 @@ namespace rayloc::cluster {
 
 constexpr std::chrono::seconds kPatience{120};
 
-// A raylocd that ends and begins again with the same configuration.
+// A raylocd that ends and restarts with the same configuration.
 class Machine {
  public:
   Machine(const std::filesystem::path& folder,
@@ -30,7 +30,7 @@ class Machine {
           const e2e::LiveDaemonOptions& options);
   e2e::LiveDaemon& first() { return *first_; }
   void signal(int number);
-  // Its status.
+  // Returns the exit status.
   int end(int number);
   void begin();
   std::string errors() const { return again_ ? again_->errors() : first_->errors(); }
@@ -54,22 +54,22 @@ class OneSite : public ::testing::Test {
   virtual std::string standby() const { return "warm"; }
 
   v1::OutputRecord last_record() const;
-  // Until all is said of instants before now.
+  // Waits until the results of all instants before now are published.
   bool goes_on() const;
-  // Once somebody has the site, and the broker says so.
+  // The worker that owns the site, once the broker reports an owner.
   std::string owner() const;
-  // What the node has heard since it began, when all of it has been sent.
+  // Notes how many datagrams the node has captured since its start, once all of them are sent.
   void note_captured();
 
-  // The device is quiet, and the workers leave.
+  // Stops the sender, then the workers.
   void end_machines();
-  // Of every start of the node each number is there or marked, and what the last one heard is
-  // there or marked as well. REQUIRES: note_captured().
+  // For every start of the node, each batch is present or marked, and so are all datagrams that the
+  // last start captured. REQUIRES: note_captured().
   void expect_every_datagram();
-  // Each owner goes on where the one before it has ended; nothing is said twice.
+  // Each owner begins where the one before it ended; no result is published twice.
   void expect_one_story();
-  // The witness said what a replay gives, from the first that it heard on, and the other gateway
-  // nothing else, each once. What the replay gives.
+  // The witness received the results of a replay, from its first one on, and the other gateway only
+  // results of the replay, each once. Returns the results of the replay.
   std::vector<nlohmann::json> expect_what_was_said();
   std::vector<nlohmann::json> replay(const std::vector<std::string>& more);
 

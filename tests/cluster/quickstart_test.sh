@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # deploy/cluster/quickstart with the programs of this build and without a terminal: three sites on
-# one map, a worker is killed and the other one goes on, nothing is said twice, all end cleanly and
-# nothing is left running. Status 77 where there is no NATS server.
+# one map, a worker is killed and the other one takes over, no location is published twice, all
+# processes end cleanly and none is left. Status 77 if no NATS server is installed.
 #   quickstart_test.sh BIN_DIR
 set -euo pipefail
 bin=$(cd "$1" && pwd)
@@ -43,7 +43,7 @@ grep -q 'all stopped cleanly' "$work/err" || fail 'no clean stop'
 left() { grep -laF -e "$bin/../cluster-run" /proc/[0-9]*/cmdline 2>/dev/null; }
 if left; then fail 'these processes are left'; fi
 
-# Killed, it takes all with it. What the one before said is not what this one says.
+# If quickstart is killed, all its processes end. Its output is not that of the run before.
 : >"$work/err_killed"
 RAYLOC_UNCALIBRATED=1 RAYLOC_BIN_DIR=$bin RAYLOC_QUICKSTART_DIR=$bin/../cluster-run \
   deploy/cluster/quickstart >/dev/null 2>"$work/err_killed" </dev/null &

@@ -1,5 +1,5 @@
-// The configuration of servers in deploy/cluster, against a real one: who needs something may have
-// it, and each forbidden thing is refused.
+// The configuration of servers in deploy/cluster, against a real server: each role has the
+// permissions that it needs, and everything forbidden is refused.
 #include <atomic>
 #include <cstdlib>
 #include <filesystem>
@@ -300,7 +300,7 @@ TEST_F(Secured, EachRoleHasWhatItNeeds) {
   EXPECT_THAT(after, HasSubstr("problem  site hall has no worker"));
 }
 
-// As it is where the package raylocd-cluster is not installed, or was not built.
+// The package raylocd-cluster is not installed, or was not built.
 TEST(WithoutTheModule, ARoleIsRefusedInWords) {
   const TemporaryFolder folder;
   fs::create_directories(folder.path() / "bin");

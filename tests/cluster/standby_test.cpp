@@ -1,5 +1,5 @@
-// Two workers as real processes of which each computes along for the other's site: they compute the
-// same, and one goes on at once when the other dies.
+// Two workers as real processes, one of them a hot standby: both compute the same results, and one
+// takes over at once when the other dies.
 #include <csignal>
 #include <map>
 #include <mutex>
@@ -76,7 +76,7 @@ class HotStandby : public ::testing::Test {
     return std::make_unique<LiveDaemon>(folder_.path() / name,
                                         options_of(role, name, server_, locates));
   }
-  // Of a worker that stands by for the hall; a name of nobody's where it does not.
+  // Standby state of a worker; empty if it is no standby.
   v1::StandbyState standby(const std::string& worker) const {
     const std::lock_guard lock(mutex_);
     const auto said = said_.find(worker);
@@ -110,7 +110,7 @@ TEST_F(HotStandby, ComputesWhatTheOwnerSaysAndGoesOnAtOnce) {
   for (const std::string name : {"w1", "w2"}) {
     workers[name] = begun("worker", name, true);
   }
-  for (const auto& [name, one] : workers) {  // nothing comes before there is somebody who reads
+  for (const auto& [name, one] : workers) {  // datagrams are sent only once the workers read
     ASSERT_TRUE(eventually(kPatience, [&log = *one] {
       return log.log().find("running: publishing") != std::string::npos;
     })) << one->log();
@@ -161,7 +161,7 @@ TEST_F(HotStandby, ComputesWhatTheOwnerSaysAndGoesOnAtOnce) {
       EXPECT_TRUE(once.insert(item.SerializeAsString()).second) << item.ShortDebugString();
     }
   }
-  // As if the first owner had never died, to the byte.
+  // Equal, to the byte, to results of a first owner that had never died.
   EXPECT_THAT(
       rayloc(
           {"replay", e2e::bundled("").string(), "--stream", server_.url(), "--stream-site", "hall"},
@@ -169,7 +169,7 @@ TEST_F(HotStandby, ComputesWhatTheOwnerSaysAndGoesOnAtOnce) {
       HasSubstr("results of 2 owners, 0 other than published"));
 }
 
-// The owner is one that says what nobody can have found.
+// The owner publishes a location that no worker can compute.
 TEST_F(HotStandby, TellsOfAnOwnerThatSaysSomethingElse) {
   const auto node = begun("capture", "node", false);
   ASSERT_TRUE(node->ready()) << node->errors();

@@ -1,5 +1,5 @@
-// Two workers as real processes, of which one dies or sleeps: the other goes on, and nothing is
-// said twice.
+// Two workers as real processes, one of which dies or sleeps: the other takes over, and no result
+// is published twice.
 #include <csignal>
 #include <iostream>
 #include <map>
@@ -56,7 +56,7 @@ bool runs(LiveDaemon& daemon) {
   });
 }
 
-// A node that hears something all the time, and two workers.
+// A node that receives datagrams all the time, and two workers.
 class TakeOver : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -121,7 +121,7 @@ class TakeOver : public ::testing::Test {
       return last_record(site).output().done_us() > 0;
     });
   }
-  // Until every site that `gone` had is told of by a later generation; how long that took at most.
+  // Waits until a later generation has published results of every site in `before`.
   void wait_for_others(const std::map<std::string, std::uint64_t>& before) {
     const auto begin = std::chrono::steady_clock::now();
     EXPECT_TRUE(eventually(kPatience, [&] {
@@ -148,7 +148,7 @@ class TakeOver : public ::testing::Test {
     std::string text;
     std::string errors;
   };
-  // What `rayloc cluster` says of this cluster.
+  // Output of `rayloc cluster` about this cluster.
   Said rayloc_cluster(std::vector<std::string> words) const {
     words.insert(words.begin(), "cluster");
     words.insert(words.end(), {"--server", server_.url()});
@@ -158,7 +158,7 @@ class TakeOver : public ::testing::Test {
   }
   std::string other(const std::string& worker) const { return worker == "w1" ? "w2" : "w1"; }
 
-  // Each generation goes on where the one before it ended, and each says its records in order.
+  // Each generation begins where the one before it ended, with its records in order.
   void expect_one_story(const std::string& site) const {
     std::uint64_t generation = 0;
     std::uint64_t number = 0;
@@ -208,7 +208,7 @@ TEST_F(TakeOver, OfAWorkerThatIsKilled) {
     EXPECT_EQ(number(stream_of(left, site).at("missing")), 0U);
     EXPECT_EQ(number(stream_of(left, site).at("lost")), 0U);
   }
-  // What was consumed need not be kept.
+  // The node does not keep consumed batches.
   EXPECT_TRUE(eventually(kPatience, [&] {
     const nlohmann::json capture =
         nlohmann::json::parse(
@@ -240,7 +240,7 @@ TEST_F(TakeOver, OfAWorkerThatSleepsAndIsRefusedWhenItWakes) {
     expect_one_story(site);
     EXPECT_EQ(owner_of(site), other(asleep));
   }
-  // As it would say it.
+  // A record that the replaced owner would publish.
   const auto stale = broker_->publish_behind(output_subject("a"), "of yesterday", 1);
   ASSERT_TRUE(stale);
   EXPECT_FALSE(stale->is_last);

@@ -1,8 +1,8 @@
-// Three servers keep each message three times: one of them is killed, hangs, or is cut off from the
-// others (or from everybody) while something is located, and nothing is lost but what marks stand
-// for, nothing is said twice, and the servers store the same afterwards. RAYLOC_SERVER_FAULTS: how
-// many (tests/soak), then also two servers at once, and a server and a machine; else each of one
-// server. Skipped, by name, where the server is older than 2.11.
+// Three servers keep three copies of each message: one of them is killed, hangs, or is cut off from
+// the others (or all) while a device is located. No datagram is lost without a gap mark, no result
+// published twice, and the servers store the same afterwards. RAYLOC_SERVER_FAULTS: number of
+// faults (tests/soak), then also two servers or a server and a machine at once; by default one of
+// each kind. Skipped, by name, if the server is older than 2.11.
 #include <algorithm>
 #include <array>
 #include <csignal>
@@ -25,7 +25,7 @@
 namespace rayloc::cluster::three_servers_test {
 namespace {
 
-// Longer than servers wait until they choose another leader, which is 4 to 9 s.
+// Longer than the servers need to elect another leader, which is 4 to 9 s.
 constexpr std::chrono::seconds kLasts{12};
 constexpr std::array kWays = {"killed", "hangs", "begun again", "cut from servers", "cut from all"};
 constexpr std::array kMachines = {"worker", "node", "gateway"};
@@ -68,7 +68,7 @@ class ThreeServers : public OneSite {
     begin_machines({servers_of_hall_->urls(), static_cast<int>(NatsServers::kCount)});
   }
 
-  // The server that leads what the owner says; nothing where none does.
+  // The leader of the stream of results; nothing if there is none.
   std::optional<std::size_t> leader() {
     const auto said = broker_->ask("$JS.API.STREAM.INFO." + std::string(kOutputStream), "");
     const auto info = nlohmann::json::parse(said.value_or(""), nullptr, false);
@@ -126,7 +126,7 @@ class ThreeServers : public OneSite {
       end(server, fault.way);
     }
   }
-  // All three have what any of them has.
+  // All three servers store the same.
   void expect_same_stores() {
     std::vector<std::string> stored;
     EXPECT_TRUE(eventually(kPatience, [&] {
@@ -161,7 +161,7 @@ TEST_F(ThreeServers, LoseNothingThatTheyHaveAcknowledged) {
               << " to " << all.back() << " s\n";
   }
   end_machines();
-  // One that was cut off takes itself for the leader until it hears the others again.
+  // A server that was cut off regards itself as the leader until it reaches the others again.
   expect_same_stores();
   expect_one_story();
   expect_every_datagram();

@@ -1,4 +1,4 @@
-// A capture node and a worker as real processes: the worker says what the node would have said.
+// A capture node and a worker as real processes: the worker publishes the same frames as the node.
 #include <string>
 #include <vector>
 
@@ -63,7 +63,7 @@ nlohmann::json status_of(const LiveDaemon& daemon) {
       testing::http_body(testing::http_get(daemon.http_port(), "/site/hall/api/v1/status")));
 }
 
-// Over all sources.
+// Sum over all sources.
 std::uint64_t received(const LiveDaemon& daemon) {
   std::uint64_t all = 0;
   const nlohmann::json status = status_of(daemon);
@@ -73,7 +73,7 @@ std::uint64_t received(const LiveDaemon& daemon) {
   return all;
 }
 
-// Of the hall: up to when all has been said.
+// The results of the hall are published up to this instant.
 std::int64_t done_us(Broker& broker) {
   const auto message = broker.last_of(std::string(kOutputStream), output_subject("hall"));
   v1::OutputRecord record;
@@ -101,7 +101,7 @@ TEST(Worker, PublishesTheFramesThatItsCaptureNodeHears) {
   const nlohmann::json stream = status_of(worker).at("stream");
   EXPECT_EQ(number(stream.at("missing")), 0U);
   EXPECT_EQ(number(stream.at("lost")), 0U);
-  // Nothing is heard any more: that is said as well, and the site does not look late.
+  // No datagram arrives any more: `done_us` still advances, and the site does not appear late.
   const std::int64_t now = us_of(system_now());
   EXPECT_TRUE(eventually(kPatience, [&] { return done_us(*broker) > now; })) << done_us(*broker);
   EXPECT_EQ(node.stop(), 0) << node.errors();

@@ -1,7 +1,7 @@
-"""What a page owes people who use no mouse, no eyes, or weak ones. Each check raises an
+"""Accessibility of a page for people who use no mouse, no eyes, or weak ones. Each check raises an
 AssertionError that names what is wrong."""
 
-# Of what text stands on: the colours of WCAG 2.1, 1.4.3, behind it as far as they are opaque.
+# Contrast of text to the nearest opaque colour behind it (WCAG 2.1, 1.4.3).
 CONTRAST = """(() => {
   const linear = (c) => (c /= 255) <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4;
   const luminance = ([r, g, b]) => 0.2126 * linear(r) + 0.7152 * linear(g) + 0.0722 * linear(b);
@@ -23,10 +23,10 @@ CONTRAST = """(() => {
   return found;
 })()"""
 
-# Of what is drawn on the map, by the computed style with all its opacities, to each ground that it may lie
-# on. Drawn besides what is there: targets of every colour, live and stale, with other places, the marks of
-# three compared methods, a dot of each step, and a zone of each kind. A mark counts by its outline or its filling, what is seen better; text by its
-# filling. Of a trail the last seconds count: the rest is to fade.
+# Contrast of the marks on the map, by the computed style with all its opacities, to each ground that they may be on.
+# Drawn in addition to the present marks: targets of every colour, live and stale, with other places, the marks of
+# three compared methods, a dot of each step, and a zone of each kind. A mark counts by its outline or its filling,
+# the one with more contrast; text by its filling. Only the last seconds of a trail count: the rest fades.
 DRAWN = """(async () => {
   const {Targets} = await import('/map/targets.js');
   const {dotOf} = await import('/map/fits.js');
@@ -93,7 +93,7 @@ def show_theme(page, theme):
 
 
 def check_texts(page, theme, least):
-    """What is written, more than `least` pieces of it, in the theme that is shown."""
+    """The texts, more than `least` of them, in the theme that is shown."""
     texts = page.ask(CONTRAST)
     assert len(texts) > least, texts
     for name, ratio in texts:
@@ -112,7 +112,7 @@ def check_contrast(page, theme):
         assert ratio >= wanted, f"{theme}: {name} is drawn with a contrast of {ratio:.2f}"
 
 
-# What a screen reader reads out by itself when it changes.
+# Elements that a screen reader reads out by itself when they change.
 LIVE = """[...document.querySelectorAll('[aria-live], output, [role=status], [role=alert], [role=log]')]
   .filter((e) => e.ariaLive !== 'off').map((e) => e.id)"""
 
@@ -178,7 +178,7 @@ DOTS = "document.querySelectorAll('#residuals circle').length"
 
 
 def use(page, name, target):
-    """What a key does there, where it is one of the things to try."""
+    """The effect of a key on this control, if it is one of those to try."""
     if name == "map":
         use_map(page)
     elif name == target:

@@ -84,7 +84,7 @@ class Browser:
         return answer["result"]
 
     def listen(self, seconds):
-        """Takes what Chromium says next; false when it says nothing for so long."""
+        """Takes the next messages of Chromium; false if there is none for so long."""
         if not select.select([self.read_fd], [], [], max(0.0, seconds))[0]:
             return False
         data = os.read(self.read_fd, 1 << 20)
@@ -180,7 +180,7 @@ class Page:
             out.write(self.capture())
 
     def pixels(self, left, top, width, height):
-        """What is shown there."""
+        """The pixels of this part of the page."""
         clip = {"x": left, "y": top, "width": width, "height": height, "scale": 1}
         return Picture(self.capture(clip=clip))
 

@@ -1,5 +1,5 @@
 // A power cycle of an access point as the operator and the subscribers of a running raylocd see it:
-// the warning stands in the journal, in the heartbeat and at the locations, and none before.
+// the warning is in the journal, the heartbeat and the locations, and no warning precedes it.
 #include <algorithm>
 #include <array>
 #include <fstream>

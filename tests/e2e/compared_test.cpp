@@ -93,7 +93,7 @@ std::string burst_of(const json& location) {
          location.at("capture_end").get<std::string>();
 }
 
-// Of the last heartbeat.
+// Counters of the compared methods in the last heartbeat.
 json counters_of(const LiveDaemon& daemon) {
   return daemon.bodies("heartbeat").back().at("compared");
 }

@@ -1,5 +1,5 @@
-// CsiReader: a subscriber of frames of CSI, on a thread of its own. Heartbeats and the goodbye tell
-// it what was lost at the end.
+// CsiReader: a subscriber of CSI frames, on a separate thread. Heartbeats and the goodbye report
+// the losses at the end.
 #pragma once
 
 #include <atomic>

@@ -1,5 +1,5 @@
-// A recording with everything that a source counts, and what the decoder alone makes of it: what
-// every way into the daemon must give.
+// A recording with everything that a source counts, and the output of the decoder alone for it:
+// every input of the daemon must produce the same.
 #pragma once
 
 #include <cstddef>
@@ -22,15 +22,15 @@ struct CutRecording {
 CutRecording cut_recording(const std::filesystem::path& folder);
 
 struct Decoded {
-  // v1::CsiFrame without its time, as bytes, in an order of their own: frames that wait for a
-  // time-out come out later than those that are known to be complete.
+  // v1::CsiFrame without its time, as bytes, sorted: frames that wait for a time-out are released
+  // later than frames that are complete.
   std::vector<std::string> frames;
-  // As SourceCounters has them, "rejected." before the name of a reason.
+  // As in SourceCounters, with "rejected." before the name of a reason.
   std::map<std::string, std::uint64_t> counters;
 };
 Decoded decode(const std::filesystem::path& recording);
 
-// Of a heartbeat's source in JSON, those that Decoded has.
+// The counters of a heartbeat's source in JSON that Decoded also has.
 std::map<std::string, std::uint64_t> counters_of(const nlohmann::json& counters);
 
 }  // namespace rayloc::e2e

@@ -10,7 +10,7 @@ import zlib
 
 from browser import PATIENCE
 
-SECONDS_PER_CLICK = 2.0  # of a person who knows where to click
+SECONDS_PER_CLICK = 2.0  # of an experienced user
 
 
 class Person:
@@ -55,7 +55,7 @@ class Person:
         self.page.call("DOM.setFileInputFiles", nodeId=node, files=[path])
 
     def place_access_point(self, name, position, yaw_deg):
-        """As a tape says: where it was clicked is corrected by numbers."""
+        """As measured with a tape: numbers correct the place of the click."""
         x, y, z = position
         self.click("[data-tool=place]")
         self.click_at(self.pixel(x, y))
@@ -95,7 +95,7 @@ class Studio:
 
 
 def refuse_strangers(binaries, site):
-    """Nobody on the network writes files without a token."""
+    """No host on the network writes files without a token."""
     refused = subprocess.run([os.path.join(binaries, "rayloc"), "studio", site, "--listen", "0.0.0.0:0"], timeout=PATIENCE,
                              stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False)
     assert refused.returncode == 64 and "could write the files of the site" in refused.stderr, refused
@@ -156,7 +156,7 @@ def write_png(path, width, height, marks, side):
 
 
 def triangles(site):
-    """Of the meshes of a site that was imported."""
+    """The triangles of all meshes of an imported site."""
     for mesh in sorted(glob.glob(os.path.join(site, "meshes", "*.ply"))):
         with open(mesh, encoding="ascii") as file:
             head, body = file.read().split("end_header\n", 1)

@@ -38,13 +38,13 @@ std::vector<std::string> load(const LiveDaemon& daemon, const std::string& recor
 }
 
 struct JoinTally {
-  std::set<std::string> topics;  // that a snapshot must tell of: published before, CSI aside
+  std::set<std::string> topics;  // that a snapshot must contain: published before, CSI aside
   std::uint64_t told = 0;        // messages of snapshots
   std::uint64_t live = 0;        // other messages
 };
 
-// One that comes late: the snapshot tells of every topic that had been published before, and then
-// each topic's numbers follow one another, from that of the snapshot on.
+// A late subscriber: the snapshot contains every topic that had been published before, and then the
+// numbers of each topic are consecutive, from that of the snapshot on.
 void join(const LiveDaemon& daemon, JoinTally& tally) {
   auto late =
       LateSubscriber::join(daemon.endpoint(), daemon.snapshot(), {"v1/"}, test::patient(kPatience));
@@ -77,7 +77,7 @@ void join(const LiveDaemon& daemon, JoinTally& tally) {
   EXPECT_EQ(late->malformed(), 0U);
 }
 
-// Whether each topic's numbers follow one another in what `rayloc sub --json` printed.
+// Checks that the numbers of each topic are consecutive in the output of `rayloc sub --json`.
 void expect_every_sequence_once(const std::vector<std::string>& lines) {
   std::map<std::string, std::uint64_t> last;
   for (const std::string& line : lines) {

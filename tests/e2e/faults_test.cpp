@@ -1,5 +1,5 @@
-// What must not hurt a running raylocd: its clock being set, a source that falls silent, an
-// interface that is taken away, datagrams from where none may come, subscribers by the hundred.
+// Faults that a running raylocd must survive: a step of its clock, a silent source, an interface
+// that disappears, datagrams from forbidden senders, hundreds of subscribers.
 #include <unistd.h>
 
 #include <csignal>
@@ -78,7 +78,7 @@ TEST(Faults, AClockThatIsSetMakesNoAgeWrong) {
                      .setting = {.environment = clock.environment()}});
   ASSERT_TRUE(daemon.ready()) << daemon.errors();
   auto device = std::make_unique<Device>(folder.path(), daemon, "device");
-  // After each step what is published goes on, and is told by the new clock.
+  // After each step, locations are still published, with times of the new clock.
   std::uint64_t steps = 0;
   for (const int hours : {0, 1, -1, 0}) {
     const std::chrono::hours offset(hours);
@@ -104,7 +104,7 @@ TEST(Faults, AClockThatIsSetMakesNoAgeWrong) {
       EXPECT_LT(source.contains("age") ? age_of(source) : 0.0, kNoStep);
     }
   }
-  // Silence is noticed by a clock that nobody sets, and so is its end.
+  // Silence is detected by a clock that is never set, and so is its end.
   device.reset();
   const auto status_is = [&](const char* status) {
     return eventually(
@@ -119,7 +119,7 @@ TEST(Faults, AClockThatIsSetMakesNoAgeWrong) {
   EXPECT_EQ(daemon.stop(), 0) << daemon.errors();
 }
 
-// An interface whose datagrams nobody answers.
+// An interface whose datagrams no host answers.
 const char* const kMakeInterface =
     "ip link add eth7 type veth peer name eth8 && ip link set eth8 up && ip link set eth7 up && "
     "ip addr add 10.9.8.1/24 dev eth7 && "
@@ -166,7 +166,7 @@ TEST(Faults, AnInterfaceThatWentAwayIsCapturedAgainWhenItComesBack) {
     return std::system(
         ("nsenter --net=/proc/" + std::to_string(daemon.pid()) + "/ns/net " + command).c_str());
   };
-  // The latest state that the subscriber has heard of.
+  // The latest state that the subscriber has received.
   const auto state = [&] {
     nlohmann::json last = nlohmann::json::object();
     for (const std::string& line : read_lines(subscriber.out())) {

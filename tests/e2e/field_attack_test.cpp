@@ -1,5 +1,5 @@
-// What strangers and machines without room do to a real raylocd, in its short form: messages
-// without an end, text that is none, connections by the hundred, a start without memory or
+// Attacks and shortages against a real raylocd, in their short form: messages without an end,
+// invalid text, hundreds of connections, a start with too little memory or too few
 // descriptors.
 #include <unistd.h>
 

@@ -1,4 +1,4 @@
-// What raylocd says over HTTP, from the silent start to datagrams that come.
+// The HTTP interface of raylocd, from its start without datagrams to the first datagrams.
 #include <sys/stat.h>
 
 #include <csignal>
@@ -90,7 +90,7 @@ TEST(Http, TheVerbsAskAndReport) {
   const std::string address = "127.0.0.1:" + std::to_string(daemon.http_port());
   int runs = 0;
   const auto rayloc = [&](std::vector<std::string> words, int status) {
-    if (words.front() != "doctor") {  // which asks where the configuration says
+    if (words.front() != "doctor") {  // doctor uses the configured address
       words.insert(words.end(), {"--http", address});
     }
     Process process(folder.path(), "verb" + std::to_string(++runs), "rayloc", words);
@@ -125,7 +125,7 @@ TEST(Http, TheVerbsAskAndReport) {
   EXPECT_THAT(rayloc({"status"}, 69), HasSubstr("is raylocd running there"));
   EXPECT_THAT(rayloc({"doctor", daemon.configuration().string()}, 0),
               HasSubstr("ok       HTTP " + address + " is free"));
-  // Somebody else has the port.
+  // Another daemon has the port.
   LiveDaemon other(folder.path(), {.site = bundled(""), .access_points = {"ap2"}});
   ASSERT_TRUE(other.ready()) << other.errors();
   const std::filesystem::path ours = folder.path() / "ours.toml";
@@ -135,7 +135,7 @@ TEST(Http, TheVerbsAskAndReport) {
       HasSubstr("problem  source ap2: UDP " + other.address(0) + ": Address already in use"));
 }
 
-// Output and words of `rayloc VERB`.
+// The output and the messages of `rayloc VERB`.
 std::string said(const std::filesystem::path& folder, const std::vector<std::string>& words) {
   Process process(folder, "said", "rayloc", words);
   EXPECT_TRUE(process.wait(kPatience)) << words.front();
@@ -155,7 +155,7 @@ TEST(Field, ASiteThatCannotLocateSaysSoEverywhere) {
   EXPECT_EQ(ready.at("ready"), false);
   EXPECT_THAT(ready.at("reasons").at(0).get<std::string>(), StartsWith(cannot));
   EXPECT_THAT(ready.at("warnings").dump(), HasSubstr(no_people));
-  // What the map reads; its page shows each.
+  // The map reads these warnings; its page shows each.
   const nlohmann::json warnings = daemon.bodies("heartbeat").back().at("warnings");
   ASSERT_EQ(warnings.size(), 2U);
   EXPECT_THAT(warnings.at(0).get<std::string>(), StartsWith(cannot));
@@ -173,7 +173,7 @@ TEST(Field, ASiteThatCannotLocateSaysSoEverywhere) {
   EXPECT_EQ(daemon.stop(), 0) << daemon.errors();
 }
 
-// A daemon that stands still finds more bursts of one device than it has places for.
+// A daemon that was stopped finds more bursts of one device than it has places for.
 TEST(Field, OverloadIsSaidEverywhere) {
   const std::string overload = "more bursts come than this machine can explain";
   const TemporaryFolder folder;
@@ -256,7 +256,7 @@ TEST(Field, TheStatusOfARecordingDoesNotSayThatNothingCame) {
   EXPECT_EQ(daemon.stop(), 0) << daemon.errors();
 }
 
-// It waits for somebody to open the other end of a pipe, with its publishing port bound.
+// The daemon waits for a writer of a pipe, with its publishing port bound.
 TEST(Field, TheDoctorBesideADaemonThatIsStartingBlamesNobody) {
   const TemporaryFolder folder;
   const std::filesystem::path pipe = folder.path() / "pipe";

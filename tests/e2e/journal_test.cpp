@@ -1,4 +1,4 @@
-// What raylocd says to systemd's journal: words, and figures as fields of their own.
+// The messages of raylocd in systemd's journal: text, and figures in separate fields.
 #include <arpa/inet.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
@@ -60,7 +60,7 @@ TEST(Journal, HasTheFiguresOfALossAsFields) {
   EXPECT_EQ(daemon.stop(), 0) << daemon.errors();
 }
 
-// A unit's script that starts raylocd with its standard error elsewhere wants to read it there.
+// A unit's script that starts raylocd with another standard error reads the log there.
 TEST(Journal, IsNotWrittenToWhenStandardErrorIsAnotherFile) {
   const TemporaryFolder folder;
   LiveDaemon daemon(folder.path(),

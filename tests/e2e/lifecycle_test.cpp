@@ -91,7 +91,7 @@ TEST(LifeCycle, ASignalEndsItWhileItIsStillStarting) {
   for (const int signal : {SIGTERM, SIGINT}) {
     const TemporaryFolder folder;
     NotifySocket manager(folder.path());
-    // A recording that nobody writes: opening it waits for ever, as tracing a large room seems to.
+    // A recording without a writer: opening it blocks for ever, like the tracing of a large room.
     const std::string pipe = (folder.path() / "pipe.pcap").string();
     ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
     LiveDaemonOptions options = one_access_point({manager.variable()});
@@ -127,11 +127,11 @@ TEST(LifeCycle, NamesTheStageThatIsStuckAndStarvesTheWatchdog) {
            std::string::npos;
   })) << daemon.errors();
   EXPECT_THAT(daemon.log(), Not(HasSubstr("stage 'source"))) << "only the guilty one";
-  // What came lately is saved, past the stage that is stuck.
+  // The latest datagrams are saved, past the stage that is stuck.
   ASSERT_TRUE(eventually(kPatience, [&] {
     return read_datagrams(folder.path() / "rec", "ap2-snapshot-") > 0;
   })) << daemon.errors();
-  // The daemon goes on for several times the interval at which the watchdog would be fed.
+  // The daemon runs for several times the interval at which the watchdog would be fed.
   const int fed = manager.count("WATCHDOG=1");
   const std::size_t heartbeats = daemon.bodies("heartbeat").size();
   EXPECT_TRUE(
@@ -158,13 +158,13 @@ TEST(LifeCycle, ASecondSignalEndsItAtOnceAndNoneWaitsForADeadDisk) {
     daemon.signal(SIGTERM);
     ASSERT_TRUE(manager.wait_for("STOPPING=1", kPatience)) << daemon.errors();
     if (twice) {
-      // The signal is let through just after the manager is told.
+      // The daemon unblocks the signal just after it notifies the manager.
       eventually(kPatience, [&] {
         daemon.signal(SIGTERM);
         return !daemon.running();
       });
     }
-    // The disk answers only after that: nobody has waited for it.
+    // The disk answers only after that: the stop has not waited for it.
     const std::optional<int> status = daemon.wait(kPatience);
     kill(append, SIGCONT);
     if (twice) {
@@ -248,7 +248,7 @@ int bound_socket(int type, std::uint16_t port, in_addr_t host = INADDR_LOOPBACK)
   return fd;
 }
 
-// What systemd binds obeys the rule of what the configuration says.
+// A socket that systemd binds obeys the same rule as a configured address.
 TEST(LifeCycle, RefusesPassedSocketsThatOthersReachAndNobodyGuards) {
   for (const std::string name : {"publish", "snapshot", "http"}) {
     const TemporaryFolder folder;
@@ -317,7 +317,7 @@ TEST(LifeCycle, TakesPassedSocketsAndNeedsNoNetworkOfItsOwn) {
                  {.environment = {manager.variable()},
                   .sockets = sockets,
                   .wrapper = without_network(folder.path())});
-  // What arrives while it starts waits at the port of the access point, as at systemd's.
+  // Datagrams that arrive during the start wait at the access point's port, as at systemd's.
   std::for_each(sockets.begin() + 1, sockets.end(), [](const auto& s) { close(s.second); });
   ASSERT_TRUE(manager.wait_for("READY=1", kPatience)) << daemon.errors();
   EXPECT_EQ(testing::http_body(testing::http_get(http, "/healthz")), "ok\n");

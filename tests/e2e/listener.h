@@ -16,9 +16,9 @@ class Location;
 
 namespace rayloc::e2e {
 
-// v1::Location as bytes in the order in which they came; of each topic snapshots and what the
-// tracker says by themselves: live a message is sent as soon as it is known, and a snapshot is
-// known before the moments within it; a replay is sorted by time.
+// v1::Location as bytes in the order of arrival, by topic and kind: live, a message is sent as soon
+// as its location is computed, and a snapshot is computed before the tracker's locations of its
+// moments; a replay is sorted by time.
 using LocationBytes = std::map<std::string, std::vector<std::string>>;
 void add(const std::string& topic, const v1::Location& location, LocationBytes& locations);
 
@@ -29,9 +29,9 @@ class Listener {
   Listener(const Listener&) = delete;
   Listener& operator=(const Listener&) = delete;
 
-  // Whether anything has come: from then on nothing is missed.
+  // True once anything was received: from then on nothing is missed.
   bool heard() const { return heard_; }
-  // False when the goodbye does not come. The rest is for after that.
+  // False if no goodbye arrives. The other functions are for after that.
   bool wait_for_goodbye(std::chrono::seconds patience);
 
   // v1::CsiFrame without its time, as bytes, sorted.

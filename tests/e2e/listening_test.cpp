@@ -1,6 +1,6 @@
-// Where a running raylocd listens, by what the kernel says of its sockets: at no address that
-// others reach, the configured sources aside. Without a word about addresses in its configuration,
-// too.
+// The addresses at which a running raylocd listens, by the kernel's list of its sockets: none that
+// other hosts reach, except those of the configured sources. Also with a configuration that states
+// no addresses.
 #include <array>
 #include <csignal>
 #include <cstdlib>

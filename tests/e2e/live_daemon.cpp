@@ -40,8 +40,8 @@ bool can_bind(int type, std::uint16_t port) {
 
 }  // namespace
 
-// A port that nobody uses now. Below the range from which the kernel gives out its own, so that
-// none is taken by a connection before the daemon binds it; tests of one run differ by process.
+// A free port. It is below the range of the kernel's own ports, so that no connection takes it
+// before the daemon binds it; tests of one run differ by process.
 std::uint16_t free_port(int type) {
   static int next = 15000 + static_cast<int>(getpid() % 1600) * 10;
   for (; next < 32000; ++next) {
@@ -150,7 +150,7 @@ double LiveDaemon::resident_kib() const {
 std::optional<int> LiveDaemon::stop() {
   daemon_->signal(SIGTERM);
   const std::optional<int> status = daemon_->wait(kPatience);
-  // What was published last is still on its way to the subscriber's file.
+  // The last published messages are still on their way to the subscriber's file.
   eventually(std::chrono::seconds{10}, [this] { return !bodies("goodbye").empty(); });
   return status;
 }

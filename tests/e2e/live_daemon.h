@@ -48,11 +48,11 @@ struct LiveSite {
 struct LiveDaemonOptions {
   std::filesystem::path site = {};
   std::vector<std::string> access_points = {"ap1", "ap2", "ap3"};
-  std::string more_configuration = {};  // TOML behind what the fixture writes
+  std::string more_configuration = {};  // TOML after the fixture's own
   std::string http_configuration = {};  // further keys of [http]
-  // TOML of each [[source]] instead of a UDP port; SITE in it stands for the site's name, and PORT
-  // for the port that the access
-  // point sends to, which ready() then wants to see bound by the test.
+  // TOML of each [[source]] instead of a UDP port; SITE in it is replaced by the site's name, and
+  // PORT by the port that the access point sends to, which the test then binds: ready() waits for
+  // that.
   std::string source = {};
   // [[site]] instead of `site` and `access_points`; addresses are in their order.
   std::vector<LiveSite> sites = {};
@@ -62,7 +62,7 @@ struct LiveDaemonOptions {
   std::vector<std::string> subscriber_arguments = {};  // further ones of `rayloc sub`
 };
 
-// A port that nobody uses now, of SOCK_DGRAM or SOCK_STREAM.
+// A free port, of SOCK_DGRAM or SOCK_STREAM.
 std::uint16_t free_port(int type);
 
 class LiveDaemon {
@@ -70,9 +70,9 @@ class LiveDaemon {
   LiveDaemon(const std::filesystem::path& folder, const LiveDaemonOptions& options);
 
   // Waits until every port is bound and a heartbeat has reached the subscriber: from then on it
-  // misses nothing. False when that does not happen.
+  // misses nothing. False if that does not happen.
   bool ready();
-  // Where access point `index` sends to, as HOST:PORT.
+  // The address that access point `index` sends to, as HOST:PORT.
   std::string address(std::size_t index) const;
   std::size_t access_points() const { return udp_ports_.size(); }
   void signal(int number) { daemon_->signal(number); }
@@ -80,13 +80,13 @@ class LiveDaemon {
   pid_t pid() const { return daemon_->pid(); }
   double resident_kib() const;  // of the daemon's memory
   std::optional<int> wait(std::chrono::seconds patience) { return daemon_->wait(patience); }
-  // What the daemon has logged so far.
+  // The log of the daemon so far.
   std::string log() const { return daemon_->errors(); }
   const std::filesystem::path& configuration() const { return configuration_; }
   const std::string& snapshot() const { return snapshot_; }
   std::uint16_t http_port() const { return http_port_; }
   const std::string& endpoint() const { return endpoint_; }
-  // Ends the daemon as a service manager would; its exit status, nothing when it hangs.
+  // Ends the daemon as a service manager would; its exit status, nothing if it hangs.
   std::optional<int> stop();
 
   // The bodies of that kind ("location", "heartbeat", "goodbye") received so far, in order.
@@ -105,8 +105,8 @@ class LiveDaemon {
   std::unique_ptr<Process> subscriber_;
 };
 
-// Runs `rayloc send` with these arguments and, in order, every access point of the daemon as --to;
-// what it says goes to NAME.err in `folder`. Its exit status, nothing when it hangs.
+// Runs `rayloc send` with these arguments and every access point of the daemon, in order, as --to;
+// its messages go to NAME.err in `folder`. Its exit status, nothing if it hangs.
 std::optional<int> send(const std::filesystem::path& folder,
                         const std::string& name,
                         const LiveDaemon& daemon,

@@ -45,7 +45,7 @@ std::vector<Spot> surveyed_spots() {
   return spots;
 }
 
-// Of the slow pace, behind what the fixture writes.
+// TOML of the slow pace, after the fixture's own.
 std::string slow_bursts() { return "[engine]\nburst_s = " + std::to_string(kSlowBurst) + "\n"; }
 
 // Sends the recordings of all access points as one, in their common time; false when that fails.
@@ -63,7 +63,7 @@ double horizontal_error(const nlohmann::json& location, const Spot& spot) {
                     position.at("y").get<double>() - spot.y);
 }
 
-// Of the locations, in order.
+// The snapshots among the locations, in order.
 std::vector<nlohmann::json> snapshots_of(const std::vector<nlohmann::json>& locations) {
   std::vector<nlohmann::json> snapshots;
   std::copy_if(locations.begin(),
@@ -75,7 +75,7 @@ std::vector<nlohmann::json> snapshots_of(const std::vector<nlohmann::json>& loca
   return snapshots;
 }
 
-// As text in an order of their own: live a message is sent as soon as it is known, a replay is
+// As sorted text: live, a message is sent as soon as its location is computed, and a replay is
 // sorted by time.
 std::vector<std::string> sorted(const std::vector<nlohmann::json>& locations) {
   std::vector<std::string> texts;
@@ -109,7 +109,7 @@ TEST(Live, LocatesEverySpotOfARecordingSentOverUdp) {
       errors.push_back(horizontal_error(locations[i], spots[i]));
     }
   }
-  // Of a room with gains alone access points contradict each other now and then.
+  // In a room with calibrated gains alone, access points contradict each other at times.
   ASSERT_GE(errors.size(), spots.size() - 1);
   std::nth_element(errors.begin(), errors.begin() + 10, errors.end());
   // Always answering the centre of the room has a median error of 1.01 m.
@@ -130,7 +130,7 @@ TEST(Live, TellsTheLivesOfTracksAndAccountsForEveryMoment) {
       folder.path(),
       {.site = calibrated_site(folder.path()), .setting = {.environment = clock.environment()}});
   ASSERT_TRUE(daemon.ready()) << daemon.errors();
-  // Meanwhile somebody sets the machine's clock: no track takes notice.
+  // Meanwhile the machine's clock is set: no track is affected.
   std::thread somebody([&] {
     EXPECT_TRUE(eventually(kPatience, [&] { return !daemon.bodies("track").empty(); }));
     std::uint64_t steps = 0;

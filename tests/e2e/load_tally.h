@@ -1,4 +1,4 @@
-// What became of the datagrams of a load test, by the daemon's heartbeat and by the sender.
+// Counts of the datagrams of a load test, by the daemon's heartbeat and by the sender.
 #pragma once
 
 #include <cstdint>
@@ -37,12 +37,12 @@ Tally settled(const LiveDaemon& daemon);
 // test when they are not, or when something is lost on the way without being counted.
 Tally accounted(const LiveDaemon& daemon, std::uint64_t sent);
 
-// The rates at which a test loads, in the order in which it tries them: the first is what must
-// hold, and only it counts when `variable` states a long run; else the machine may be too busy for
+// The rates of a load test, in the order of its attempts: the first one must hold, and only
+// it counts when `variable` states a long run; otherwise the machine may be too busy for
 // it.
 std::vector<int> rates_of(const char* variable, int first);
 
-// Of the line that ends what `rayloc send --json` says: {"event":"end","datagrams":150000,...}.
+// Datagrams by the last line of `rayloc send --json`: {"event":"end","datagrams":150000,...}.
 std::uint64_t sent_by(const Process& sender);
 
 }  // namespace rayloc::e2e

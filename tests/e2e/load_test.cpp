@@ -1,6 +1,6 @@
-// Many datagrams over loopback into a real raylocd: none is lost at a rate it must stand, and every
-// one that is lost in an overload is counted. RAYLOC_INGEST_SECONDS lengthens the run, and then
-// that rate must hold; else lower ones are tried on a machine that is too busy for it.
+// Many datagrams over loopback into a real raylocd: none is lost at a rate that it must sustain,
+// and every loss in an overload is counted. RAYLOC_INGEST_SECONDS lengthens the run, and then that
+// rate must hold; otherwise lower rates are tried on a machine that is too busy for it.
 #include <csignal>
 #include <cstdio>
 #include <iomanip>
@@ -77,7 +77,7 @@ TEST(Load, LosesNothingAtFiftyThousandDatagramsASecond) {
   EXPECT_EQ(daemon.stop(), 0) << daemon.errors();
 }
 
-// What the kernel has dropped of the datagrams to a port of this machine that somebody is bound to.
+// Datagrams that the kernel has dropped at a bound port of this machine.
 std::uint64_t dropped_by_kernel(const std::string& address) {
   std::ostringstream port;
   port << ':' << std::uppercase << std::hex << std::setw(4) << std::setfill('0')
@@ -115,7 +115,7 @@ TEST(Load, CountsEveryLossOfAnOverload) {
 
   EXPECT_GT(tally.kernel_drops, 0U);
   EXPECT_GT(tally.frames_dropped, 0U);
-  // What came is recorded whole, or the recording says how much is missing.
+  // All received datagrams are recorded, or the recording states how many are missing.
   const nlohmann::json recorder = daemon.bodies("heartbeat").back().at("recorder");
   EXPECT_EQ(number(recorder.at("given")), tally.received);
   EXPECT_EQ(number(recorder.at("written")) + number(recorder.at("dropped")), tally.received);

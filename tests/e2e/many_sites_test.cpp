@@ -85,7 +85,7 @@ bool logs(const LiveDaemon& daemon, const std::string& words) {
   return eventually(kPatience, [&] { return daemon.log().find(words) != std::string::npos; });
 }
 
-// What a verb says of the daemon.
+// The output of a verb about the daemon.
 std::string said_by(const std::filesystem::path& folder, const std::vector<std::string>& words) {
   Process verb(folder, words.front(), "rayloc", words);
   EXPECT_EQ(verb.wait(kPatience), 0) << verb.errors();
@@ -208,7 +208,7 @@ TEST(ManySites, AReloadOfOneAndItsTroublesLeaveTheOthersAlone) {
   EXPECT_EQ(daemon.stop(), 0) << daemon.errors();
 }
 
-// Of what is published of that start of a site, the last that was received.
+// Received datagrams in the last heartbeat of this start of a site.
 std::uint64_t received_in_all(const LiveDaemon& daemon, const std::string& start) {
   std::uint64_t count = 0;
   for (const nlohmann::json& heartbeat : daemon.bodies("heartbeat")) {
@@ -219,7 +219,7 @@ std::uint64_t received_in_all(const LiveDaemon& daemon, const std::string& start
   return count;
 }
 
-// Its port stays open: what comes meanwhile is counted by the one or by the other.
+// The port stays open: datagrams during the exchange are counted by the one or by the other.
 TEST(ManySites, AnExchangeLosesNoDatagram) {
   const TemporaryFolder folder;
   const std::filesystem::path lab = copy_of_bundled(folder.path(), "lab");
@@ -264,7 +264,7 @@ TEST(ManySites, AnExchangeLosesNoDatagram) {
   EXPECT_EQ(daemon.stop(), 0) << daemon.errors();
 }
 
-// A site that a reload adds, and whose files are wrong, is waited for: whoever looks is told.
+// A reload adds a site with wrong files: the daemon is not ready and reports the site.
 TEST(ManySites, OneThatNeverBeganIsNotReady) {
   const TemporaryFolder folder;
   const std::filesystem::path lab = copy_of_bundled(folder.path(), "lab");
@@ -331,8 +331,8 @@ Published published_locations(Subscriber& listener, int goodbyes) {
   return bodies;
 }
 
-// What both have heard: the first may come before a subscriber does, and a publisher that has much
-// to say says the newest.
+// Compares events that both received: the first may precede a subscriber's connection, and a
+// publisher under load sends only the newest.
 void expect_the_same(const std::map<std::string, std::string>& one,
                      const std::map<std::string, std::string>& other) {
   int common = 0;
@@ -345,7 +345,7 @@ void expect_the_same(const std::map<std::string, std::string>& one,
   EXPECT_GT(common, 10);
 }
 
-// Its recording has ended, and everything in it is explained.
+// The site's recording has ended, and none of its bursts is in flight.
 bool is_through(const LiveDaemon& daemon, const std::string& site) {
   const std::string path = "/site/" + site + "/api/v1/status";
   const auto status =

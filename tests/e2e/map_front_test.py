@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 """The live map as it is seen through another server: below a path, by another name, in a frame of a
-page of somebody else. raylocd and nginx as processes, headless Chromium.
+page of another site. raylocd and nginx as processes, headless Chromium.
 
     map_front_test.py BIN_DIR OUT_DIR
 
@@ -31,7 +31,7 @@ class Nginx:
     def __init__(self, folder, raylocd, card):
         self.folder = os.path.join(folder, "nginx")
         os.makedirs(os.path.join(self.folder, "run/tmp"), exist_ok=True)
-        os.chmod(folder, 0o755)  # its worker is nobody
+        os.chmod(folder, 0o755)  # its worker runs as the user `nobody`
         self.plain, self.kept = (map_test.free_port(socket.SOCK_STREAM) for _ in range(2))
         self.card = card
         with open(os.path.join(HERE, "nginx.conf"), encoding="ascii") as file:
@@ -76,7 +76,7 @@ class Nginx:
 
 
 class FrontTest:
-    """What both have: a page, looked at through nginx."""
+    """The common part of both: a page, seen through nginx."""
 
     def __init__(self, out, daemon, nginx, browser, recording):
         self.out, self.daemon, self.nginx = out, daemon, nginx
@@ -88,7 +88,7 @@ class FrontTest:
         return page
 
     def check(self, page, url):
-        """Nothing failed, and nothing was asked for elsewhere."""
+        """Nothing failed, and no request went to another server."""
         assert not page.errors, page.errors
         elsewhere = [one for one in page.requests if not one.startswith(url) and one != "about:blank"]
         assert len(page.requests) > 5 and not elsewhere, elsewhere
@@ -114,7 +114,7 @@ class FrontTest:
 
 
 class DefaultTest(FrontTest):
-    """raylocd is told nothing of who is before it."""
+    """raylocd has no configuration for the server before it."""
 
     def run(self):
         url = f"http://127.0.0.1:{self.nginx.plain}/rayloc/"
@@ -139,7 +139,7 @@ class DefaultTest(FrontTest):
         page.wait("document.querySelectorAll('#moved-rows tr').length > 0")
 
     def other_names(self):
-        """A name that nobody listed may be anybody's; the one that nginx puts is not the browser's."""
+        """A name that is not listed may be any host's; the name that nginx sets is not the browser's."""
         for port, path in ((self.nginx.kept, "/"), (self.nginx.kept, "/events"), (self.nginx.kept, "/api/v1/targets")):
             status, body, _ = self.nginx.ask(port, "GET", path, {"Host": f"{NAME}:{port}"})
             assert status == 421 and b"[http] origins" in body, (path, status, body)
@@ -154,7 +154,7 @@ class DefaultTest(FrontTest):
 
 
 class ToldTest(FrontTest):
-    """raylocd plays a recording, and is told who is before it."""
+    """raylocd plays a recording, and has a configuration for the server before it."""
 
     @staticmethod
     def keys(card):
@@ -196,7 +196,7 @@ class ToldTest(FrontTest):
         assert self.nginx.ask(self.nginx.plain, "POST", "/rayloc/api/v1/playback?state=playing", CONTROL)[0] == 200
 
     def card(self):
-        """In a frame of a page of somebody else, as in a card of Home Assistant."""
+        """In a frame of a page of another site, as in a card of Home Assistant."""
         page = self.open(f"http://127.0.0.1:{self.nginx.card}/")
         _, ask = self.frame(page)
         eventually("the target is shown in the frame", lambda: ask(SHOWN))
@@ -207,8 +207,8 @@ class ToldTest(FrontTest):
 
 
 def events_come_at_once(folder, binaries, site, card):
-    """What is said goes through nginx when it is said, however little it is: after the first snapshot, which
-    comes with the head, raylocd has nothing to say for a minute but that it is there."""
+    """Events pass through nginx at once, however short they are: after the first snapshot, which comes with
+    the head, raylocd sends nothing for a minute but a sign of life."""
     daemon = Daemon(folder, binaries, site, extra='heartbeat_s = 60\n[engine]\nmethod = "none"\n')
     daemon.start()
     try:

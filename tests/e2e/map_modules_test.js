@@ -113,7 +113,7 @@
     'a snapshot between two estimates of a track does not end its trail'() {
       const snapshot = {kind: 'LOCATION_KIND_SNAPSHOT', target: {mac: '02:00:00:00:00:01'}};
       const another = {target: {mac: '02:00:00:00:00:01', track: '2'}};
-      // A tracker that is late: what a snapshot says counts from one second on.
+      // The tracker is late: a snapshot counts only from one second on.
       const {model, tell} = begin([location(NOW), location(NOW + 500, snapshot), location(NOW + 1200, snapshot),
         location(NOW + 1300)]);
       same(model.at(NOW + 1300).map(({trail}) => trail.length), [3], 'of the same track');
@@ -200,14 +200,14 @@
       const outer = [100, 200, 150, 'within 1.50 m with 90 %'];
       const near = (found, wanted) => found.slice(0, 4).every((v, i) => Math.abs(v - wanted[i]) <= 2);
 
-      // Of a normal distribution half lies within 1.18 sigma.
+      // Half of a normal distribution lies within 1.18 sigma.
       for (const one of [[place(1, 1, 0.1)], undefined]) {
         const found = drawn(one);
         same([found.outer, found.ghosts, found.listed], [outer, [], ''], 'one place');
         same(near(found.inner, [100, 200, 12, 12]) && found.inner[4], 'region of 50 %', `one place: ${found.inner}`);
       }
 
-      // What engine/posterior/posterior.cpp makes of one hill of 0.4 m about 1, 2 (and leaves a third over).
+      // The places that engine/posterior/posterior.cpp makes of one hill of 0.4 m about 1, 2 (a third is left over).
       const hill = [piece(1, 2, 0.249, 0.0223, 0.0223), piece(0.58, 2, 0.114, 0.0135, 0.0265), piece(1.01, 1.57, 0.106, 0.0251, 0.0125),
         piece(1.01, 2.43, 0.1, 0.0251, 0.0125), piece(1.44, 2, 0.094, 0.0113, 0.0237)];
       let found = drawn(hill);
@@ -242,7 +242,7 @@
       const source = (change, counters) => ({sent: new Date(NOW).toISOString(), source: {
         access_point: 'ap9', status: 'SOURCE_STATUS_RECEIVING', ...change, counters: {
           frames_complete: '0', frames_partial: '0', kernel_drops: '0', ring_dropped: '0', late: '0', frames_dropped: '0', ...counters}}});
-      // The page itself takes the row away again: it knows no such source.
+      // The page itself removes the row again: it has no such source.
       const cells = (...of) => {
         showSources(begin([source(...of)]).model);
         return [...document.querySelectorAll('tr[data-source=ap9] td')].map((one) => one.textContent);
@@ -272,7 +272,7 @@
       const zone = (sent, kind, change) => ({sent: new Date(sent).toISOString(),
         zone: {event_id: `${kind}${sent}`, kind: `ZONE_EVENT_KIND_${kind}`, zone: 'desk', target: device, ...change}});
       const {model, tell} = begin([
-        // Hardly inside any more, and not yet said to have left.
+        // Improbable, but no event of departure yet.
         location(NOW - 5000, {zones: [{zone: 'desk', probability: 0.4}]}),
         zone(NOW - 4000, 'ENTERED', {inside: [device, {track: '7'}]}),
         zone(NOW - 1000, 'DWELLED', {dwell: '3s', inside: [device]})]);

@@ -5,7 +5,7 @@ Chromium, and the pixels that it shows.
     map_test.py BIN_DIR OUT_DIR [--picture FILE.png] [--only PART ...]
 
 Screenshots go to OUT_DIR. --picture also writes the picture of the README (deploy/map_picture).
-PART: live, places, compared, recording, walk, reload, editor, first-hour, no-room; all of them unless told.
+PART: live, places, compared, recording, walk, reload, editor, first-hour, no-room; by default all of them.
 """
 
 import argparse
@@ -125,7 +125,7 @@ class Daemon:
             connection.close()
 
     def position(self):
-        """Of the device, as located() tells it; None while it has none."""
+        """The position of the device by located(); None while it has none."""
         place = (self.located(DEVICE) or {}).get("position")
         return place and (place["x"], place["y"])
 
@@ -138,7 +138,7 @@ class Daemon:
         return found[0] if found else None
 
     def located(self, mac, site=""):
-        """The last filtered estimate of it, as a new viewer is told it. `site`: its path."""
+        """The last filtered estimate of it, as a new viewer receives it. `site`: its path."""
         connection = http.client.HTTPConnection("127.0.0.1", self.http, timeout=PATIENCE)
         try:
             connection.request("GET", f"/{site}events")
@@ -177,7 +177,7 @@ class Recording:
 
     def send(self, spot, daemon, until, mac=DEVICE, access_points=ACCESS_POINTS):
         """The datagrams of that spot at their pace, over and over until `until` is set; as if a device of
-        that address had been there, and heard by these access points alone."""
+        that address had been there, and received by these access points alone."""
         begin, end = self.spots[spot]["t_start"], self.spots[spot]["t_end"]
         before, after = (bytes.fromhex(one.replace(":", "")) for one in (DEVICE, mac))
         chosen = [(stamp, index, payload.replace(before, after))
@@ -252,7 +252,7 @@ def assert_shown(page, daemon, colour, what):
         shown = shown_at(page, expected, colour)
         return None if shown is None else (math.dist(shown, expected), position)
 
-    # The page is told ten times a second, and what it is told may still be moving.
+    # The page is updated ten times a second, and its mark may still be moving.
     found = eventually(f"{what}: the mark within {PIXELS} pixels",
                        lambda: (e := error()) and e[0] <= PIXELS and e)
     print(f"{what}: {found[0]:.2f} pixels off")
@@ -260,7 +260,7 @@ def assert_shown(page, daemon, colour, what):
 
 
 def silent_errors(page):
-    """What the browser itself says about a server that is away."""
+    """The page's errors, except the browser's own about a server that is away."""
     return [one for one in page.errors if "net::ERR_" not in one]
 
 
@@ -338,7 +338,7 @@ class MapTest:
         self.close(page)
 
     def hidden_page(self):
-        """A page that nobody looks at leaves its place to others; a browser that keeps nothing does."""
+        """A hidden page leaves its place to others; a browser without storage works."""
         page = self.browser.page(1280, 800)
         page.call("Page.addScriptToEvaluateOnNewDocument", source="Object.defineProperty(window, "
                   "'localStorage', {get() { throw new DOMException('denied', 'SecurityError'); }});")
@@ -360,7 +360,7 @@ class MapTest:
         self.close(page)
 
     def survive_silence(self, page):
-        """A raylocd that hangs: nothing that was said is shown as if it still held."""
+        """A raylocd that hangs: no earlier state is shown as if it were current."""
         receiving = ("document.querySelectorAll('#source-rows td.good').length === 3 && "
                      "document.querySelectorAll('#fixed .receiving').length === 3")
         with Sending(self.recording, 1, self.daemon):
@@ -372,7 +372,7 @@ class MapTest:
                           "row.children[1].textContent === 'not known' && "
                           "row.children[2].textContent === '')")
                 assert page.ask("document.querySelector('#fixed .receiving')") is None
-                # The connection is open as before; that nobody is there can only be found out anew.
+                # The connection is still open; only a new request finds out that the daemon does not answer.
                 streams = page.requests.count(self.daemon.url + "events")
                 page.wait(f"{CONNECTION}.startsWith('Connection lost')")
                 eventually("asked anew", lambda: page.ask("true") and
@@ -387,7 +387,7 @@ class MapTest:
     def survive_restart(self, page):
         page.ask("window.sameDocument = true; document.querySelector('#show-residuals').click()")
         page.wait(DOTS)
-        # Whoever looks at the past has to notice, too.
+        # A page that shows the past has to notice, too.
         page.ask("document.querySelector('#play').click()")
         page.wait(f"{TIME_SHOWN}.includes('ago')")
         self.daemon.stop()
@@ -409,7 +409,7 @@ class MapTest:
         page.errors.clear()
 
     def dots_follow(self, page):
-        """What is shown of the calibration is of this start of raylocd, and stays in its place."""
+        """The dots of the calibration are those of this start of raylocd, and stay in their places."""
         place = "document.querySelector('#residuals g').getAttribute('transform')"
         before = page.ask(place)
         page.ask("document.querySelector('#zoom-in').click()")
@@ -426,7 +426,7 @@ class MapTest:
             assert_shown(page, self.daemon, STALE_COLOUR, f"{width} pixels wide")
             widest = page.ask("document.documentElement.scrollWidth")
             assert widest <= width, f"{width} pixels wide: the page is {widest} wide"
-            # What hangs on a wall is read from afar.
+            # A page on a wall is read from afar.
             letters = page.ask("document.querySelector('#markers text').getBoundingClientRect().height")
             assert 13 <= letters / max(1, width / 1920) <= 26, f"{width}: letters of {letters} pixels"
             self.artefact(page, f"{width}")
@@ -439,7 +439,7 @@ class MapTest:
             self.check(page)
 
     def nothing_is_covered(self, page, width):
-        """Names stand apart from one another and from the buttons; tables show all their columns."""
+        """Names are apart from one another and from the buttons; tables show all their columns."""
         boxes = page.ask("[...document.querySelectorAll('#fixed .access-point > text, #zones .zone-tag, .zoom button')]"
                          ".map((e) => { const b = e.getBoundingClientRect(); return [e.textContent, b.left, b.top, b.right, b.bottom]; })")
         assert len(boxes) >= 5 + len(ACCESS_POINTS), boxes
@@ -540,16 +540,16 @@ class PlaybackTest(MapTest):
         raise AssertionError(f"not reached by Tab: {name}")
 
     def begin(self):
-        """Of the recordings [s since 1970]."""
+        """The beginning of the recordings [s since 1970]."""
         return min(one[0] for one in self.recording.datagrams)
 
     def spot_at(self, seconds):
-        """Where the device stood, so long after the beginning; None on its way."""
+        """The spot of the device, so long after the beginning; None on its way."""
         return next((spot for spot in self.recording.spots
                      if spot["t_start"] + 0.4 < self.begin() + seconds < spot["t_end"]), None)
 
     def go_to(self, page, steps):
-        """By so many times Home and the arrow; the map shows where the device stood then."""
+        """By Home and so many times the arrow; the map shows the device's place at that time."""
         self.reach(page, "playback-position")
         page.press("Home")
         for _ in range(steps):
@@ -559,7 +559,7 @@ class PlaybackTest(MapTest):
         eventually(f"the device at {5 * steps} s", lambda: (p := self.daemon.position())
                    and math.dist(p, (truth["x"], truth["y"])) < 0.3)
         assert_shown(page, self.daemon, LIVE_COLOUR, f"{5 * steps} s into the recording")
-        # What was before the move is not joined to it.
+        # The trail does not join the positions before and after the move.
         page.wait("[...document.querySelectorAll('#trails g')].every((line) => "
                   "line.getBBox().width < 100 && line.getBBox().height < 100)")
         assert f"{5 * steps // 60}:{5 * steps % 60:02}.0 of " in \
@@ -587,7 +587,7 @@ class PlaybackTest(MapTest):
         page.wait(f"{ZONE} === 'corner (1)'")
         assert page.ask("[...document.querySelectorAll('#event-rows li')].filter((item) => item.stays)"
                         ".length") == 1, "the list of events is written anew"
-        page.wait("window.beats > 2")  # it stands still, and nothing grows old
+        page.wait("window.beats > 2")  # playback is paused, and nothing grows old
         stands = self.state()
         assert stands["position"] == self.state()["position"], stands
         assert page.ask(f"!{STALE}")
@@ -599,7 +599,7 @@ class PlaybackTest(MapTest):
         self.play(page)
 
     def others_control(self, page):
-        """What others ask for is shown, where the focus is and after a drag to where it began, too."""
+        """Requests of others are shown, also at the focus and after a drag back to its beginning."""
         speed = "document.querySelector('#playback-speed')"
         assert page.ask(f"document.activeElement === {speed}")
         self.ask_for("speed=4")
@@ -632,7 +632,7 @@ class PlaybackTest(MapTest):
         assert_counted(self.daemon)
 
     def controls_that_fail(self, page):
-        """Whoever looks is told, and once raylocd answers again the controls work."""
+        """The page shows the failure, and once raylocd answers again the controls work."""
         error = "document.querySelector('#playback-error')"
         self.daemon.process.send_signal(signal.SIGSTOP)
         try:
@@ -697,7 +697,7 @@ class WalkTest(PlaybackTest):
             shutil.copy(os.path.join(self.out, "walk.png"), self.picture)
 
     def solid_room(self, page):
-        """In three dimensions the mark stands where the isometric projection puts its place, by those of two access
+        """In three dimensions the mark is where the isometric projection puts its place, by those of two access
         points; the room is drawn, and the plan comes back."""
         page.ask("document.querySelector('#map').focus()")
         page.press("3")
@@ -721,7 +721,7 @@ class WalkTest(PlaybackTest):
         page.wait("getComputedStyle(document.querySelector('#solid')).display === 'none'")
 
     def where_somebody_was(self, page, path):
-        """In cells along the walk, and nowhere else."""
+        """In cells along the walk, and in no others."""
         presence = json.loads(self.daemon.get("api/v1/presence")[1])
         assert sum(stay for _, _, stay in presence["cells"]) > 2 and presence["left_out"] == 0, presence
         away = [(x, y) for x, y, stay in presence["cells"] if stay > 0.5 and min(math.dist((x, y), one) for one in path) > 0.6]
@@ -733,7 +733,7 @@ class WalkTest(PlaybackTest):
         page.ask("document.querySelector('#heat-look').click()")
 
     def channel_of_a_burst(self, page):
-        """The panel: of the burst and the place of one location, by name; while nobody stands still."""
+        """The panel shows the burst and the place of one location, by name, while the device moves."""
         told = "window.told"
         page.ask(told + " = {}; for (const kind of ['snapshot', 'update']) (window.listening ||= new EventSource('events'))"
                  ".addEventListener(kind, (event) => { for (const {location} of JSON.parse(event.data).messages) {"
@@ -741,7 +741,7 @@ class WalkTest(PlaybackTest):
                  f" const {{x, y, z}} = location.position; {told}[location.time] = [x, y, z]; }} }} }})")
         page.ask("document.querySelector('#csi').open = true")
         page.wait("/^phone at .*: amplitude/.test(document.querySelector('#csi-text').textContent)")
-        # Of a burst that was told to this page as well.
+        # The burst's location was sent to this page as well.
         page.wait(f"(async () => (await (await fetch('api/v1/channel')).json()).some((one) => one.name === 'phone' && "
                   f"JSON.stringify({told}[one.time]) === JSON.stringify(one.position)))()")
         page.ask("document.querySelector('#csi').open = false; window.listening.close()")
@@ -764,10 +764,10 @@ class WalkTest(PlaybackTest):
 
 
 class PlacesTest(MapTest):
-    """Two devices, of which one access point alone hears: where else they may be is shown."""
+    """Two devices that a single access point receives: their other possible places are shown."""
 
     OTHER = "02:52:4c:00:00:03"  # not in the site: located as any other
-    SURE, UNSURE = 6, 11  # spots: the first is well told from there; the second has another place
+    SURE, UNSURE = 6, 11  # spots: the first has one place; the second has another place, too
     BOXES = "[...document.querySelectorAll('{}')].map((e) => {{ const b = e.getBoundingClientRect();" \
             "return [b.x + b.width / 2, b.y + b.height / 2, b.width / 2, b.height / 2]; }})"
 
@@ -977,7 +977,7 @@ class EditorTest(MapTest):
         page.ask(drawn % "hidden")  # its own lines may cross the marks
 
         def place_of(x, colour):
-            """Of the square of that colour, on the page by its pixels, and on the floor."""
+            """The place of the square of that colour, on the page by its pixels, and on the floor."""
             left, top, scale = page.ask("(() => { const b = document.querySelector('#underlay-picture image').getBoundingClientRect();"
                                         " return [b.x, b.y, b.width / 600]; })()")
             corner = [int(left + x * scale) - 25, int(top + 200 * scale) - 25]
@@ -1016,7 +1016,7 @@ class EditorTest(MapTest):
         page.wait("document.querySelector('#underlay-picture').childElementCount === 0")
 
     def mistakes(self, page, person, office):
-        """What is undone comes back, and what is refused stays drawn."""
+        """An undone deletion comes back, and a refused change stays drawn."""
         ids = "[...document.querySelectorAll('#marks .access-point text')].map((e) => e.textContent).join()"
         person.click_at(person.pixel(-1.4, 1.05))
         person.click("#delete")
@@ -1103,7 +1103,7 @@ class FirstHourTest(MapTest):
     SPOT = (2.5, 2.9)
     HEIGHT = 1.2
     SHELL = 40  # clicks: what a person needs for the lines of a shell and of raylocd.toml
-    ON_FOOT = 12  # clicks: half a minute to go to a point and stand there, with what is clicked
+    ON_FOOT = 12  # clicks: half a minute to go to a point and wait there, with the clicks for it
     TEXT = "document.querySelector('#calibrate-text').textContent"
 
     def run(self):
@@ -1166,7 +1166,7 @@ class FirstHourTest(MapTest):
         return [os.path.join(self.folder, f"{what}-{one}.pcap") for one, _, _ in self.ACCESS_POINTS]
 
     def simulate(self, office, what, place):
-        """What the access points of the office hear of the phone there for 40 s."""
+        """Simulates the recordings of the office's access points, with the phone there for 40 s."""
         points = os.path.join(self.folder, what + ".csv")
         begin = time.time() - 3600
         with open(points, "w", encoding="ascii") as file:
@@ -1206,7 +1206,7 @@ class FirstHourTest(MapTest):
         return walked, person.clicks
 
     def calibrate(self, page, person, name):
-        """By the button; what it says is what the report says."""
+        """By the button; its text is that of the report."""
         page.ask("document.querySelector('#calibrate-what').value = 'chains'")
         person.clicks += 2
         person.click("#calibrate-start")
@@ -1394,7 +1394,7 @@ def calibrate(folder, binaries):
     return site
 
 
-# What is tested, and the raylocd that it looks at.
+# The parts of the test, and the raylocd of each.
 PARTS = {
     "live": (MapTest, Daemon),
     "places": (PlacesTest, Daemon),

@@ -29,7 +29,7 @@ namespace {
 using ::testing::StartsWith;
 
 constexpr std::chrono::seconds kPatience{60};
-constexpr int kLong = 600;          // seconds, from which on the slope says something
+constexpr int kLong = 600;          // seconds, from which on the slope is meaningful
 constexpr double kMaxSlope = 30.0;  // [KiB/min], of the second half of a long run
 
 // How long the process gets no time of a processor. Its sockets hold what comes meanwhile, 8 MiB at
@@ -37,9 +37,9 @@ constexpr double kMaxSlope = 30.0;  // [KiB/min], of the second half of a long r
 constexpr std::chrono::seconds kStarved{2};
 constexpr int kStarvedEvery = 120;             // seconds of a long run
 constexpr std::uint64_t kFixesOfBacklog = 20;  // of the walker, at most: 5 a second
-// What one of two backlogs may leave behind: each of 10,000 datagrams leaves 14 to 16 MiB where
-// nothing is given back. The other may leave more: a map without a dead antenna has 7 MiB and is
-// kept for good, and where the machine is slow the caches of the room are not full before it.
+// The memory that one of two backlogs may leave behind: each of 10,000 datagrams leaves 14 to 16
+// MiB if nothing is given back. The other may leave more: a map without a dead antenna has 7 MiB
+// and is kept for good, and on a slow machine the caches of the room are not full before it.
 constexpr double kMaxKeptKib = 10 * 1024;
 constexpr int kBacklogs = 2;
 // Memory has settled when it has not risen by this for so many looks, one each half second.
@@ -63,21 +63,21 @@ Sample sample(const LiveDaemon& daemon, std::chrono::steady_clock::time_point be
   return sample;
 }
 
-// Of some samples in a row.
+// Statistics of consecutive samples.
 struct Course {
   double least_kib = 0.0;
   double most_kib = 0.0;
   double median_kib = 0.0;
-  // Of resident memory [KiB/min]: of a straight line, and the median of those between any two
-  // moments, which does not see what a queue holds for a moment; what stays, even in steps, it
-  // sees.
+  // Slopes of resident memory [KiB/min]: of a straight line, and the median of those between any
+  // two moments, which ignores data that a queue holds for a moment and includes data that stays,
+  // even in steps.
   double line = 0.0;
   double slope = 0.0;
   std::size_t least_descriptors = 0;
   std::size_t most_descriptors = 0;
 };
 
-// Between any two of at most 200 moments.
+// The median slope between any two of at most 200 moments.
 double median_slope(const std::vector<Sample>& samples, std::size_t begin, std::size_t end) {
   const std::size_t stride = (end - begin + 199) / 200;
   std::vector<double> slopes;
@@ -141,7 +141,7 @@ void print(const char* what, const Course& course) {
   std::fflush(stdout);  // an hour is watched
 }
 
-// Somebody who asks over HTTP, joins late, reads a little and goes, again and again.
+// A client that sends HTTP requests, subscribes late, reads a little and leaves, repeatedly.
 class Visitors {
  public:
   explicit Visitors(const LiveDaemon& daemon) : daemon_(daemon), thread_([this] { run(); }) {}
@@ -153,7 +153,7 @@ class Visitors {
   Visitors(const Visitors&) = delete;
   Visitors& operator=(const Visitors&) = delete;
 
-  // How many there were.
+  // Returns the number of visits.
   int end() {
     ending_ = true;
     thread_.join();
@@ -177,7 +177,7 @@ class Visitors {
         }
       }
       ++visits_;
-      // Between two of them nobody is there: what stays open then is not theirs.
+      // No client is connected between two visits: anything open then is not theirs.
       std::this_thread::sleep_for(std::chrono::seconds(1));
     }
   }
@@ -223,8 +223,8 @@ std::vector<Sample> watch(LiveDaemon& daemon, int seconds) {
 }
 
 // A calibrated room in which a device walks a metre and is located, at the pace of its recording,
-// and another says much. Where a device has been for the first time more of the map is kept, up to
-// a bound of a hundred MiB: over a long walk that would hide what stays behind.
+// and another sends at a high rate. A place that a device reaches for the first time adds to the
+// map in memory, up to a hundred MiB: over a long walk that would hide a leak.
 class LocatedRoom {
  public:
   LocatedRoom()
@@ -331,8 +331,8 @@ TEST(Endurance, MemoryAndDescriptorsStayAsTheyAre) {
   EXPECT_EQ(room.daemon().stop(), 0) << room.daemon().errors();
 }
 
-// What is resident, in KiB, once it rises no more. The least of the last looks: a queue holds
-// something for a moment.
+// Resident memory, in KiB, once it no longer rises. The least of the last samples: a queue holds
+// data for a moment.
 double settled_kib(const LiveDaemon& daemon) {
   const auto end = std::chrono::steady_clock::now() + test::patient(kPatience);
   std::vector<double> looks;

@@ -41,7 +41,7 @@ void NumberedSender::send(int count) {
     const std::uint64_t number = sent_;
     std::memcpy(payload.data(), &number, sizeof number);
     times_.push_back(std::chrono::steady_clock::now());
-    // Refused when nobody listens any more: sent all the same.
+    // Refused once no receiver is bound: it counts as sent all the same.
     ::send(socket_, payload.data(), payload.size(), MSG_NOSIGNAL);
     ++sent_;
   }

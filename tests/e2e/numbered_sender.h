@@ -39,17 +39,17 @@ class NumberedSender {
   std::thread thread_;
 };
 
-// What the recordings of a folder hold, all files in the order of their names.
+// The contents of a folder's recordings, all files in the order of their names.
 struct NumberedRecording {
   std::vector<std::uint64_t> numbers;
   std::uint64_t gap_marks = 0;
-  std::uint64_t unrecorded = 0;  // as the marks say
-  std::string trouble;           // what could not be read, a torn record
+  std::uint64_t unrecorded = 0;  // by the gap marks
+  std::string trouble;           // an error of reading, or a torn record
   std::size_t files = 0;
   // 0, 1, 2 ... without a hole.
   bool is_prefix() const;
 };
-// Of files whose names end in `suffix`.
+// Reads the files whose names end in `suffix`.
 NumberedRecording read_numbered(const std::filesystem::path& folder,
                                 const std::string& suffix = ".pcap");
 

@@ -41,7 +41,7 @@ class People : public ::testing::Test {
     ASSERT_EQ(process.wait(kPatience), 0) << process.errors();
   }
 
-  // What `rayloc status` says.
+  // The output of `rayloc status`.
   std::string state(const LiveDaemon& daemon) const {
     const std::string address = "127.0.0.1:" + std::to_string(daemon.http_port());
     Process process(folder(), "status", "rayloc", {"status", "--http", address});
@@ -49,8 +49,8 @@ class People : public ::testing::Test {
     return read_text(process.out());
   }
 
-  // What all access points hear of the fixed transmitter; of a person at the places when `more`
-  // says so.
+  // Simulates the fixed transmitter's frames at all access points, with a person at the points if
+  // `more` has the option for it.
   void simulate(const std::string& name,
                 const std::vector<std::string>& points,
                 const std::vector<std::string>& more) const {

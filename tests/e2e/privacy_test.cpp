@@ -58,13 +58,13 @@ std::vector<std::string> places_of_the_address(const std::map<std::string, std::
 void take(Subscriber& subscriber, std::map<std::string, std::string>& outputs) {
   while (const auto message = subscriber.receive(std::chrono::milliseconds(100))) {
     outputs["topics"] += message->topic + "\n";
-    // Of a class of topics each: "payloads v1/csi".
+    // Payloads by the class of their topic: "payloads v1/csi".
     outputs["payloads " + message->topic.substr(0, message->topic.find('/', 3))] +=
         message->payload;
   }
 }
 
-// What the daemon says by all its ways while it locates the device for a while.
+// All outputs of the daemon while it locates the device for a while.
 std::map<std::string, std::string> outputs_of(const std::filesystem::path& folder,
                                               const std::string& privacy) {
   const std::filesystem::path records = folder / "recordings";

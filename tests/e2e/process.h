@@ -15,7 +15,7 @@
 
 namespace rayloc::e2e {
 
-// What a process is started with besides its arguments.
+// Settings of a process besides its arguments.
 struct ProcessSetting {
   std::vector<std::string> environment = {};  // "NAME=VALUE", added to ours
   // Sockets that it finds as systemd passes them (sd_listen_fds(3)), with their names.
@@ -38,12 +38,12 @@ class Process {
 
   bool running();
   void signal(int number);
-  // The exit status, 128 + signal for a killed one; nothing when it still runs after `patience`.
+  // The exit status, 128 + signal for a killed one; nothing if it still runs after `patience`.
   std::optional<int> wait(std::chrono::seconds patience);
 
   pid_t pid() const { return pid_; }
   const std::filesystem::path& out() const { return out_; }
-  // What it said, for the message of a failure.
+  // Its standard error, for the message of a failure.
   std::string errors() const;
 
  private:

@@ -22,9 +22,9 @@ namespace {
 
 constexpr std::chrono::seconds kPatience{60};
 constexpr int kSeconds = 12;  // of load at each rate, unless stated
-// Messages queued for each subscriber, `publish.send_high_water_mark`. What comes at 20,000
-// datagrams/s has a queue of three seconds, so that a busy machine does not look like a reader that
-// is stuck; what becomes of one that is stuck is shown with the default.
+// Messages queued for each subscriber, `publish.send_high_water_mark`. The queue holds three
+// seconds of messages at 20,000 datagrams/s, so that a busy machine does not appear as a stuck
+// reader; a stuck reader is tested with the default.
 constexpr int kLongQueue = 20'000;
 constexpr int kDefaultQueue = 5000;
 

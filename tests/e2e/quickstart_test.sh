@@ -16,13 +16,13 @@ status=0
 RAYLOC_BIN_DIR=$bin RAYLOC_QUICKSTART_DIR=$bin/../quickstart-run deploy/quickstart \
   >"$work/out" 2>"$work/err" </dev/null &
 quickstart=$!
-# While it runs, a browser finds the page and the plan of the room where it says.
+# While it runs, a browser finds the page and the plan of the room at the printed address.
 map=
 until [ -n "$map" ] || ! kill -0 "$quickstart" 2>/dev/null; do
   sleep 0.1
   map=$(sed -nE 's|.*live map: (http://[0-9.:]+/)$|\1|p' "$work/err")
 done
-# Read whole before it is looked at: a `grep -q` behind a pipe ends early, and its writer with it.
+# Reads the page whole before the search: a `grep -q` behind a pipe ends early, and its writer too.
 holds() { # holds PATH TEXT
   local page
   page=$(/usr/bin/python3 -c 'import sys, urllib.request as web

@@ -47,7 +47,7 @@ struct Batch {
   }
 };
 
-// How many arrive; `sent` counts what `sender` sends meanwhile.
+// Datagrams received; `sent` counts those that `sender` sends meanwhile.
 std::uint64_t receive_for_a_while(int receiver, int sender, std::atomic<std::uint64_t>& sent) {
   std::thread sending([&] {
     Batch batch;
@@ -59,7 +59,7 @@ std::uint64_t receive_for_a_while(int receiver, int sender, std::atomic<std::uin
   });
   Batch batch;
   std::uint64_t received = 0;
-  // Until nothing comes for as long as the socket says.
+  // Receives until nothing arrives within the socket's timeout.
   while (true) {
     const int now = recvmmsg(receiver, batch.messages.data(), kBatch, MSG_WAITFORONE, nullptr);
     if (now <= 0) {
@@ -126,7 +126,7 @@ void print_xpub_alone(int high_water_mark) {
   for (; Clock::now() < begin + kMeasured; ++published) {
     publisher->publish(frame, Timestamp{});
   }
-  // What is queued is still delivered; who lost the last ones learns it by the goodbye.
+  // Queued messages are still delivered; the goodbye reports the loss of the last ones.
   EXPECT_TRUE(eventually(kPatience, [&] {
     publisher->publish(v1::Goodbye{}, Timestamp{});
     return all_told(readers, published);

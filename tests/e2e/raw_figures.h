@@ -1,5 +1,5 @@
-// What the machine does without a daemon, printed beside what it does with one: the same sizes,
-// the same queues, nothing between.
+// Throughput of the machine without a daemon, printed beside that with one: the same sizes, the
+// same queues, nothing between.
 #pragma once
 
 namespace rayloc::e2e {

@@ -1,6 +1,6 @@
-// What raylocd records when it is killed, when the disk is full, and when somebody asks for what
-// came lately. RAYLOC_KILLS: how often it is killed; RAYLOC_SEED: of the instants, else another
-// each time.
+// Recordings of raylocd when it is killed, when the disk is full, and when a snapshot of the latest
+// datagrams is requested. RAYLOC_KILLS: number of kills; RAYLOC_SEED: seed of their instants, by
+// default a different one each time.
 #include <sys/mount.h>
 #include <sys/statvfs.h>
 #include <unistd.h>
@@ -200,7 +200,7 @@ TEST(Recorder, SurvivesAFullDiskAndSaysWhatIsMissing) {
   EXPECT_TRUE(std::is_sorted(all.numbers.begin(), all.numbers.end()));
 }
 
-// It locates, and says the same as it would if that had come later; when it is over it records.
+// It locates, and reports the same as if the fault had come later; after the fault it records.
 void expect_to_locate_and_to_wait_for(LiveDaemon& daemon,
                                       const std::filesystem::path& folder,
                                       const std::string& said,

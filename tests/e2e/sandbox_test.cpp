@@ -1,6 +1,6 @@
-// raylocd where the unit leaves it less than it might have elsewhere: names that nobody may look
-// up, interfaces that it does not see, a receive buffer that the kernel cuts. And that the filters
-// which the tests set are those of the unit.
+// raylocd within the limits of its unit: names that it may not resolve, interfaces that it does not
+// see, a receive buffer that the kernel cuts. Also: the filters that the tests set are those of the
+// unit.
 #include <arpa/inet.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
@@ -24,7 +24,7 @@ using ::testing::HasSubstr;
 constexpr std::chrono::seconds kPatience{60};
 const char* const kUnit = "raylocd.service";
 
-// A configuration without engine and HTTP, and what raylocd says to it.
+// A configuration without engine and HTTP, and the messages of raylocd with it.
 class Configured {
  public:
   Configured(const std::string& source, const std::string& publish, ProcessSetting setting)
@@ -122,7 +122,7 @@ TEST(Sandbox, ASmallReceiveBufferIsSaid) {
   EXPECT_THAT(there.daemon().errors(), HasSubstr("sysctl -w net.core.rmem_max=8388608"));
 }
 
-// Whether a shell does `command` under the filters of the unit.
+// True if a shell can run `command` under the filters of the unit.
 bool works_there(const std::filesystem::path& folder, const std::string& command) {
   std::string line;
   for (const std::string& word : filters(folder, allowed_calls(kUnit), "1,2,10")) {

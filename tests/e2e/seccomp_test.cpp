@@ -1,5 +1,5 @@
-// raylocd under the filters of deploy/units/raylocd.service: it starts, hears, records, publishes
-// and stops. A library that needs a call the unit denies shows here and not at the operator's.
+// raylocd under the filters of deploy/units/raylocd.service: it starts, receives, records,
+// publishes and stops. A library that needs a denied call fails here, not at the operator's.
 #include <set>
 #include <string>
 

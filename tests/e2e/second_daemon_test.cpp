@@ -77,7 +77,7 @@ ino_t inode_of(const std::string& path) {
   return status.st_ino;
 }
 
-// Somebody who comes late gets the snapshot, and what is published after it.
+// A late subscriber receives the snapshot, and all that is published after it.
 void expect_to_be_heard(const std::filesystem::path& folder, const Places& places) {
   Process late(folder,
                "late",

@@ -56,8 +56,8 @@ class BoundPort {
   int fd_;
 };
 
-// What `rayloc replay` makes of the recording of ap2: v1::Location as bytes, of each topic in
-// order.
+// The locations of `rayloc replay` for the recording of ap2: v1::Location as bytes, of each topic
+// in order.
 std::map<std::string, std::vector<std::string>> replayed(const std::filesystem::path& folder,
                                                          const std::filesystem::path& site,
                                                          const std::string& recording) {
@@ -135,7 +135,7 @@ class Sources : public ::testing::Test {
               0);
   }
 
-  // Waits for a daemon that says all that it publishes.
+  // Waits until the daemon is ready and a listener receives all that it publishes.
   void listen(LiveDaemon& daemon) {
     ASSERT_TRUE(daemon.ready()) << daemon.errors();
     listener_ = std::make_unique<Listener>(daemon.endpoint());

@@ -1,5 +1,5 @@
-// A terminal, a pipe or a journal that takes nothing of the log: raylocd goes on, and counts what
-// it could not say.
+// A terminal, a pipe or a journal that takes nothing of the log: raylocd goes on, and counts the
+// messages that it could not write.
 #include <fcntl.h>
 #include <sys/stat.h>
 

@@ -1,4 +1,4 @@
-// What the environment says of how long, how often or how fast a test is: tests/soak/run sets it.
+// Length, number or rate of a test, from the environment: tests/soak/run sets it.
 #pragma once
 
 #include <algorithm>
@@ -13,8 +13,8 @@ inline int stated(const char* variable, int otherwise) {
   return text != nullptr ? std::atoi(text) : otherwise;
 }
 
-// RAYLOC_SLOWER: how many times slower than the plain programs the ones under test are, those with
-// sanitizers. Rates and paces are divided by it, and times that are asserted multiplied.
+// RAYLOC_SLOWER: how many times slower the programs under test, those with sanitizers, are than the
+// plain programs. Rates and paces are divided by it, and asserted times multiplied.
 inline int slower() { return std::max(1, stated("RAYLOC_SLOWER", 1)); }
 
 }  // namespace rayloc::e2e

@@ -1,5 +1,5 @@
-// A stop while the estimation does not come back: its thread is held by ptrace(2), as an estimate
-// without end would hold it. The recording is closed, the goodbye said, the guilty one named.
+// A stop while an estimate does not return: ptrace(2) holds its thread, as an estimate without end
+// would. The recording is closed, the goodbye sent, the stuck stage named.
 #include <sys/ptrace.h>
 #include <sys/wait.h>
 
@@ -31,7 +31,7 @@ pid_t thread_of(pid_t process, const std::string& name) {
   return 0;
 }
 
-// Holds one thread, the others go on. To be used by one thread: the kernel knows it as the tracer.
+// Holds one thread, the others go on. For one thread only: the kernel regards it as the tracer.
 class Held {
  public:
   explicit Held(pid_t thread) : thread_(thread) {
@@ -40,7 +40,7 @@ class Held {
              waitpid(thread, nullptr, __WALL) == thread;
   }
   bool holds() const { return holds_; }
-  // The process has not ended before who traces its thread has seen the end of that.
+  // The process ends only after the tracer of its thread has seen the end of the thread.
   bool ended() const {
     int status = 0;
     return waitpid(thread_, &status, __WALL | WNOHANG) == thread_ &&

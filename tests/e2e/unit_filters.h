@@ -21,7 +21,7 @@ std::vector<std::string> filters(const std::filesystem::path& folder,
                                  const std::set<std::string>& calls,
                                  const std::string& families);
 
-// Whether this build has filters.
+// True if this build has filters.
 bool has_filters();
 
 }  // namespace rayloc::e2e

@@ -46,7 +46,7 @@ std::vector<double> crossings() {
   return times;
 }
 
-// Of a time stamp of the recording's minute, "2024-06-10T06:35:55.123Z" [s since 1970].
+// The seconds since 1970 of a time stamp of the recording, "2024-06-10T06:35:55.123Z".
 double seconds_of(const std::string& time) {
   std::tm parts{};
   std::istringstream text(time);
@@ -105,8 +105,8 @@ TEST(Zones, OfAReplayedWalkAreEnteredAndLeftWhenItsTruthSaysSo) {
   EXPECT_EQ(entered.at("occupancy"), 1);
   EXPECT_EQ(left.at("inside").size(), 0U);
   EXPECT_EQ(left.at("reason"), "its probability was at most 0.3 for 1 s");
-  // Decided half a second after it came in and a second after it went out, and at most 0.6 s later:
-  // while a walker of 0.6 m/s comes to where the zone is certain, and the next frame is heard.
+  // Decided half a second after it enters and a second after it leaves, and at most 0.6 s later: a
+  // walker of 0.6 m/s first reaches a place that is certain, and then the next frame arrives.
   EXPECT_GE(seconds_of(entered.at("time")), border[0] + 0.3);
   EXPECT_LE(seconds_of(entered.at("time")), border[0] + 1.1);
   EXPECT_GE(seconds_of(left.at("time")), border[1] + 0.8);

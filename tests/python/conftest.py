@@ -1,4 +1,4 @@
-"""What the tests of the engine's module share."""
+"""Fixtures and data that the tests of the engine's module share."""
 
 from __future__ import annotations
 

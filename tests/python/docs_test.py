@@ -1,4 +1,4 @@
-"""Every public name says shapes, units, frames, errors and source, and has types."""
+"""Every public name documents shapes, units, frames, errors and source, and has types."""
 
 from __future__ import annotations
 

@@ -47,7 +47,7 @@ def wait_until(what: Callable[[], object], seconds: float) -> bool:
 
 
 def in_the_engine(out: Path, parent: int) -> bool:
-    """Whether the process of the calibration has loaded the engine."""
+    """True if the process of the calibration has loaded the engine."""
     maps = [Path(f"/proc/{number}/maps") for number in processes_of(out) if number != parent]
     with contextlib.suppress(OSError):
         return any("/_engine." in file.read_text() for file in maps)

@@ -19,7 +19,7 @@ from typing import Any
 
 
 def run(notebook: dict[str, Any]) -> list[str]:
-    """What each code cell prints."""
+    """The output of each code cell."""
     namespace: dict[str, Any] = {"__name__": "__main__"}
     printed: list[str] = []
     for cell in notebook["cells"]:
@@ -32,7 +32,7 @@ def run(notebook: dict[str, Any]) -> list[str]:
 
 
 def stated(notebook: dict[str, Any]) -> list[str]:
-    """What the file says that each code cell prints."""
+    """The output of each code cell that the file states."""
     cells = [cell for cell in notebook["cells"] if cell["cell_type"] == "code"]
     return ["".join("".join(output["text"]) for output in cell["outputs"]) for cell in cells]
 

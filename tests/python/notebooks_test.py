@@ -1,4 +1,4 @@
-"""The notebooks run from top to bottom, and print what they say that they print."""
+"""The notebooks run from top to bottom, and print the outputs that they state."""
 
 from __future__ import annotations
 

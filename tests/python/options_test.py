@@ -95,7 +95,7 @@ def test_echoes_are_views_of_where_they_come_from(rough: Path) -> None:
     assert np.allclose(tau, length / 299_792_458.0, rtol=1e-12)
     assert np.allclose(echoes.departure, out / np.linalg.norm(out, axis=1)[:, None])
     assert np.allclose(echoes.arrival, back / np.linalg.norm(back, axis=1)[:, None])
-    # What is scattered is not reflected: 1 - S^2 of the power of each reflection is left.
+    # Scattered power is not reflected: 1 - S^2 of the power of each reflection is left.
     smooth = rayloc.trace(rayloc.load_scene(rough), tx, rx)
     depth = (smooth.interactions > 0).sum(axis=0)
     assert np.allclose(np.abs(paths.a) ** 2, (1 - 0.4**2) ** depth * np.abs(smooth.a) ** 2, rtol=1e-9)

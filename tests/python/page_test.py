@@ -1,4 +1,4 @@
-"""The page for those who come from Sionna RT: what it says that we do, runs and gives what it says."""
+"""The page for users of Sionna RT: its code runs, and its results are those that it states."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ PAGE = ROOT / "python/FROM_SIONNA_RT.md"
 
 @pytest.fixture(scope="module")
 def said(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
-    """What the ten leave behind."""
+    """The variables that the ten blocks leave behind."""
     codes = blocks(PAGE)
     assert len(codes) == 10
     folder = tmp_path_factory.mktemp("page")

@@ -33,7 +33,7 @@ def test_picture_csv_and_arrays_are_of_what_is_printed(tmp_path: Path) -> None:
 
 
 def test_a_prediction_is_what_recordings_of_such_a_room_give() -> None:
-    """Of the same draws: then a few places are enough to see that both take the same room."""
+    """With the same draws, a few places are enough to show that both use the same room."""
     done = subprocess.run(
         [sys.executable, ROOT / "tests/bench/forecast", BIN.parent, MEETING_ROOM, "--access-points", "ap1",
          "--step", "0.8", "--draws", "1", "--seed", "3", "--recorded-seed", "3"],

@@ -33,7 +33,7 @@ def link(room: rayloc.Scene, **options: Any) -> rayloc.Paths:
 
 
 def told(*words: object) -> dict[str, Any]:
-    """What the program in C++ says of the same link, with all digits."""
+    """The output of the program in C++ for the same link, with all digits."""
     answer: dict[str, Any] = json.loads(
         program(
             "trace", MEETING_ROOM / "scene.xml", "--frequency", "5.18e9", "--tx", "0.412,1.037,1.519",

@@ -3,7 +3,7 @@
 //
 // A walking person adds a different and mostly small array to every frame; the room is the
 // common part of the frames. The half of the frames that differ least from their mean is
-// selected, repeatedly (least trimmed squares). A person who stands still throughout counts as
+// selected, repeatedly (least trimmed squares). A person who does not move throughout counts as
 // furniture.
 #pragma once
 

@@ -15,8 +15,8 @@ namespace rayloc {
 
 struct PersonCertainty {
   double likelihood_exponent = 0.35;
-  // PersonModel::second_person: the largest gain of a second person where one person stood, so that
-  // a next spot exceeds it once in as many spots. nullopt from fewer than 20 spots.
+  // PersonModel::second_person: the largest gain of a second person over spots with one person, so
+  // that a next spot exceeds it once in as many spots. nullopt from fewer than 20 spots.
   std::optional<double> second_person;
 };
 

@@ -35,7 +35,7 @@ using ::testing::Not;
 
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
 constexpr Vec3d kPlace{0.3, 0.2, 1.2};
-// Of 40 MHz, from the site's channel on.
+// Offsets of channels of 40 MHz from the site's channel [Hz].
 const std::vector<double> kHops = {0.0, 40e6, 80e6, 120e6};
 
 RoomModel on_channel(const RoomModel& room, double away_hz) {

@@ -81,7 +81,7 @@ TEST(Sage, FindsTwoPathsOfOneChannelAtHalfAWavelength) {
   EXPECT_NEAR(found[1].tau, 55e-9, 2.5e-9);
 }
 
-// 10 ns are 3 m: eight channels of 20 MHz tell them apart, one does not.
+// 10 ns are 3 m: eight channels of 20 MHz resolve these paths, one does not.
 TEST(Sage, HopsAreOneWideBand) {
   const std::vector<SagePath> truth = {{-0.5, 0.0, 1.0}, {0.4, 10e-9, {0.0, 0.6}}};
   SageOptions options;
@@ -174,8 +174,8 @@ TEST(M3, FindsThePlaceOfExactPaths) {
   EXPECT_LT(median(errors), 0.06);
 }
 
-// What an access point hears of a device and `walls` of its images, every hop with a factor, a
-// delay and noise of its own (40 dB).
+// The channel of an access point from a device and `walls` of its images; every hop has its own
+// factor, delay and noise (40 dB).
 M3Heard heard_by_hops(const RoomModel& room,
                       const Vec3d& place,
                       std::span<const int> hops,
@@ -212,7 +212,7 @@ M3Heard heard_by_hops(const RoomModel& room,
   return heard;
 }
 
-// Of 40 places: a quarter of the places are told beyond an alias, so that medians of fewer jump.
+// Over 40 places: a quarter of the estimates are an alias away, so medians of fewer places jump.
 double median_error(std::span<const int> hops) {
   std::vector<double> errors;
   unsigned seed = 1;
@@ -228,7 +228,7 @@ double median_error(std::span<const int> hops) {
 TEST(M3, LocatesByHopsAndNotByOneChannel) {
   const double hopped = median_error(kHops);
   EXPECT_LE(hopped, 0.2);
-  // That a single channel of 20 MHz tells little beside it is physics.
+  // Physics: a single channel of 20 MHz resolves little in comparison.
   EXPECT_GT(median_error(std::span(kHops).first(1)), 2.0 * hopped);
 }
 

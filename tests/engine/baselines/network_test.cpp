@@ -76,8 +76,8 @@ Batch batch_of(const NetworkShape& shape, std::size_t count, bool telling, unsig
   return batch;
 }
 
-// Of a batch, so that the normalisation by the batch is derived as well, in single precision: every
-// 997th parameter, and the slope along the whole gradient.
+// Gradient of a batch, so that the normalisation by the batch is differentiated too, in single
+// precision: every 997th parameter, and the slope along the whole gradient.
 void expect_gradient(const NetworkShape& shape) {
   Network network(shape, 7);
   const Batch batch = batch_of(shape, 6, false);
@@ -106,7 +106,7 @@ void expect_gradient(const NetworkShape& shape) {
   std::size_t tried = 0;
   for (std::size_t i = 0; i < begin.size(); i += 997) {
     if (std::abs(double{slope.gradient[i]}) < 0.02) {
-      continue;  // less than what single precision tells
+      continue;  // below the resolution of single precision
     }
     std::vector<float> moved = begin;
     moved[i] += 5e-3F;

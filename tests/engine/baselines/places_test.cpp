@@ -1,4 +1,4 @@
-// Places that a network knows: images, weights, and the two methods that are made of them.
+// Networks that classify places: images, weights, and the two methods that use them.
 #include "engine/baselines/places/weighted_places.h"
 
 #include <cmath>
@@ -67,7 +67,7 @@ TEST(WeightedPlaces, SurroundingsAreHalfTheWayToTheNextPlace) {
   EXPECT_NEAR(surroundings_of({{0, 0, 0}, {0.4, 0, 0}, {0, 0.4, 0}, {0.4, 0.4, 0}}), 0.2, 1e-12);
 }
 
-// Truths are drawn from the tempered mixture: what is stated holds them as often as it says.
+// Truths are drawn from the tempered mixture: a region holds them as often as it states.
 TEST(WeightedPlaces, RegionsHoldWhatIsDrawnFromThem) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
@@ -303,7 +303,7 @@ TEST(Cifi, ThePublishedAngleIsAnotherInput) {
   EXPECT_TRUE(cifi->locate(at({0.1, 0.1, 1.2}, 1), 0).position);
 }
 
-// The channel of a fixed transmitter, changed by somebody: here by where the sender is.
+// The channel of a fixed transmitter, changed by a person: here by the place of the sender.
 TEST(Dscp, KnowsTheEmptyRoomAndPlaces) {
   TrainingInput input = input_of(0.5);
   input.values = {{"epochs", 12.0}, {"images", 8.0}};

@@ -32,7 +32,7 @@ std::shared_ptr<const RoomModel> room_of(std::size_t access_points) {
   return std::make_shared<const RoomModel>(std::move(room));
 }
 
-// What the access points hear of a device in the open air, and the level that a law gives it.
+// Frames of a device in the open air at all access points, with the level of a path-loss law.
 std::vector<CsiFrame> in_sight(const RoomModel& room,
                                const Vec3d& place,
                                double snr_db,

@@ -1,4 +1,4 @@
-// Paths of somebody who moves, and the blocks that they are found with.
+// Paths of a moving person, and the components that estimate them.
 #include "engine/baselines/widar2/widar2.h"
 
 #include <algorithm>
@@ -74,7 +74,7 @@ TEST(BandPass, IsThatOfSciPy) {
   }
 }
 
-// Of two terms, what stands and what moves at `rate`: the product turns with the path.
+// A static term and a moving term: the phase of the product follows the moving path.
 TEST(ConjugateProduct, TurnsWithTheMovingPathAndNotWithTheFrame) {
   constexpr int kTimes = 400;
   std::mt19937 random(2);
@@ -192,7 +192,7 @@ TEST(RangeSmoother, IsTheLeastSquaresOfAllSteps) {
     }
   }
   const Eigen::MatrixXd covariance = normal.inverse();
-  // The first measurement stands for what was known before: the filter begins with it.
+  // The first measurement is the prior: the filter begins with it.
   ASSERT_TRUE(smoother.is_ready());
   const SmoothedRange first = smoother.smoothed();
   EXPECT_NEAR(first.length, (covariance * right)(0), 1e-9);

@@ -14,7 +14,7 @@
 namespace rayloc::access_point_fit_test {
 namespace {
 
-// What access point 0 hears of a device on a grid of `per_axis` squared points.
+// Samples of access point 0 from a device on a grid of `per_axis` squared points.
 std::vector<CalibrationSample> survey(const RoomModel& room, int per_axis) {
   std::vector<CalibrationSample> samples;
   for (int i = 0; i < per_axis; ++i) {
@@ -30,7 +30,7 @@ std::vector<CalibrationSample> survey(const RoomModel& room, int per_axis) {
   return samples;
 }
 
-// Adds a tenth of the power as a tail of echoes that nobody traces.
+// Adds a tenth of the power as a tail of echoes that are not traced.
 void add_tail(const RoomModel& room,
               double first,
               double decay,
@@ -77,7 +77,7 @@ std::vector<CalibrationSample> survey_with_tail(const RoomModel& room, double de
   return samples;
 }
 
-// Of a device that stood `off` [m] from each point along each axis, standard deviation.
+// Samples of a device `off` [m] from each point along each axis, standard deviation.
 std::vector<CalibrationSample> survey_beside(const RoomModel& room, double off) {
   std::mt19937 random(4);
   std::normal_distribution<double> normal(0.0, off);
@@ -151,7 +151,7 @@ TEST(AccessPointCalibrator, RecoversTheYaw) {
   EXPECT_GT(fit->yaw_offset.sigma, 0.0);
 }
 
-// Twice as long a tail is told from the other, and neither is the usual one.
+// A tail twice as long is distinguished from the other, and neither is the usual one.
 TEST(AccessPointCalibrator, RecoversHowLongDiffusePowerLasts) {
   const RoomModel room = test::make_room();
   for (const double decay : {10e-9, 30e-9}) {
@@ -163,7 +163,7 @@ TEST(AccessPointCalibrator, RecoversHowLongDiffusePowerLasts) {
   }
 }
 
-// The room is exactly as it is modelled: what is wrong is the survey, not where surfaces are.
+// The room is exactly as it is modelled: the survey is wrong, not the places of surfaces.
 TEST(AccessPointCalibrator, TellsTheErrorsOfASurveyFromThoseOfTheRoom) {
   const RoomModel room = test::make_room();
   auto samples = survey_beside(room, 0.005);

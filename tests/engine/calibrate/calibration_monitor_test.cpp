@@ -31,8 +31,8 @@ RoomModel calibrated() {
   return room;
 }
 
-// A room that lives: what its access points hear of the plugs goes to a monitor that believes in
-// another one.
+// Bursts of the plugs in a room, received by its access points, for a monitor whose model is
+// another room.
 class Stream {
  public:
   explicit Stream(const RoomModel& believed, std::vector<Vec3d> plugs = kPlugs)
@@ -61,7 +61,7 @@ class Stream {
     monitor_.restart();
     seed_ = 0;
   }
-  // States what the access points heard of the plugs in `room`.
+  // States the channels of the plugs in `room`.
   void know(const RoomModel& room) {
     for (const Vec3d& plug : plugs_) {
       const auto frames = test::frames_at(room, plug, {8, 30.0, 99});
@@ -133,8 +133,8 @@ TEST(CalibrationMonitor, SeesAJumpThatWasThereBeforeItStarted) {
   EXPECT_NEAR(std::abs(stream.warnings()[0].phase), std::numbers::pi, 5.0 * kDegree);
 }
 
-// Of a plan that is centimetres wrong little but the direct path is expected: what is heard beside
-// it turns the chains by far more than an eighth of a turn, at most places of a plug.
+// A plan with errors of centimetres predicts little but the direct path: the other paths turn the
+// chains by far more than an eighth of a turn, at most places of a plug.
 TEST(CalibrationMonitor, SaysNothingOfPhasesThatThePlanCannotKnow) {
   const RoomModel room = calibrated();
   RoomModel plan = room;

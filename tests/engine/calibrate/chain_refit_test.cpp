@@ -88,8 +88,8 @@ TEST(RefitChains, ThreeSpotsStateASmallerUncertaintyThanOne) {
   EXPECT_GT(three->sigma[1], 0.0);
 }
 
-// Of a room that explains little the phases would be far off; what was heard before the power cycle
-// is compared with what is heard now, whatever made it.
+// A room that explains little would yield phases that are far off; the channel before the power
+// cycle is compared with the present channel, whatever its paths.
 TEST(RefitChains, ComparesATransmitterWithWhatWasHeardOfItBefore) {
   const std::vector<double> turn = {0.0, 180.0, 90.0};
   RoomModel room = before_the_power_cycle(turn);
@@ -118,8 +118,8 @@ TEST(RefitChains, KeepsTheCouplingOfTheAntennas) {
   expect_true_phases(*refit, 4.0 * kDegree);
 }
 
-// What the room expects of a chain is not what it hears: the chain keeps about the level it had,
-// and nobody believes its phase.
+// The prediction of a chain is not its measurement: the chain keeps about its former level, and its
+// phase is rejected.
 TEST(RefitChains, KeepsLevelsThatTheSpotCannotTell) {
   RoomModel room = before_the_power_cycle({0.0, 0.0, 0.0});
   const std::size_t tones = room.grid.size();

@@ -129,8 +129,8 @@ TEST(CalibrationInputCheck, NamesAnAccessPointThatWasExchangedWithOneNotRecorded
       says(refusal(points), "given for access point 'a' fits the place of access point 'c'"));
 }
 
-// Recordings of a and b exchanged, where the site lists the chains of b in another order: what was
-// heard by a, array chains 2 0 3, is then read as 3 0 2.
+// Recordings of a and b exchanged, where the site lists the chains of b in another order: the
+// channels of a, array chains 2 0 3, are then read as 3 0 2.
 TEST(CalibrationInputCheck, ReadsChainsInTheOrderOfTheOtherAccessPoint) {
   RoomModel room = surveyed_room();
   std::swap(room.access_points[1].cores[0], room.access_points[1].cores[2]);
@@ -172,7 +172,7 @@ TEST(CalibrationInputCheck, SaysNothingOfFewPoints) {
   EXPECT_EQ(refusal(points), "passes");
 }
 
-// The site states them otherwise than they stand; the recordings are right.
+// The site states the arrays otherwise than they are mounted; the recordings are right.
 using Edit = void (*)(RoomAccessPoint&);
 std::vector<TriedMistake> found_where(std::initializer_list<std::pair<std::size_t, Edit>> edits) {
   RoomModel room = surveyed_room();
@@ -202,7 +202,7 @@ TEST(Field, CalibrationCheckNamesATurnedAccessPoint) {
   EXPECT_TRUE(says(found.front().remedy, "yaw_deg = "));
 }
 
-// Few pairs need more standard errors, and say something all the same.
+// Few pairs need more standard errors, and are evidence all the same.
 TEST(Field, FewPairsAreComparedByWhatIsAsRare) {
   const auto significance = [](std::size_t pairs) {
     PairedComparison comparison;
@@ -233,7 +233,7 @@ TEST(Field, CalibrationCheckNamesCoresInAnotherOrder) {
   ASSERT_EQ(found.size(), 1U);
   EXPECT_TRUE(says(found.front().message, "access point 'c'"));
   EXPECT_TRUE(says(found.front().message, "with its antennas wired to cores "));
-  // At the place that the site states for its first antenna the second stands.
+  // The second antenna is at the place that the site states for its first.
   const RoomModel room = surveyed_room();
   const auto& cores = room.access_points[2].cores;
   EXPECT_TRUE(says(found.front().remedy,
@@ -265,7 +265,7 @@ TEST(Field, CalibrationCheckTellsATurnedAccessPointFromATurnedSurvey) {
 TEST(Field, CalibrationCheckNamesRecordingsThatWentRound) {
   auto points = survey();
   for (CalibrationPoint& point : points) {
-    std::rotate(point.h.begin(), point.h.begin() + 1, point.h.end());  // a holds what b heard
+    std::rotate(point.h.begin(), point.h.begin() + 1, point.h.end());  // a holds the channels of b
   }
   const auto found = check_calibration_inputs(surveyed_room(), points).found;
   ASSERT_EQ(found.size(), 1U);
@@ -277,7 +277,7 @@ TEST(Field, CalibrationCheckNamesRecordingsThatWentRound) {
   }
 }
 
-// What is said to explain a survey that nothing explains would be chance.
+// A mistake that explains a survey in disorder would do so by chance.
 TEST(Field, CalibrationCheckFindsNothingInASurveyInDisorder) {
   for (const unsigned seed : {1U, 2U, 3U}) {
     auto points = survey();
@@ -289,7 +289,7 @@ TEST(Field, CalibrationCheckFindsNothingInASurveyInDisorder) {
   }
 }
 
-// Of two halves of seven points neither has gains that another could be judged with.
+// With two halves of seven points, neither half has gains that could judge the other.
 TEST(Field, CalibrationCheckJudgesByPointsThatTheGainsHaveNotSeen) {
   const RoomModel room = surveyed_room();
   std::vector<CalibrationSample> samples;

@@ -128,7 +128,7 @@ TEST(JointCalibration, RecoversTheWalls) {
   }
 }
 
-// Not the height of the array: all points are of its height, and only floor and ceiling tell.
+// Not the height of the array: all points have its height, and only floor and ceiling indicate it.
 TEST(JointCalibration, RecoversTheArray) {
   const auto& [room, found] = well_surveyed();
   EXPECT_LT(std::abs(error_of(room, found, "a.position.x")), 0.002);
@@ -144,7 +144,7 @@ TEST(JointCalibration, RecoversTheChains) {
     EXPECT_NEAR(
         chain_phase(found.room.access_points[0], core), chain_phase(truth, core), 3.0 * kDegree);
   }
-  // What is stated is what is written.
+  // The stated parameters are those that are written.
   int stated = 0;
   for (const RoomParameter& parameter : found.parameters) {
     if (parameter.unit == "deg") {
@@ -197,8 +197,8 @@ TEST(JointCalibration, FitsAllAccessPointsTogether) {
   EXPECT_GT(held_out_fit(three.room, three.found, &PointFit::after), 0.97);
 }
 
-// From what nobody said. Of errors of half a wavelength, as 3 cm are, some look like others: what
-// is found is less.
+// Without a stated accuracy. Errors of half a wavelength, like 3 cm, resemble others: the estimate
+// is less.
 TEST(JointCalibration, FindsHowExactTheSurveyIs) {
   for (const double sigma : {0.004, 0.01, 0.03}) {
     const test::SurveyedRoom room = test::make_surveyed_room(
@@ -229,7 +229,7 @@ JointCalibrationOptions quick() {
   return options;
 }
 
-// Everything that a calibration says, as numbers.
+// All results of a calibration, as numbers.
 std::vector<double> numbers(const RoomCalibration& calibration) {
   std::vector<double> all;
   for (const RoomParameter& parameter : calibration.parameters) {
@@ -286,8 +286,8 @@ TEST(JointCalibration, GoesOnFromEachCheckpointAsIfNeverInterrupted) {
   }
 }
 
-// What a person is told: of the points that are fitted, and never more than all or less than
-// before.
+// Progress that a user reads: it counts the fitted points, and its share neither exceeds 1 nor
+// decreases.
 TEST(JointCalibration, TellsHowFarItIs) {
   double last = 0.0;
   const auto look = [&](const CalibrationProgress& progress) {

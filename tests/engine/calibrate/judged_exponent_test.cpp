@@ -85,7 +85,7 @@ TEST(JudgedExponent, OfHonestRegionsIsAboutOne) {
     sum += judge_exponent(1.0, estimates(one, 1.0, 0.0), kOneWidth[0], one.spots, kOneWidth)
                .dishonesty;
   }
-  // Of Anderson and Darling's statistic the mean is 1 and the standard deviation 0.76.
+  // The statistic of Anderson and Darling has a mean of 1 and a standard deviation of 0.76.
   EXPECT_NEAR(sum / kSurveys, 1.0, 4.0 * 0.76 / std::sqrt(kSurveys));
   const auto judged = judge_all(survey(kSigma, 0.0));
   EXPECT_GT(judged.back().dishonesty, 20.0);  // regions four times too wide

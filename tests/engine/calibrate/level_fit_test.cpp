@@ -73,7 +73,7 @@ TEST(LevelFit, IsTheMeanAndTheUnbiasedDeviation) {
   EXPECT_NEAR(fit->sigma_db, std::sqrt(10.0 * 4.0 / 9.0), 1e-6);
 }
 
-// Of levels in whole decibels nobody knows better.
+// Levels in whole decibels have no smaller error.
 TEST(LevelFit, StatesNoSpreadBelowThatOfTheReadings) {
   const auto fit = fit_level(room(), kHeardBy, samples_off(std::vector<double>(20, 0.0)));
   ASSERT_TRUE(fit);

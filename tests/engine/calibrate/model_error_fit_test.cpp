@@ -26,7 +26,7 @@ TEST(ModelErrorFit, FollowsWhatIsExchangedBetweenItsNumbers) {
   EXPECT_NEAR(fit.diffuse.value, 0.4, 0.01);
   EXPECT_NEAR(fit.diffuse_decay.value, 9e-9, 0.2e-9);
   EXPECT_EQ(fit.diffuse.prior, ModelError{}.diffuse);
-  // Whatever the other is: the valley's length, not its width.
+  // For any value of the other number: the valley's length, not its width.
   EXPECT_NEAR(fit.diffuse.sigma / fit.diffuse.value,
               std::numbers::ln2 * kAlong / std::numbers::sqrt2,
               0.01);

@@ -37,12 +37,12 @@ std::vector<double> numbers(const RoomCalibration& calibration) {
   return result;
 }
 
-// Those that somebody heard count: three access points hear three times as many.
+// Bursts at access points count: three access points receive three times as many.
 TEST(MultiStart, BeginsTheMoreOftenTheFewerBurstsThereAre) {
   const auto heard = [](std::size_t points, std::size_t access_points) {
     CalibrationPoint point;
     point.h.assign(access_points, {1.0});
-    point.h.emplace_back();  // an access point that heard nothing
+    point.h.emplace_back();  // an access point without a burst
     return usual_draws(std::vector<CalibrationPoint>(points, point));
   };
   EXPECT_EQ(heard(72, 1), 3);

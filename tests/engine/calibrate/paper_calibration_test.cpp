@@ -19,7 +19,7 @@ namespace {
 constexpr double kEastOffset = -0.004;  // [m]
 constexpr double kPermittivity = 6.5;   // of the walls as built; 5.24 in the plan
 
-// The room as built: the east wall is elsewhere and the walls are of another concrete.
+// The room as built: the east wall is displaced and the walls are of another concrete.
 RoomModel as_built() {
   RoomModel room = test::make_room();
   Scene::Input input{room.scene->objects(), room.scene->materials(), room.scene->carrier_hz()};
@@ -31,7 +31,7 @@ RoomModel as_built() {
   return room;
 }
 
-// What the access points of `room` hear of a device on a grid of per_axis squared points; every
+// Channels of the access points of `room` from a device on a grid of per_axis squared points; every
 // fifth is held out.
 std::vector<CalibrationPoint> survey(const RoomModel& room, int per_axis) {
   std::vector<CalibrationPoint> points;
@@ -82,7 +82,7 @@ std::vector<double> numbers(const RoomCalibration& calibration) {
   return all;
 }
 
-// Of the loss of all points by one parameter, against differences in scenes built anew.
+// Gradients of the loss of all points by one parameter, against differences in scenes built anew.
 void expect_gradients(double softness) {
   const RoomModel room = test::make_room();
   const TraceOptions tracing{.max_depth = 2, .softness = softness};
@@ -162,7 +162,7 @@ TEST(PaperCalibration, KeepsARoomThatIsAsItsPlan) {
   const auto calibration = calibrate_by_paper(room, survey(room, 3), {.iterations = 10});
   ASSERT_TRUE(calibration);
   EXPECT_LT(std::abs(parameter(*calibration, "east.x").value), 0.001);
-  // What noise and hard edges leave; the wrong plan of the other tests begins at 0.54.
+  // The loss from noise and hard edges; the wrong plan of the other tests begins at 0.54.
   EXPECT_LT(calibration->history.front().loss, 0.2);
 }
 
@@ -224,7 +224,7 @@ TEST(PaperCalibration, RefusesTooFewPoints) {
   auto points = survey(test::make_room(), 2);  // one of four is held out
   points[0].h[2].clear();
   for (CalibrationPoint& point : points) {
-    point.h[0].clear();  // heard nothing: stays as it is
+    point.h[0].clear();  // no burst: stays as it is
     point.held_out = false;
   }
   const auto calibration = calibrate_by_paper(test::make_room(), points);

@@ -10,7 +10,7 @@
 namespace rayloc::person_fit_test {
 namespace {
 
-constexpr double kRadius = 0.178;  // of who stood there; 0.165 is expected
+constexpr double kRadius = 0.178;  // of the person; 0.165 is expected
 
 TargetBody body() {
   TargetBody body = PersonModel{}.body;

@@ -12,7 +12,7 @@
 namespace rayloc::point_uses_test {
 namespace {
 
-// Points that one access point heard; every fifth is held out.
+// Points with a burst at one access point; every fifth is held out.
 std::vector<CalibrationPoint> heard_points(std::size_t count) {
   std::vector<CalibrationPoint> points(count);
   for (std::size_t p = 0; p < count; ++p) {

@@ -1,4 +1,4 @@
-// The model of a sample against differences of itself, and against the tones that it stands for.
+// The model of a sample against differences of itself, and against the tones that it represents.
 #include "engine/calibrate/joint/sample_model.h"
 
 #include <gtest/gtest.h>
@@ -142,13 +142,13 @@ SampleModel weighed_model(const Surveyed& in) {
   return in.model.weighed(left_over);
 }
 
-// Of all directions in the space of the coordinates, the largest share of what is left.
+// The largest share of the unexplained power in one direction of the space of the coordinates.
 double largest_share(const Eigen::MatrixXcd& left_over) {
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXcd> eigen(left_over, Eigen::EigenvaluesOnly);
   return eigen.eigenvalues().maxCoeff() / eigen.eigenvalues().sum();
 }
 
-// A device within a metal cabinet: it is heard, and the plan knows no way to it.
+// A device within a metal cabinet: its frames are received, and the plan has no path to it.
 TEST(SampleModel, WhereNoRayLeadsEverythingIsUnexplained) {
   const Surveyed& in = surveyed();
   TracedSample shut = in.traced[0];

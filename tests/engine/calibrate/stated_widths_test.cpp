@@ -1,4 +1,4 @@
-// What an echo that the model lacks may do to the stated place of a surface.
+// The effect of an echo that the model lacks on the stated place of a surface.
 #include "engine/calibrate/joint/stated_widths.h"
 
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ constexpr double kWidth = 0.001;     // [m], of the Gaussian
 
 class StatedWidthsTest : public ::testing::Test {
  protected:
-  // Of surface 0, which carries that share of the power and stands at `offset` [m].
+  // The width of surface 0, which carries that share of the power and is at `offset` [m].
   double width(double carried, double unexplained, double offset = 0.0) const {
     JointState state;
     state.values.resize(unknowns_.size());
@@ -65,7 +65,7 @@ TEST_F(StatedWidthsTest, AFaintSurfaceFarFromThePlanIsDoubtedMore) {
   EXPECT_GT(width(0.01, 0.3, 2.0 * prior_), 1.3 * width(0.01, 0.3, 0.0));
 }
 
-// By drawing, as below: an echo at the array turns all that its antenna hears, at every point.
+// By drawing, as below: an echo at the array turns all of its antenna's channel, at every point.
 TEST_F(StatedWidthsTest, AChainIsDoubtedByAnEchoOfTheWholeArray) {
   constexpr double kUnexplained = 0.08;
   std::vector<double> sigma(unknowns_.size());

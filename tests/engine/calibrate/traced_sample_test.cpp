@@ -1,4 +1,4 @@
-// What the first order says of a ray against the room traced anew.
+// The first-order prediction of a ray against the room traced anew.
 #include "engine/calibrate/joint/traced_sample.h"
 
 #include <gtest/gtest.h>
@@ -65,7 +65,7 @@ struct Link {
   TracedSample here() const { return at(0, 0.0); }
 };
 
-// Of central differences of rooms traced anew: leaves the paths the same ones.
+// Step of central differences of rooms traced anew: it leaves the paths the same ones.
 constexpr double kStep = 1e-5;
 
 struct Worst {
@@ -99,7 +99,7 @@ Worst worst_difference(const Link& link, std::uint32_t unknown, const TracedSamp
   return worst;
 }
 
-// Whatever moves: surfaces, the array, its elements, materials.
+// For every kind of unknown: surfaces, the array, its elements, materials.
 TEST(TracedSample, FollowsTheRoomTracedAnew) {
   const Link link;
   const TracedSample here = link.here();
@@ -140,7 +140,7 @@ TEST(TracedSample, FollowsTheDeviceTracedAnew) {
   }
 }
 
-// What the first order misses is of the size of the offset's square over the length of the path.
+// The error of the first order is of the size of the offset's square over the path's length.
 TEST(TracedSample, IsLinearOverAWallsCentimetre) {
   constexpr double kOffset = 0.01;  // [m]
   const Link link;

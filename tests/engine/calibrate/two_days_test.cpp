@@ -37,7 +37,7 @@ RoomModel turned_room(RoomModel room) {
   return room;
 }
 
-// What they hear, for radios that are as before.
+// The channels of these turned radios, as input for radios without a power cycle.
 Channels turned_channels(const OfdmGrid& grid, Channels channels) {
   for (std::size_t a = 0; a < channels.size(); ++a) {
     for (std::size_t j = 0; j < channels[a].size(); ++j) {
@@ -62,7 +62,7 @@ std::vector<CsiFrame> frames_of_empty(const RoomModel& room,
   return test::frames_of(room, channels, {.count = 20, .snr_db = 35.0, .seed = seed});
 }
 
-// Of one access point: phase of each chain against the first, as the gains of two rooms have it.
+// Phase of a chain of one access point against the first chain, between the gains of two rooms.
 double phase_off(const RoomModel& one, const RoomModel& other, std::size_t ap, std::size_t core) {
   const auto ratio = [&](const RoomModel& room) {
     const auto& gain = room.access_points[ap].gains.gain;
@@ -125,7 +125,7 @@ TEST_F(TwoDaysTest, TurnedChainsChangeNoAnswer) {
   }
 }
 
-// Who renewed the chains of a site first has today's gains in the calibration.
+// If the chains of a site were renewed first, the calibration has today's gains.
 TEST_F(TwoDaysTest, GainsOfTheCalibrationMayBeTodays) {
   const std::vector<HeardDays> heard_days = {heard(later_, empty_)};
   const auto days = tell_days_apart(later_, heard_days);
@@ -152,7 +152,7 @@ TEST_F(TwoDaysTest, ChainsThatAreAsTheyWereKeepTheirGains) {
   }
 }
 
-// Something stands elsewhere: an echo of a hundredth of the power, 12 ns late.
+// An object was moved: an echo of a hundredth of the power, 12 ns late.
 TEST_F(TwoDaysTest, WhatMovedIsNotTakenForAChain) {
   Channels today = empty_;
   for (std::vector<Value>& h : today) {

@@ -51,7 +51,7 @@ TEST(WayErrors, LoseWhatThePlaceInTheSquareTurns) {
   EXPECT_NEAR(cross(ways.without_phase(sigma)).real(), 0.25 * std::exp(-0.5), 1e-12);
 }
 
-// What comes back from a body depends on where its front is, what passes it straight on does not.
+// A wave scattered back depends on the place of the body's front, a wave that passes on does not.
 TEST(WayErrors, AFrontTakesThePhaseOfWhatComesBack) {
   const RoomModel room = test::make_room();
   const PersonReference reference = test::learn_reference(room);

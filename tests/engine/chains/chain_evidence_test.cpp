@@ -24,7 +24,7 @@ std::shared_ptr<const Localizer> localizer() {
   return kLocalizer;
 }
 
-// Of the cells those that are likelier than the one of the place [share].
+// The share of the cells that are likelier than the cell of the place.
 double share_above(const std::vector<double>& of_cell, const Vec3d& place) {
   const RoomGrid& grid = localizer()->grid();
   std::size_t nearest = 0;
@@ -68,7 +68,7 @@ TEST(ChainEvidence, WhoseChainsNobodyKnowsStillTellsMuchOfThePlace) {
     believed += share_above(
         places_whatever_turned(*array.map, array.observed, grid, exponent, as_calibrated), place);
   }
-  // Chance is one half. Chains that are believed wrongly are worse than chains that are not known.
+  // Chance is one half. Wrong gains of the chains are worse than unknown gains.
   EXPECT_LT(whatever / kPlaces, 0.35);
   EXPECT_LT(whatever, believed);
 }

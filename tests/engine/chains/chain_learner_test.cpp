@@ -16,7 +16,7 @@ namespace {
 
 using Value = std::complex<double>;
 
-// The synthetic room, heard by its first access point, which models it well.
+// The synthetic room with its first access point, which models it well.
 std::shared_ptr<const Localizer> localizer() {
   static const std::shared_ptr<const Localizer> kLocalizer = [] {
     RoomModel room = test::make_room();
@@ -134,7 +134,7 @@ TEST(ChainLearner, WithdrawsWhatHasBecomeWrongAndLearnsAnew) {
   EXPECT_NEAR(phase_error(state, second, 2), 0.0, 0.3);
 }
 
-// A device that lies at a place which looks more like another with turned chains says so once.
+// A device at one place that resembles another place with turned chains is evidence once.
 TEST(ChainLearner, TheSameAgainIsNoFurtherEvidence) {
   const std::vector<Value> factors = {1.0, 1.0, std::polar(1.0, 1.6)};
   ChainLearner learner(localizer());
@@ -149,8 +149,8 @@ TEST(ChainLearner, TheSameAgainIsNoFurtherEvidence) {
   EXPECT_LE(learner.states().at(0).bursts, 2U);
 }
 
-// Told of a power cycle: nothing is believed until the chains are learned, and what was learned is
-// used by the next program.
+// After a reported power cycle, no burst is used until the chains are learned, and the next program
+// uses the learned chains.
 TEST(ChainLearner, IsToldOfAPowerCycleAndKeepsWhatItLearned) {
   const std::vector<Value> factors = {1.0, std::polar(1.1, 0.6), std::polar(1.0, 3.0)};
   ChainLearner learner(localizer());
@@ -177,8 +177,8 @@ TEST(ChainLearner, IsToldOfAPowerCycleAndKeepsWhatItLearned) {
   }
 }
 
-// A transmitter whose place is known says which of the states is right that look alike; alone it is
-// one burst, whatever it sends.
+// A transmitter at a known place decides which of similar states is right; alone it counts as one
+// burst, whatever it sends.
 TEST(ChainLearner, LearnsEarlierWithATransmitterAtAKnownPlace) {
   const std::vector<Value> factors = {1.0, std::polar(1.1, 2.2), std::polar(0.9, -1.5)};
   const Vec3d place{0.7, -0.6, 1.9};
@@ -208,7 +208,7 @@ TEST(ChainLearner, LearnsEarlierWithATransmitterAtAKnownPlace) {
   EXPECT_LE(bursts_until_learned(true), bursts_until_learned(false));
 }
 
-// What the places within the cells say: far better than what the cells do, which are 5 cm wide.
+// The evidence of places within the cells is far better than that of the cells, 5 cm wide.
 TEST(ChainLearner, BecomesBetterWithBurstsThatComeAfterwards) {
   const std::vector<Value> factors = {1.0, std::polar(1.1, 1.1), std::polar(0.9, -2.0)};
   ChainLearner learner(localizer());

@@ -1,4 +1,4 @@
-// What people read while receive chains are being learned.
+// The text that users read while receive chains are being learned.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

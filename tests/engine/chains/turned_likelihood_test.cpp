@@ -15,7 +15,7 @@ namespace {
 
 using Value = std::complex<double>;
 
-// What an access point of the synthetic room hears of a device, and some places to compare with.
+// The channel of a device at an access point of the synthetic room, and some places to compare.
 struct Scene {
   RoomModel room = test::make_room();
   ObservationModel model{room.grid, 3};
@@ -32,7 +32,7 @@ struct Scene {
     }
   }
 
-  // As a radio hears it whose chains multiply by these.
+  // The observation of a radio whose chains multiply by these factors.
   ObservedArray observed(const std::vector<Value>& factors) const {
     std::vector<Value> y = h;
     for (std::size_t j = 0; j < y.size(); ++j) {
@@ -86,7 +86,7 @@ TEST(TurnedLikelihood, OfAnyFactorsIsThatOfTheArrayDividedByThem) {
   EXPECT_GT(of_moments[0], of_moments[1] + 10.0);
 }
 
-// What was heard, corrected, is what is looked at with less to undo.
+// The likelihood of a corrected burst is that of the burst with the correction as a factor.
 TEST(TurnedLikelihood, OfABurstMultipliedByFactorsIsThatOfUndoingThem) {
   const Scene scene;
   const ObservedArray heard = scene.observed({1.0, std::polar(1.2, 0.4), std::polar(0.9, -1.0)});
@@ -107,7 +107,7 @@ TEST(TurnedLikelihood, OfABurstMultipliedByFactorsIsThatOfUndoingThem) {
   EXPECT_NEAR(difference[2], difference[0], 1e-6);
 }
 
-// A level in common says nothing.
+// A common level is no evidence.
 TEST(TurnedLikelihood, CommonFactorOfAllChainsChangesNothing) {
   const Scene scene;
   const ObservedArray heard = scene.observed({1.0, 1.0, 1.0});

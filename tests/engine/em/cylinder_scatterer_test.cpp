@@ -55,7 +55,7 @@ CylinderScatterer scatterer(const CylinderBody& body) {
 
 Value spherical(double distance) { return std::polar(1.0 / distance, -kWavenumber * distance); }
 
-// Of a vertical unit field to a vertical one; positions relative to the axis.
+// Response of a vertical observer to a vertical unit field; positions relative to the axis.
 Value vertical(const CylinderScatterer& body, const Vec3d& source, const Vec3d& observer) {
   const auto scattering = body.scatter(body.route(source, observer));
   return value(scattering.vv) * std::polar(1.0, -kWavenumber * scattering.length);
@@ -75,8 +75,8 @@ struct Errors {
   double cross = 0.0;  // of the direct wave: what is turned into the other polarisation
 };
 
-// Of the total fields beside one body, E_z of an electric dipole (vertical polarisation) and H_z of
-// a magnetic one (horizontal), for each place of the source.
+// Compares the total fields beside one body, E_z of an electric dipole (vertical polarisation) and
+// H_z of a magnetic one (horizontal), for each angle between source and observer.
 void compare(const json& c, Errors& errors) {
   // In the deepest shadow, what is left of the direct wave.
   constexpr double kRest = 1e-3;

@@ -143,7 +143,7 @@ TEST(CylinderSection, EllipseMatchesFundamentalSolutions) {
                         difference(7, kHh, 1.0)});
     }
   }
-  // Of fields of 0.003 to 0.08.
+  // The fields are 0.003 to 0.08.
   EXPECT_LT(worst, 5e-6);
 }
 

@@ -118,7 +118,7 @@ TEST(Field, MaterialsOfTheFourthEditionAreInTheTable) {
   EXPECT_EQ(itu_material("carpet_tile", kFrequency)->relative_permittivity, 2.08);
   EXPECT_EQ(itu_material("asphalt_concrete", kFrequency)->relative_permittivity, 4.83);
   EXPECT_EQ(itu_material("clear_acrylic", 200e9)->relative_permittivity, 2.58);
-  // Not known below 110 GHz: an error, and no value from elsewhere.
+  // Not defined below 110 GHz: an error, and no value of another band.
   const auto acrylic = itu_material("clear_acrylic", kFrequency);
   ASSERT_FALSE(acrylic);
   EXPECT_NE(acrylic.error().message.find("110 to 330 GHz"), std::string::npos);

@@ -100,7 +100,7 @@ Field turned(const WedgeDyad<double>& d, const Vec3d& field, const Vec3d& in, co
           (d.ss.im * s + d.sh.im * h) * soft + (d.hs.im * s + d.hh.im * h) * hard};
 }
 
-// What the dyad jumps by from the dark to the light side of a boundary, both 1e-9 from it.
+// The jump of the dyad from the dark to the light side of a boundary, both 1e-9 from it.
 WedgeDyad<double> jump(
     double n, double from, double dark, double lit, double cos_edge, WedgeBody body) {
   const Complex<double> minus{-1.0, 0.0};

@@ -12,7 +12,7 @@ namespace {
 constexpr double kTemper = 0.8;
 using Maps = std::vector<std::vector<double>>;
 
-// 100 cells, of which one stands out by `height`.
+// 100 cells, one of which is higher by `height`.
 std::vector<double> peak_at(std::size_t cell, double height) {
   std::vector<double> map(100, 0.0);
   map[cell] = height;
@@ -43,7 +43,7 @@ TEST(AccessPointFusion, OneIsBelievedAsItIs) {
   for (std::size_t cell = 0; cell < map.size(); ++cell) {
     EXPECT_NEAR(map[cell] - map[0], maps[0][cell], 1e-9);
   }
-  // Whatever it says, one burst in fifty says nothing.
+  // For any map, one burst in fifty carries no information.
   EXPECT_NEAR(fusion.elsewhere(log_mean_exp(map, kTemper), 0.01), 0.02, 2e-4);
 }
 
@@ -52,10 +52,10 @@ TEST(AccessPointFusion, ThoseThatAgreeAddUp) {
   const std::vector<double> faulty{0.01, 0.01};
   const AccessPointFusion fusion(maps, kTemper, faulty);
   const auto map = fused(maps, fusion);
-  // Each by its own 6 nats, less what one that has lost of its sharpness would have said.
+  // Each adds its own 6 nats, less the share of a blunted access point.
   EXPECT_NEAR(map[7] - map[0], 12.0, 3.0);
   EXPECT_LT(fusion.elsewhere(log_mean_exp(map, kTemper), 0.01), 0.01);
-  EXPECT_LT(fusion.faulty(0, 6.0), 0.02);  // mostly: blunted as far as it goes
+  EXPECT_LT(fusion.faulty(0, 6.0), 0.02);  // mostly blunted
 }
 
 TEST(AccessPointFusion, OneAgainstTwoIsOutvotedHoweverSureItIs) {
@@ -77,7 +77,7 @@ TEST(AccessPointFusion, TwoThatContradictEachOtherLeaveBothPlacesAndElsewhere) {
   EXPECT_GT(probability(map, 7), 0.3);
   EXPECT_GT(probability(map, 60), 0.3);
   const double elsewhere = fusion.elsewhere(log_mean_exp(map, kTemper), 0.01);
-  EXPECT_GT(elsewhere, 0.02);  // more than before anything was heard
+  EXPECT_GT(elsewhere, 0.02);  // more than before any burst
 }
 
 // A hill of a standard deviation of `width` cells.
@@ -90,7 +90,7 @@ std::vector<double> hill_at(double cell, double width) {
   return map;
 }
 
-// Of where the fused map has its mass: mean and standard deviation, in cells.
+// Mean and standard deviation of the fused map's mass, in cells.
 std::pair<double, double> mass_of(const Maps& maps) {
   const std::vector<double> faulty(maps.size(), 0.015);
   const AccessPointFusion fusion(maps, kTemper, faulty);

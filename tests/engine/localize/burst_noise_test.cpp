@@ -19,7 +19,7 @@ using Value = std::complex<double>;
 
 const Vec3d kTruth{0.4, -0.5, 1.2};
 
-// One access point of the synthetic room, known well, and a device that is heard weakly.
+// One access point of the synthetic room, modelled well, and a device with a weak signal.
 class BurstNoise : public ::testing::Test {
  protected:
   BurstNoise()
@@ -38,8 +38,8 @@ class BurstNoise : public ::testing::Test {
     return test::rays_to(tracer_, room_, array(), position);
   }
 
-  // Heard from kTruth with noise of this share of the power within the basis, as observe() and
-  // BurstObservation have it.
+  // A burst from kTruth with noise of this share of the power within the basis, as in observe() and
+  // BurstObservation.
   ObservedArray heard_with(double noise) const {
     auto h = model_.expected({rays(kTruth), offsets_, 0.0}, error_);
     double power = 0.0;
@@ -99,13 +99,13 @@ TEST_F(BurstNoise, IsNearlyThatOfAModelWithTheNoise) {
       most = std::max(most, off(observed));
       most_neglected = std::max(most_neglected, off(as_if_clean));
     }
-    // Of log-likelihoods that differ by 50 from place to place.
+    // Log-likelihoods differ by 50 from place to place.
     EXPECT_LT(most, 2.0) << noise;
     EXPECT_LT(most, most_neglected) << noise;
   }
 }
 
-// A delay is looked for without the noise; what is missed is missed where the device is.
+// The search for a delay ignores the noise: the likelihood that it misses is the device's place's.
 TEST_F(BurstNoise, RanksPlacesAsAModelWithTheNoiseDoes) {
   const ObservedArray observed = heard_with(2e-3);
   const auto log_likelihood = [&](const Vec3d& position) {

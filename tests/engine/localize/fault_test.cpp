@@ -1,5 +1,5 @@
-// What a fix says of itself when something is wrong that no fixed transmitter has told of yet: no
-// fix, a wider region, or the access point named; never a small region somewhere else.
+// Fixes under a fault that no fixed transmitter has indicated yet: no fix, a wider region, or a
+// warning that names the access point; never a small region at a wrong place.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -30,7 +30,7 @@ constexpr double kWrong = 0.05;  // share of the regions of 95 % that may exclud
 // and the errors of the model fitted to surveyed points.
 struct Calibrated {
   RoomModel room;
-  std::vector<CalibrationPoint> spots;  // where the device is, and what is heard there
+  std::vector<CalibrationPoint> spots;  // places of the device, and their channels
 };
 
 Calibrated calibrate() {
@@ -118,7 +118,7 @@ Tally study(const std::string& name, const Localizer& by, const Spoil& spoil) {
     }
     const Vec3d& truth = calibrated().spots[spot].position;
     const double error = std::hypot(estimate.position->x - truth.x, estimate.position->y - truth.y);
-    // What is left over may be anywhere: then the region of 95 % is everything.
+    // The residual probability may be anywhere: then the region of 95 % is everything.
     tally.wrong += error > estimate.accuracy_m && estimate.residual_probability < 0.05 ? 1U : 0U;
     bool named = false;
     for (const std::string& warning : estimate.warnings) {
@@ -136,12 +136,12 @@ Tally study(const std::string& name, const Localizer& by, const Spoil& spoil) {
   return tally;
 }
 
-// Of one fault, with any number of access points.
+// Checks the cases of one fault, with any number of access points.
 void expect_honest(const Tally& tally) {
   EXPECT_LE(static_cast<double>(tally.wrong), kWrong * static_cast<double>(tally.cases));
 }
 
-// The access point that is hit, one after the other.
+// The access point with the fault, one after the other.
 std::size_t hit(const Localizer& by, std::size_t spot) {
   return spot % by.room().access_points.size();
 }
@@ -223,7 +223,7 @@ TEST(Fault, JumpedPhaseOfAChain) {
   expect_honest(all);
 }
 
-// Its reflections find the device; with others there it is told for certain, too.
+// Its reflections locate the device; with other access points, at least half of the cases name it.
 TEST(Fault, CoveredAccessPoint) {
   Tally all;
   for (const std::size_t access_points : {1U, 2U, 3U}) {

@@ -79,7 +79,7 @@ TEST(HeightLayers, SlicesFillALayer) {
               1e-12);
 }
 
-// What the tracer finds from the raised place, ray by ray.
+// The tracer's rays from the raised place, ray by ray.
 TEST(RaisedRay, IsTheTracersRayFromThere) {
   const RoomModel room = test::make_room();
   const PathTracer tracer(room.scene, room.trace);
@@ -183,7 +183,7 @@ TEST(UnknownHeight, IsTheSameOnOneThreadAndOnTwo) {
   EXPECT_EQ(estimate.covariance, two.covariance);
 }
 
-// With the likelihoods that do not tell places apart, too.
+// Also with the likelihoods that do not distinguish places.
 TEST(UnknownHeight, IsHandledByEveryLikelihood) {
   const Vec3d truth{0.3, 0.2, 1.4};
   const auto room = std::make_shared<const RoomModel>(room_of_unknown_heights());

@@ -205,7 +205,7 @@ double best_of(const Dense& model, const ObservedArray& observed) {
   return best;
 }
 
-// What the likelihood says, without the search between the delays.
+// The likelihood, without the search between the delays.
 double on_delays(LikelihoodKind kind,
                  const std::vector<Ray>& rays,
                  const ModelError& error,
@@ -270,7 +270,7 @@ TEST(Likelihoods, MatchTheirFormulasWithDenseMatrices) {
 
 TEST(Likelihoods, FindADeviceWhoseDirectWayIsCovered) {
   const ObservationModel model(link().room().grid, 3);
-  ModelError error;  // a room that is known well: reflections tell places apart
+  ModelError error;  // a room that is modelled well: reflections distinguish places
   error.plan_tolerance = 0.001;
   error.diffuse = 0.005;
   const auto log_likelihood = [&](const std::vector<Ray>& rays, const ObservedArray& heard) {
@@ -294,7 +294,7 @@ TEST(Likelihoods, FindADeviceWhoseDirectWayIsCovered) {
   for (const Vec3d p : {Vec3d{-0.3, 0.4, 1.2}, Vec3d{0.1, 0.7, 1.2}, Vec3d{0.9, 0.2, 1.2}}) {
     EXPECT_GT(here, log_likelihood(link().rays(p), heard) + 5.0);
   }
-  // Of one that is open the opposite is said, and of a place without a direct way nothing.
+  // An open access point has the opposite odds, and a place without a direct way none.
   const auto open = model.observe(model.expected({rays, link().offsets(), 0.0}, error));
   EXPECT_LT(*ObservationModel::covered_log_odds(place, open), -5.0);
   EXPECT_FALSE(ObservationModel::covered_log_odds(
@@ -356,7 +356,7 @@ TEST(Ray, ImagesStayWhenTheDeviceMoves) {
   EXPECT_EQ(paths.size(), rays.size());
 }
 
-// The tracer's own derivative of a delay is what the image says.
+// The tracer's own derivative of a delay is that of the image.
 TEST(Ray, DelayChangesAsTheTracerSays) {
   const ReceiverTracer tracer = link().tracer().at(link().centre());
   const Paths paths = tracer.trace(link().device(kTruth));
@@ -390,7 +390,7 @@ class Nearby : public ::testing::TestWithParam<LikelihoodKind> {
   std::unique_ptr<const NearbyLikelihood> nearby_;
 };
 
-// Heard without the direct way.
+// A burst without the direct way.
 class NearbyCovered : public Nearby {
  protected:
   NearbyCovered() {

@@ -25,7 +25,7 @@ constexpr double kDipole = 1.6409;     // gain of a half-wave dipole across its 
 
 const Vec3d kAccessPoint{-2.4, 0.0, 1.2};
 
-// Nothing but air, an access point with two antennas: they tell a bearing and no distance.
+// Nothing but air, and an access point with two antennas: they measure a bearing and no distance.
 RoomModel make_field() {
   RoomModel room = test::make_room();
   room.scene = test::make_scene({{"stone", test::box_mesh({0.0, 0.0, -90.0}, {0.1, 0.1, -89.9})}},
@@ -57,7 +57,7 @@ RoomModel with_level(RoomModel room) {
   return room;
 }
 
-// What is heard of the device at 2 m, with the level that it has at `distance`.
+// Frames of the device at 2 m, with the level that it has at `distance`.
 std::vector<CsiFrame> heard_at(const RoomModel& room, std::optional<double> distance) {
   auto frames = test::frames_at(room, kAccessPoint + Vec3d{2.0, 0.0, 0.0});
   for (CsiFrame& frame : frames) {
@@ -127,11 +127,11 @@ TEST(LocalizerLevel, IsNotTempered) {
   for (const double likelihood_exponent : {0.2, 0.6, 1.8}) {
     const LocationEstimate estimate = with.locate(frames, likelihood_exponent);
     ASSERT_TRUE(estimate.position) << likelihood_exponent;
-    // Along the line of sight, where nothing else tells the place.
+    // Along the line of sight, where only the level determines the place.
     most = std::max(most, std::sqrt(estimate.covariance[0]));
     least = std::min(least, std::sqrt(estimate.covariance[0]));
   }
-  // 0.5 dB at 2 m, and what is left over for bursts that say nothing.
+  // 0.5 dB at 2 m, and the residual probability of bursts without information.
   EXPECT_LT(most, 1.25 * least);
 }
 

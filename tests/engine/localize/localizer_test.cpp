@@ -60,7 +60,7 @@ TEST(Localizer, FindsTheDeviceByEveryLikelihood) {
     ASSERT_TRUE(other);
     const LocationEstimate estimate = other->locate(frames);
     ASSERT_TRUE(estimate.position) << one.name << ": " << estimate.reason;
-    // Amplitudes peak within millimetres of the place, and elsewhere as well.
+    // Amplitudes peak within millimetres of the place, and at other places as well.
     EXPECT_LT(error_of(estimate, truth), one.kind == LikelihoodKind::kRatioAmplitude ? 1.5 : 0.15)
         << one.name;
   }
@@ -84,7 +84,7 @@ TEST(Localizer, LeavesOutASingleAntennaWhereRatiosAreCompared) {
       << estimate.warnings[0];
 }
 
-// Places within a cell are told apart: the cells are 5 cm.
+// Places within a cell are distinguished: the cells are 5 cm.
 TEST(Localizer, IsSharperThanItsCells) {
   RoomModel room = test::make_room();
   for (RoomAccessPoint& ap : room.access_points) {

@@ -35,7 +35,7 @@ TEST(DelayBasis, HoldsEveryEchoOfTheWindow) {
   }
 }
 
-// The rays of the array's centre stand for the traces of every element.
+// The rays of the array's centre represent the traces of every element.
 TEST(ObservationModel, ExpectsWhatTheElementsWouldHear) {
   const RoomModel room = test::make_room();
   const RoomAccessPoint& ap = room.access_points[0];
@@ -54,7 +54,7 @@ TEST(ObservationModel, ExpectsWhatTheElementsWouldHear) {
             .cfr(room.grid);
     traced.insert(traced.end(), row.begin(), row.end());
   }
-  // What is left is that patterns and angles of incidence are those of the centre.
+  // The difference is that patterns and angles of incidence are those of the centre.
   EXPECT_GT(Aligner(room.grid).align(expected, traced).correlation, 0.999);
 }
 
@@ -64,7 +64,7 @@ TEST(ObservationModel, LikelihoodPeaksAtThePlaceWhateverGainPhaseAndDelay) {
   const auto offsets = offsets_of(ap.array);
   const ObservationModel model(room.grid, 3);
   ModelError error;
-  // A room that is known well: one access point tells the places apart.
+  // A room that is modelled well: one access point distinguishes the places.
   error.plan_tolerance = 0.001;
   error.diffuse = 0.005;
   const Vec3d truth{0.4, -0.5, 1.2};
@@ -100,8 +100,8 @@ TEST(ObservationModel, CoarseLikelihoodIsALowerBoundNearTheFull) {
   EXPECT_GT(coarse, full - 35.0);
 }
 
-// What is left of a ray's mean is the mean of its phase, relative to the first ray's, over where
-// the point may be: of traces to such places.
+// The remaining mean of a ray is the mean of its phase, relative to the first ray's, over the
+// places where the point may be: compared with traces to such places.
 TEST(ObservationModel, OfASurveyedPointKnowsWhatIsLeftOnTheAverage) {
   const RoomModel room = test::make_room();
   const AntennaArray& array = room.access_points[0].array;

@@ -13,7 +13,7 @@
 namespace rayloc::paper_person_localizer_test {
 namespace {
 
-// The expected person: the loss knows what is to be seen.
+// The expected person: the loss has the true body.
 const TargetBody kBody = PersonModel{}.body;
 
 class PaperPersonLocalizerTest : public ::testing::Test {
@@ -37,7 +37,7 @@ class PaperPersonLocalizerTest : public ::testing::Test {
   }
 };
 
-// The frames have waves of one reflection more than the method knows of, and the loss has many
+// The frames have waves of one reflection more than the method models, and the loss has many
 // minima: at (-0.5, -0.4) it is 5.0, and 4.0 at 0.15 m from there.
 TEST_F(PaperPersonLocalizerTest, LossIsLessWhereThePersonIsThanAround) {
   PaperLocalizerOptions options = paper_person_options();

@@ -1,6 +1,6 @@
-// The published method is what it says: in a room that its own tracer simulated without noise, its
-// loss is nothing at the device, a descent begun there stays, and one begun beside it comes back.
-// How far "beside" reaches is why random starts do not find the device.
+// The published method does what it claims: in a room that its own tracer simulated without noise,
+// its loss vanishes at the device, a descent begun there stays, and one begun beside it returns.
+// The reach of that "beside" is the reason why random starts do not find the device.
 #include <cmath>
 #include <memory>
 #include <numbers>

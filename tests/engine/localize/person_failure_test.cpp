@@ -1,5 +1,5 @@
-// What may go wrong with the links that look for a person: at most one case in twenty may state a
-// 95 % region that excludes the truth.
+// Faults of the links that locate a person: at most one case in twenty may state a 95 % region that
+// excludes the truth.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -48,7 +48,7 @@ class PersonFailureTest : public ::testing::TestWithParam<std::size_t> {
 
   const PersonLocalizer& localizer() const { return *localizers().at(GetParam()); }
 
-  // `people`: how many stand there; `spoil` changes what the access points hear.
+  // `people`: number of people in the room; `spoil` changes the channels of the access points.
   template <typename Spoil>
   Outcome run(const char* name, std::size_t people, const Spoil& spoil) const {
     Outcome outcome;
@@ -116,7 +116,7 @@ TEST_P(PersonFailureTest, AChainIsDead) {
     auto& h = channels[i % channels.size()];
     const std::size_t tones = localizer().room().grid.size();
     const std::size_t core = i % 3;
-    // What a dead chain reports is a hundredth of the others.
+    // The channel of a dead chain has a hundredth of the others' amplitude.
     std::for_each(h.begin() + static_cast<std::ptrdiff_t>(core * tones),
                   h.begin() + static_cast<std::ptrdiff_t>((core + 1) * tones),
                   [](std::complex<double>& value) { value *= 0.01; });
@@ -154,7 +154,7 @@ TEST_P(PersonFailureTest, TheTransmitterWasMoved) {
 }
 
 TEST_P(PersonFailureTest, TheTransmitterIsCovered) {
-  // Its direct way is gone: a box stands before it, and what comes by walls is left.
+  // Most of its direct way is gone: a box is before it, and reflections by walls are left.
   const auto spoil = [this](std::size_t i, Channels& channels) {
     const RoomModel& room = localizer().room();
     for (std::size_t a = 0; a < channels.size(); ++a) {
@@ -175,7 +175,7 @@ TEST_P(PersonFailureTest, AnotherTransmitterIsHeardUnderTheAddress) {
       channels[a] = test::channel_at(room, room.access_points[a], {elsewhere.x, elsewhere.y, 0.9});
     }
   };
-  // Nobody is there: what is stated is wrong wherever it is, and wide or refused.
+  // No person affects these channels: any position is wrong, so it must be wide or refused.
   const Outcome outcome = run("another transmitter", 1, spoil);
   EXPECT_LE(outcome.misses, 1U);
 }

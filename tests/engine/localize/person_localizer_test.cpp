@@ -136,7 +136,7 @@ TEST_F(PersonLocalizerTest, GoesOnWithoutABlockedAccessPoint) {
   unsigned seed = 1;
   for (const TargetPosition& truth : places()) {
     auto channels = test::channels_past(*room(), {truth}, PersonModel{}.body);
-    // Something stands before the second: it hears another room.
+    // An object blocks the second: its channel is that of another transmitter.
     channels[1] = test::channel_at(*room(), room()->access_points[1], {0.3, 0.2, 0.7});
     const auto estimate =
         localizer().locate(test::frames_of(*room(), channels, {.count = 8, .seed = seed++}));

@@ -90,7 +90,7 @@ TEST(Posterior, KnowsWhereInTheCellsTheMassIs) {
   ASSERT_TRUE(estimate.position);
   EXPECT_NEAR(estimate.position->x, g.centre(cell).x + 0.012, 1e-9);
   EXPECT_NEAR(estimate.position->y, g.centre(cell).y - 0.017, 1e-9);
-  // What the survey leaves uncertain is added.
+  // The uncertainty that the survey leaves is added.
   EXPECT_NEAR(estimate.covariance[0] - estimate.covariance[4], 3e-6, 1e-9);
 }
 
@@ -112,7 +112,7 @@ TEST(Posterior, StatesTheCoreOfAHillAndItsFoot) {
   ASSERT_EQ(estimate.hypotheses.size(), 2U);
   const Hypothesis& core = estimate.hypotheses[0];
   const Hypothesis& foot = estimate.hypotheses[1];
-  // What lies in the core of the foot is of either.
+  // The part of the foot that is within the core may belong to either.
   EXPECT_NEAR(core.weight, 0.9, 0.02);
   EXPECT_NEAR(core.position.x, g.centre(cell).x + 0.01, 1e-4);
   EXPECT_NEAR(core.covariance[0], 1e-5, 1e-7);

@@ -14,7 +14,7 @@
 namespace rayloc::watched_area_test {
 namespace {
 
-// The room, of which only the half with x < 0.2 m is the area, heard by one access point.
+// The room, of which only the half with x < 0.2 m is the area, with one access point.
 RoomModel half_room() {
   RoomModel room = test::make_room();
   room.bounds_max.x = 0.2;
@@ -66,7 +66,7 @@ TEST(WatchedArea, TakesTheShareThatIsOutside) {
   EXPECT_LT(map[outside], -1000.0);
 }
 
-// One access point has nobody to contradict it; the scene has.
+// No other access point contradicts the first; the scene does.
 TEST(WatchedArea, OfADeviceBesideItThereIsNoPosition) {
   const auto room = std::make_shared<const RoomModel>(half_room());
   const Localizer localizer = *Localizer::create(room, {});

@@ -112,7 +112,7 @@ TEST(Burst, RecoversTheChannelUpToOneFactorAndOneDelay) {
   const auto burst = combine_burst(frames, request_of(grid));
   ASSERT_TRUE(burst) << burst.error().message;
   EXPECT_EQ(burst->frames_used, 20U);
-  // What is left is the noise of the average, a twentieth of one frame's.
+  // The difference is the noise of the average, a twentieth of one frame's.
   EXPECT_LT(1.0 - Aligner(grid).align(h, burst->h).correlation, 1.5 * noise / 20.0);
   EXPECT_NEAR(burst->snr_db, 30.0, 0.5);
   EXPECT_NEAR(burst->noise_variance, noise / 20.0, 0.1 * noise / 20.0);
@@ -192,7 +192,7 @@ TEST(Burst, OfOneFrameBoundsTheNoise) {
   EXPECT_LT(burst->noise_variance, 2e-2);
 }
 
-// Levels stated of cores 0, 2 and 3, and of core 1, which nobody asks for and is ten times louder.
+// Levels of cores 0, 2 and 3, and of core 1, which is not requested and is ten times louder.
 std::vector<CsiFrame> stated_frames(const std::vector<float>& of_each_frame) {
   const OfdmGrid grid = vht40();
   auto frames = frames_of(channel(grid, 12), grid, static_cast<int>(of_each_frame.size()), 1e-3);

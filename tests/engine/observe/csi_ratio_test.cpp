@@ -92,7 +92,7 @@ TEST(CsiRatio, StaysBoundedAtANull) {
     const double bound = 0.5 / std::sqrt(kFloor * mean);
     EXPECT_LE(std::abs(csi_ratio(h, 2, kFloor)[1]), bound * (1.0 + 1e-12)) << null;
   }
-  // An antenna that hears nothing.
+  // An antenna that receives nothing.
   EXPECT_EQ(csi_ratio(std::vector<Value>{1.0, 0.0}, 1)[0], Value());
 }
 

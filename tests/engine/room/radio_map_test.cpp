@@ -83,7 +83,7 @@ TEST_F(RadioMapTest, WhatNoPathReachesIsSaid) {
   EXPECT_EQ(map.path_count[0], 0U);
   EXPECT_TRUE(std::isnan(map.delay_spread[0]));
   EXPECT_EQ(strongest_of({map})[0], -1);
-  // An antenna does not hear itself.
+  // An antenna does not receive itself.
   const RadioMapGrid here = radio_map_grid({0.0, 0.0, 0.0}, {0.5, 0.5, 0.0}, 2.0, 0.5);
   EXPECT_EQ(radio_map(tracer, antenna_at({0.25, 0.25, 2.0}), here).path_count[0], 0U);
 }

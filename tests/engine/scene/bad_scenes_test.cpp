@@ -1,4 +1,4 @@
-// Scenes that cannot be used: each is refused, and the message says where and what.
+// Scenes that cannot be used: each is refused, and the message names the place and the fault.
 #include <unistd.h>
 
 #include <cmath>
@@ -31,7 +31,7 @@ std::string scene_xml(const std::string& mesh_file, const std::string& transform
          "</transform><ref id='mat-itu_concrete' name='bsdf'/></shape>\n</scene>\n";
 }
 
-// What is said about a scene of that one mesh.
+// The error of a scene of that one mesh.
 std::string error_of(const std::string& mesh_file,
                      const std::string& mesh,
                      const std::string& transform = "") {

@@ -107,7 +107,7 @@ TEST_P(BvhAgrees, OnAllCrossings) {
   EXPECT_GT(more, 0U);
 }
 
-// Rays aimed at vertices, edges and seams, where single precision would be in doubt.
+// Rays aimed at vertices, edges and seams, where single precision would be ambiguous.
 TEST_P(BvhAgrees, OnVerticesAndEdges) {
   const auto scene = boxes(GetParam());
   const Vec3d eye{GetParam() + 0.1, 0.2, 6.0};

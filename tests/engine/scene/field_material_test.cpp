@@ -121,7 +121,7 @@ TEST(Field, MaterialKeepsItsValuesUnderAnItuId) {
     EXPECT_NE(found.notes[0].message.find("states values of its own, and these are kept"),
               std::string::npos);
   }
-  // What it does not state is the table's, not vacuum's.
+  // Values that it does not state are the table's, not vacuum's.
   const Read half =
       read("itu_wood", bsdf("radio-material", "itu_wood", number("conductivity", "0.2")));
   EXPECT_EQ(half.material.relative_permittivity, 1.99);
@@ -227,11 +227,11 @@ TEST(Field, MaterialIsReadThroughReferences) {
   ASSERT_EQ(scene->materials().size(), 1U);
   EXPECT_EQ(scene->materials()[0], of_table("wood", "wood", 0.1));
 
-  // The id of the whole is its name; one within says what it is made of.
+  // The id of the whole is its name; the id of a part names its material.
   EXPECT_EQ(
       read("elm__3", bsdf("twosided", "elm__3", bsdf("diffuse", "mat-itu_wood", ""))).material,
       of_table("wood", "elm__3", 0.1));
-  // And only where the whole does not say it.
+  // And only if the whole does not name it.
   EXPECT_EQ(read("itu_glass", bsdf("twosided", "itu_glass", bsdf("diffuse", "mat-itu_wood", "")))
                 .material,
             of_table("glass", "glass", 0.1));

@@ -25,7 +25,7 @@ using ::testing::Not;
 enum class Format { kAscii, kLittleEndian, kBigEndian };
 constexpr std::array kFormats = {Format::kAscii, Format::kLittleEndian, Format::kBigEndian};
 
-// What the header of a PLY file counts; the body has 5 vertices, 3 faces and 2 edges.
+// The counts in the header of a PLY file; the body has 5 vertices, 3 faces and 2 edges.
 struct Counts {
   int vertices = 5;
   int faces = 3;

@@ -87,7 +87,7 @@ TEST(Field, OutlineOfAFineCircleStaysACircle) {
 }
 
 TEST(Field, OrientationIsDecidedWithoutRounding) {
-  // One unit in the last place off the diagonal, where products of doubles cannot tell.
+  // One unit in the last place off the diagonal, which products of doubles cannot resolve.
   const Point2 a{12.0, 12.0};
   const Point2 b{24.0, 24.0};
   const double next = std::nextafter(0.5, 1.0);

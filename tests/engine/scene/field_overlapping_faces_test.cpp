@@ -47,7 +47,7 @@ Mesh mesh_of(const std::vector<Rectangle>& rectangles, bool both_faces = false) 
 // 4 x 2 m with an opening of `opening` m^2: strips that overlap by 4 w h = 2 m^2 at the corners.
 const std::vector<Rectangle> kStrips{{0, 0, 4, 0.5}, {0, 1.5, 4, 2}, {0, 0, 1, 2}, {3, 0, 4, 2}};
 
-// Of strips as of a wall with a hole: what is open, what is covered, and where it ends.
+// Checks strips like a wall with a hole: its open part, its covered part, and its outline.
 void expect_frame(const Mesh& mesh, const test::RigidMotion& motion) {
   const auto found = planar_surfaces(motion(mesh));
   ASSERT_EQ(found.size(), 1U);

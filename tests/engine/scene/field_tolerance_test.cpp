@@ -1,5 +1,5 @@
-// What counts as in one plane, on one line or at one place does not depend on how a room is turned,
-// where it stands, how exactly its file keeps vertices and into how many triangles it is cut.
+// Tolerances for one plane, one line or one place do not depend on a room's rotation, its place,
+// the precision of its file's vertices or the number of triangles that it is cut into.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -248,7 +248,7 @@ TEST(Field, MeshKnowsTheRoundingOfItsFile) {
   EXPECT_EQ(doubles->rounding, 0.0);
 }
 
-// As a stream of C++ writes numbers unless told otherwise.
+// Numbers as a stream of C++ writes them by default.
 TEST(Field, WallWrittenWithSixDigitsIsOneMirror) {
   std::mt19937_64 random(66);
   for (int trial = 0; trial < 100; ++trial) {

@@ -382,7 +382,7 @@ TEST(Field, SceneXmlWarnsOfAxesThatAreNoUnitVectors) {
   EXPECT_TRUE(unit->notes().empty());
 }
 
-// What is left out knowingly is documented, name by name.
+// Deliberate omissions are documented, name by name.
 TEST(Field, ScenePageListsWhatIsLeftOut) {
   std::ostringstream text;
   text << std::ifstream(test::source_path("/engine/scene/FILES.md")).rdbuf();

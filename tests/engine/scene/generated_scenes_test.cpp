@@ -1,4 +1,4 @@
-// The generated rooms are what the benchmarks say they are.
+// The generated rooms have the properties that the benchmarks state.
 #include <gtest/gtest.h>
 
 #include "engine/scene/scene.h"

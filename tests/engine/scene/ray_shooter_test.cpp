@@ -57,7 +57,7 @@ Met shot(const Scene& scene, const Vec3d& from, const Vec3d& direction) {
   return {shooter.triangles()[stream.triangle[0]].surface, static_cast<double>(stream.distance[0])};
 }
 
-// A room with boxes that stand anyhow, a wall with a hole among them.
+// A room with boxes in random poses, and a wall with a hole among them.
 std::shared_ptr<const Scene> room(double offset) {
   std::mt19937 random(21);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
@@ -134,7 +134,7 @@ TEST_P(RayShooterAgrees, OnVerticesAndEdges) {
           });
           ASSERT_NE(same, nearby.end());
           EXPECT_NEAR(found.distance, same->distance, 1e-4);
-          // What is met for certain, a little inside of its edges, is not passed.
+          // A surface that is met a little inside of its edges is not passed.
           const auto certain = met_by_hand(*scene, from, direction, -1e-4);
           if (!certain.empty()) {
             EXPECT_LE(found.distance, certain[0].distance + 1e-4);

@@ -117,7 +117,7 @@ TEST(Wedges, CoplanarNeighboursHaveNone) {
 }
 
 TEST(Wedges, HoleHasEdgesToo) {
-  // Of four rectangles about a hole of one square metre, whose corners lie on sides of others.
+  // Four rectangles about a hole of one square metre, whose corners lie on sides of others.
   Mesh frame;
   for (const Mesh& part : {rectangle_mesh({0, 0, 0}, {2, 0, 0}, {0, 1, 0}),
                            rectangle_mesh({2, 0, 0}, {1, 0, 0}, {0, 2, 0}),

@@ -167,7 +167,7 @@ struct PlainLink {
   }
 };
 
-// Whether the segment meets the upright sheet x = 2, 0.5 <= y <= 1.5, z <= 1.4.
+// True if the segment meets the upright sheet x = 2, 0.5 <= y <= 1.5, z <= 1.4.
 bool meets_sheet(const V& a, const V& b) {
   const double share = (2.0 - a.x) / (b.x - a.x);
   const V at = a + share * (b - a);
@@ -215,7 +215,7 @@ TEST(Diffuse, DensityIsThatOfFinePatches) {
   }
 }
 
-// One patch, heard all around: what it scatters is S^2 of what a smooth one would reflect.
+// One patch, received all around: it scatters S^2 of the power that a smooth one would reflect.
 TEST(Diffuse, PatchScattersWhatItDoesNotReflect) {
   for (const SurfaceScattering& scattering : {kLambertian, kBackscattering}) {
     const auto scene =
@@ -238,7 +238,7 @@ TEST(Diffuse, PatchScattersWhatItDoesNotReflect) {
       for (const auto polarization : {Polarization::kVertical, Polarization::kHorizontal}) {
         const auto in = leg({2.0 * std::sin(zenith), 0.0, 2.0 * std::cos(zenith)}, polarization);
         const double cos_in = std::cos(zenith);
-        // Of a gain of 1, at 2 m; without 1 / 4 pi.
+        // With a gain of 1, at 2 m; without 1 / 4 pi.
         reflected += cos_in / 4.0 * smooth_reflectance(cos_in, context.facets[0], kWavelength);
         constexpr int kSteps = 120;
         for (int i = 0; i < kSteps; ++i) {

@@ -70,8 +70,8 @@ std::shared_ptr<const Scene> strip(double width) {
       kMetal);
 }
 
-// Of a line source in the plane z = 0, as StripMoments has it: what each path becomes beside a wave
-// of its length does not depend on whether that is of a point or of a line.
+// The field of a line source in the plane z = 0, as in StripMoments: each path, relative to a wave
+// of its length, is the same for a point source and a line source.
 Cd field_of_line(const PathTracer& tracer,
                  const test::StripMoments::Point& source,
                  const test::StripMoments::Point& observer) {
@@ -124,8 +124,8 @@ TEST(EdgePairs, OfAStripAreAsMomentsSay) {
   }
 }
 
-// Two sheets that stand one behind the other: what is over the first alone ends where the second
-// one begins to hide it.
+// Two sheets, one behind the other: the path over the first alone ends where the second one begins
+// to hide it.
 TEST(EdgePairs, ChannelIsContinuousWhereASecondEdgeBegins) {
   for (const RadioMaterial& material : {kMetal, test::kConcrete}) {
     const auto scene = test::make_scene(
@@ -152,7 +152,7 @@ TEST(EdgePairs, ChannelIsContinuousWhereASecondEdgeBegins) {
     };
     const double whole = std::abs(total(over_one, kBoundary + kStep));
     EXPECT_GT(jump(over_one), 0.9 * whole);
-    // What is left is that of the first edge's phase length, which ends at the second (0.015).
+    // The rest is due to the first edge's phase length, which ends at the second (0.015).
     EXPECT_LT(jump(over_two), 0.03 * whole) << material.name;
     std::printf("%s: jump %.4f over one edge, %.5f over two\n",
                 material.name.c_str(),
@@ -290,7 +290,7 @@ std::set<Key> plain_search(const Scene& scene, const Vec3d& from, const Vec3d& t
       const Vec3d other = beside(second, bends->second);
       const bool is_joined = first.face_0 == second.face_0 || first.face_0 == second.face_n ||
                              first.face_n == second.face_0 || first.face_n == second.face_n;
-      // Along a face nothing is in the way here but what stands on it, and nothing does.
+      // Along a face, only objects on it can block the way, and there are none.
       if (!scene.is_blocked({from, bend}) && !scene.is_blocked({other, to}) &&
           (is_joined || !scene.is_blocked({bend, other}))) {
         found.insert({a, b});

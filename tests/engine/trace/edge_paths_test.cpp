@@ -1,4 +1,4 @@
-// Paths over one edge: against what Fermat, the uniform theory and a plain search say.
+// Paths over one edge: against Fermat's principle, the uniform theory and a plain search.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -74,7 +74,7 @@ std::vector<Path> diffracted_paths(const std::shared_ptr<const Scene>& scene,
   return found;
 }
 
-// Of those with nothing but the edge, the one over the upright edge at x = 0.
+// Among the paths with nothing but the edge, the one over the upright edge at x = 0.
 const Path* upright(const Scene& scene, const std::vector<Path>& paths) {
   const std::vector<Wedge> wedges = find_wedges(scene);
   const auto found = std::find_if(paths.begin(), paths.end(), [&](const Path& path) {
@@ -129,7 +129,7 @@ TEST(EdgePaths, PowerIsThatOfTheHalfPlane) {
        2.0 * std::numbers::pi + std::atan2(-3.0, 0.7),
        2.0 * std::numbers::pi / kWavelength * first * second / (first + second)}));
   const double free = kWavelength / (4.0 * std::numbers::pi * (first + second));
-  // Of metal, which is not quite a conductor.
+  // The sheet is metal, which is not quite a perfect conductor.
   EXPECT_NEAR(path->a.re, free * relative.re, 1e-3 * free);
   EXPECT_NEAR(path->a.im, free * relative.im, 1e-3 * free);
 }
@@ -163,7 +163,7 @@ TEST(EdgePaths, EdgesEnd) {
 }
 
 TEST(EdgePaths, NothingBendsIntoABody) {
-  // Of a convex box seen from a face, only its own four edges are.
+  // Seen from a face of a convex box, only that face's own four edges diffract.
   const auto scene = test::make_scene({{"box", test::box_mesh({0, 0, 0}, {1, 1, 1})}}, kMetal);
   const auto paths = diffracted_paths(
       scene, transmitter_at({0.4, 0.5, 3.0}), receiver_at({0.6, 0.4, 3.0}), over_edges(3));
@@ -182,7 +182,7 @@ std::shared_ptr<const Scene> furnished(const RadioMaterial& material) {
       material);
 }
 
-// What a path meets, told from either end alike.
+// The interactions of a path, in the same form from either end.
 std::vector<std::uint32_t> met_by(const Path& path, bool backwards) {
   std::vector<std::uint32_t> met;
   for (const Interaction& i : path.interactions) {
@@ -362,7 +362,7 @@ TEST(EdgePaths, RoundedMeshesHaveTheSame) {
         test::make_scene({{"room", made(test::box_mesh({-3, -2, 0}, {3, 2, 2.5}))},
                           {"cabinet", made(test::box_mesh({-0.4, -0.3, 0.1}, {0.5, 0.4, 1.3}))}},
                          test::kConcrete);
-    // Rounding decides which face of an edge comes first, so paths are told by their lengths.
+    // Rounding decides which face of an edge comes first, so paths are identified by their lengths.
     std::vector<double> lengths;
     for (const Path& path : diffracted_paths(scene,
                                              transmitter_at(turned({-1.7, 0.3, 1.8})),

@@ -35,7 +35,7 @@ void expect_same_paths(const Paths& before, const Paths& after, const std::strin
   }
 }
 
-// A closed room with things that stand, lie and lean in it.
+// A closed room with objects in random poses.
 Scenery random_scenery(std::mt19937_64& random) {
   std::uniform_real_distribution<double> share(0.0, 1.0);
   const Vec3d size{3.0 + 4.0 * share(random), 3.0 + 3.0 * share(random), 2.4 + share(random)};

@@ -26,7 +26,7 @@ namespace {
 using nlohmann::json;
 using test::vec3;
 
-// Of the values; those of the furnished rooms are written with 12 digits.
+// Tolerances of the values; those of the furnished rooms are written with 12 digits.
 constexpr double kLengthTolerance = 1e-12;  // relative
 constexpr double kVertexTolerance = 1e-9;   // [m]
 constexpr double kAngleTolerance = 1e-10;   // [rad]
@@ -40,7 +40,7 @@ Polarization polarization(const json& v) {
   return v == "V" ? Polarization::kVertical : Polarization::kHorizontal;
 }
 
-// Which objects a path touches, in order.
+// The objects that a path touches, in order.
 std::vector<std::string> objects_of(const Scene& scene, const Path& path) {
   std::vector<std::string> names;
   for (const Interaction& interaction : path.interactions) {
@@ -68,7 +68,7 @@ double angle_difference(double a, double b) {
 // A point of this path lies on faces of two objects at once; which of them acts is undefined.
 bool is_coincident(const json& path) { return path.value("coincident", false); }
 
-// What all paths of a comparison have in common.
+// The common data of all paths of a comparison.
 struct Link {
   double carrier_hz;
   double field_tolerance;
@@ -127,7 +127,7 @@ std::size_t wall_number(const Scene& scene, const Interaction& interaction) {
   return 6;
 }
 
-// Of one element of a room case: paths by order, and the channel on a few or all of its tones.
+// Checks one element of a room case: paths by order, and the channel on a few or all of its tones.
 void expect_same_counts_and_tones(const Paths& paths, const json& element, double carrier_hz) {
   std::vector<std::size_t> counts(element.at("counts").size());
   for (const Path& path : paths) {

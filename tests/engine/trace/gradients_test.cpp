@@ -87,7 +87,7 @@ std::string name_of(Kind kind) {
   return kNames.at(kind);
 }
 
-// Of every parameter of the link; what hardly matters is measured by what matters most of its kind.
+// Compares every parameter of the link; a minor one relative to the most important of its kind.
 std::map<Kind, Worst> compare(const TracedLink& link) {
   const auto reference = link.reference();
   const std::vector<Parameter> parameters = link.parameters();

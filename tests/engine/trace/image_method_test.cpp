@@ -29,7 +29,7 @@ TEST(ImageMethod, MatchesAnalyticCornerReflector) {
   const double length = norm(v[1] - v[0]) + norm(v[2] - v[1]) + norm(v[3] - v[2]);
   const Vec3d opposite{6.0 - source.x, source.y, -source.z};
   EXPECT_NEAR(length, norm(target - opposite), 1e-14);
-  // What leaves comes back in parallel, seen along the edge.
+  // The outgoing ray comes back in parallel, seen along the edge.
   const Vec3d out = normalized(v[1] - v[0]);
   const Vec3d back = normalized(v[3] - v[2]);
   EXPECT_NEAR(back.x, -out.x, 1e-15);

@@ -1,4 +1,4 @@
-// What a tree finds is what a search through all sequences of surfaces finds, bit for bit.
+// A tree finds the same as a search through all sequences of surfaces, bit for bit.
 #include "engine/trace/images/image_tree.h"
 
 #include <gtest/gtest.h>
@@ -156,7 +156,7 @@ void expect_same_chains(std::vector<SpecularChain> expected,
   }
 }
 
-// A room that a partition nearly divides, with a few boxes that stand anyhow, and a sheet.
+// A room that a partition nearly divides, with a few boxes in random poses, and a sheet.
 std::shared_ptr<const Scene> random_room(std::mt19937& random, int boxes) {
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
   std::vector<test::NamedMesh> meshes{{"room", test::box_mesh({-3, -2, 0}, {3, 2, 2.5})},
@@ -208,7 +208,7 @@ TEST(ImageTree, GivesEachRootWhatItsOwnTreeGives) {
         std::vector<SpecularChain> found;
         shared->visit_chains(
             root, target, [&](const SpecularChain& chain) { found.push_back(chain); });
-        if (options.transmission) {  // the shared tree may know less of what crosses too much
+        if (options.transmission) {  // the shared tree may keep chains with too many crossings
           std::erase_if(found, [&](const SpecularChain& chain) {
             return !std::binary_search(expected.begin(), expected.end(), chain, before);
           });

@@ -16,7 +16,7 @@
 
 namespace {
 
-// Of the devices made from now on.
+// The configuration of all devices made from now on.
 const char*& configuration() {
   static const char* chosen = nullptr;
   return chosen;
@@ -39,7 +39,7 @@ RTCDevice rtcNewDevice(const char*) {
 namespace rayloc::instruction_sets_test {
 namespace {
 
-// Rays that Embree traces at once with each: how a device tells what it has.
+// Numbers of rays that Embree traces at once with each: they identify a device's instruction set.
 struct InstructionSet {
   const char* configuration;
   bool is_here;
@@ -77,7 +77,7 @@ TEST(InstructionSets, AreThoseThatTheTestsAskFor) {
   configuration() = nullptr;
 }
 
-// Of every device, by rays; the scene is made with the instructions, too.
+// The paths of every device, by rays; the scene is made with the instructions, too.
 std::vector<Paths> paths_with(const char* instructions,
                               std::shared_ptr<const Scene> (*scene)(),
                               const Vec3d& access_point,

@@ -142,7 +142,7 @@ TEST(PathTracer, IsReciprocal) {
   }
 }
 
-// Turn and shift the whole world: nothing that a receiver could tell changes.
+// Turns and shifts the whole world: nothing that a receiver could measure changes.
 TEST(PathTracer, IsInvariantUnderRigidMotion) {
   const auto original = meeting_room();
   const Orientation turn{0.7, -0.4, 1.1};

@@ -37,7 +37,7 @@ TEST(Paths, CfrMatchesSumOverPaths) {
   const Paths paths(list);
   OfdmGrid grid{5.19e9, 312'500.0, {}};
   for (std::int16_t k = -122; k <= 122; ++k) {
-    if (std::abs(k) >= 2 && k != 17) {  // a gap at DC and one elsewhere
+    if (std::abs(k) >= 2 && k != 17) {  // a gap at DC and another one
       grid.tone_index.push_back(k);
     }
   }

@@ -250,7 +250,7 @@ TEST(Scattering, ChannelIsContinuousAsTheBodyWalks) {
   EXPECT_GT(largest, 0.8 * kWavelength / (4.0 * std::numbers::pi * 4.0));
 }
 
-// Also where no body can stand: in walls, in furniture, under the access point.
+// Also at impossible places of a body: in walls, in furniture, under the access point.
 TEST(Scattering, IsFiniteEverywhere) {
   const TargetLink link =
       tracer(meeting_room(), TargetBody{}, 2)

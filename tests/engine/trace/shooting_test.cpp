@@ -166,7 +166,7 @@ struct Missed {
   double power = 0.0;  // share
 };
 
-// What the rays miss. Every path that they find must be one of the exhaustive search, bit for bit.
+// Counts missed paths. Every path that the rays find is one of the exhaustive search, bit for bit.
 Missed missed(const Place& place, std::size_t rays) {
   const auto at = [&](CandidateGenerator candidates) {
     const PathTracer tracer(place.scene, {.candidates = candidates, .rays = rays});

@@ -100,8 +100,8 @@ TargetPosition moved(const TargetPosition& from, std::size_t axis, double by) {
   return {from.x + (axis == 0 ? by : 0.0), from.y + (axis == 1 ? by : 0.0)};
 }
 
-// Of D = sum |h - reference|^2: five-point, and nothing when a pair appears or vanishes at a hard
-// edge.
+// The derivative of D = sum |h - reference|^2: five-point, and nothing when a pair appears or
+// vanishes at a hard edge.
 std::optional<double> difference(const TargetLinks& links,
                                  const TargetPosition& position,
                                  std::size_t axis,

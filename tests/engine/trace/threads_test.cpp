@@ -38,7 +38,7 @@ std::vector<double> numbers(const std::vector<Paths>& links) {
   return all;
 }
 
-// What `work` returns on so many threads.
+// The numbers that `work` returns on so many threads.
 template <typename Work>
 std::vector<double> on_threads(int threads, const Work& work) {
   const tbb::global_control at_least(tbb::global_control::max_allowed_parallelism, 4);

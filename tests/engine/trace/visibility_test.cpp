@@ -91,7 +91,7 @@ TEST(Visibility, SoftChannelIsContinuousThroughAFurnishedRoom) {
     EXPECT_LT(fine.largest_step, 0.35 * coarse.largest_step) << transmission;
     const Walk hard =
         walk(scene, {.max_depth = 2, .transmission = transmission}, from, to, access_point, 6000);
-    EXPECT_GT(hard.largest_step, 2.0 * fine.largest_step);  // the test can tell
+    EXPECT_GT(hard.largest_step, 2.0 * fine.largest_step);  // the test is sensitive
   }
 }
 
@@ -147,7 +147,7 @@ TEST(Visibility, SurfaceThatIsNotConvexKnowsItsBoundary) {
   EXPECT_NEAR(inside({2.3, 1.4, 0}), -0.5, 1e-12);
 }
 
-// A path that keeps clear of all edges does not know of softness.
+// A path that keeps clear of all edges does not depend on the softness.
 TEST(Visibility, MiddleOfAMirrorReflectsAllOfIt) {
   const auto scene = screen();
   const Transmitter device{{{-0.2, -1.0, 1.0}, {}}};

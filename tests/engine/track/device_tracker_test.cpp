@@ -71,7 +71,7 @@ Walk walk(const Localizer& localizer, DeviceTracker& tracker) {
     EXPECT_EQ(result.updates.size(), before + 1) << ms;
     const LocationEstimate& filtered = result.updates.back().estimate.location;
     const LocationEstimate snapshot = localizer.locate(heard);
-    if (ms >= 500 && snapshot.position) {  // a snapshot of one frame may not know
+    if (ms >= 500 && snapshot.position) {  // a snapshot of one frame may lack a position
       EXPECT_TRUE(filtered.position) << ms;
       result.snapshot_error.push_back(error_of(snapshot, walker(ms)));
       result.filtered_error.push_back(error_of(filtered, walker(ms)));
@@ -95,8 +95,8 @@ std::vector<double> numbers_of(const std::vector<DeviceUpdate>& updates) {
   return numbers;
 }
 
-// One look at the whole room is enough to leave a place where the device is not: it then counts for
-// all the time in which nobody looked.
+// One evaluation of the whole room is enough to leave a wrong place: it then counts for all the
+// time since the one before it.
 TEST(DeviceTracker, LeavesAWrongPlaceByALookAtTheWholeRoom) {
   constexpr int kJump = 1500;   // [ms], when it is followed
   constexpr int kLater = 6500;  // [ms], more than from one look to the next
@@ -121,8 +121,8 @@ TEST(DeviceTracker, LeavesAWrongPlaceByALookAtTheWholeRoom) {
   EXPECT_LT(error_of(after, place(kJump + kLater)), 0.3);
 }
 
-// A track that one access point leads astray is led back by the first burst of those that join, not
-// by the next look at the whole room that is due.
+// A track that one access point leads astray is led back by the first burst of those that join,
+// before the next evaluation of the whole room is due.
 TEST(DeviceTracker, LooksAtTheWholeRoomWhenAccessPointsJoin) {
   constexpr int kJoin = 1700;  // [ms], before the next look is due
   // The last one is at rest: its channel is always the same.
@@ -172,8 +172,8 @@ TEST(DeviceTracker, ATrackTakesLittleMemory) {
   }
 }
 
-// What is said of a device depends on none of the others: the same numbers whether bursts come
-// together, one after the other or the other way round, and on one thread.
+// The results of a device depend on none of the others: the same numbers whether bursts come
+// together, one after the other or in reverse order, and on one thread.
 TEST(DeviceTracker, SaysTheSameWhateverTheOrderOfDevices) {
   constexpr int kDevices = 4;
   enum class Way { kTogether, kInOrder, kBackwards, kOneThread };
@@ -214,7 +214,7 @@ TEST(DeviceTracker, SaysTheSameWhateverTheOrderOfDevices) {
   }
 }
 
-// As after chains were found to have turned: the track goes on, from nowhere in particular.
+// As after a change of the chains' phases: the track goes on, and the device may be anywhere.
 TEST(DeviceTracker, ForgetsPlacesAndFollowsOn) {
   DeviceTracker tracker(localizer(3), {});
   std::vector<DeviceUpdate> updates;
@@ -230,7 +230,7 @@ TEST(DeviceTracker, ForgetsPlacesAndFollowsOn) {
   }
   ASSERT_TRUE(updates.back().estimate.location.position);
   EXPECT_LT(error_of(updates.back().estimate.location, first), 0.15);
-  // The same with a doubt: no hypothesis may have more than what is left.
+  // The same with a burst that may be wrong: no hypothesis may exceed the rest of the probability.
   const FilteredEstimate doubted = hear(first, 1000, {0.4});
   EXPECT_GE(doubted.location.residual_probability, 0.4);
   ASSERT_FALSE(doubted.location.hypotheses.empty());
@@ -269,7 +269,7 @@ TEST(DeviceTracker, StatesTheSpeedOfAWalk) {
   EXPECT_LT(result.updates.back().estimate.standing, 0.5);
 }
 
-// Later bursts through the same channel say nothing new.
+// Later bursts through the same channel carry no new information.
 TEST(DeviceTracker, RegionOfAStandingDeviceStaysHonest) {
   int places = 0;
   double first_accuracy = 0.0;
@@ -301,8 +301,8 @@ TEST(DeviceTracker, RegionOfAStandingDeviceStaysHonest) {
   EXPECT_LE(outside, 2);
 }
 
-// Cells are centimetres wide, and three access points know a place to millimetres: also of a device
-// that stands, whose later bursts say nothing new.
+// Cells are centimetres wide, and three access points resolve millimetres: also of a device at
+// rest, whose later bursts carry no new information.
 TEST(DeviceTracker, KnowsThePlaceWithinACell) {
   RoomModel room = room_of(3);
   for (RoomAccessPoint& ap : room.access_points) {  // as good as what is simulated of it
@@ -470,7 +470,7 @@ TEST(Field, DeviceTrackerFollowsKnownDevicesThroughAFloodOfOthers) {
     }
     tracker.hear(MacAddress{{2, 0, 0, 0, 0, 3}}, heard, updates);
     tracker.hear(known, heard, updates);
-    // Heard once it may be anybody.
+    // A single burst may come from any sender.
     EXPECT_EQ(tracker.follows(known), ms == 400);
   }
   EXPECT_EQ(tracker.size(), 2U);

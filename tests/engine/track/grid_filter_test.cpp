@@ -82,7 +82,7 @@ double variance_x(const GridFilter& filter, const RoomGrid& grid) {
   return variance;
 }
 
-// A target that walks, or stands, for good.
+// A target that walks, or is at rest, for good.
 MotionModel surely(double change_odds) {
   MotionModel motion;
   motion.outlier = 0.0;
@@ -180,7 +180,7 @@ TEST(GridFilter, WalkGoesOnWhereItWasGoing) {
 TEST(GridFilter, StandingTargetStays) {
   const auto space = empty_room();
   GridFilter filter(space, surely(1e20));
-  filter.weigh_change(0.0);  // it stands
+  filter.weigh_change(0.0);  // it is at rest
   put_at(filter, space->grid, 0.05, 0.05);
   filter.predict(std::chrono::seconds(1));
   EXPECT_GT(filter.mass()[cell_near(space->grid, 0.05, 0.05)], 1.0 - 1e-9);

@@ -45,7 +45,7 @@ class PersonTracking : public ::testing::Test {
     return kMade;
   }
 
-  // Somebody stands in the room, at this time.
+  // A person is in the room, at this time.
   static std::vector<CsiFrame> somebody(double seconds) {
     std::vector<CsiFrame> frames = standing();
     for (CsiFrame& frame : frames) {
@@ -53,7 +53,7 @@ class PersonTracking : public ::testing::Test {
     }
     return frames;
   }
-  // Sees somebody `count` times, every 0.1 s from this time on.
+  // The tracker receives `count` moments with a person, every 0.1 s from this time on.
   static void see(PersonTracker& tracker, double begin, int count, Updates& updates) {
     for (int i = 0; i < count; ++i) {
       tracker.hear(somebody(begin + 0.1 * i), updates);
@@ -91,7 +91,7 @@ TEST_F(PersonTracking, FollowsAWalkAndLosesWhoHasLeft) {
   auto tracker = PersonTracking::tracker();
   Updates updates;
 
-  // Nobody yet.
+  // No person yet.
   for (int i = 0; i < 5; ++i) {
     tracker.hear(moment(*room(), {}, 0.1 * i), updates);
   }
@@ -124,7 +124,7 @@ TEST_F(PersonTracking, FollowsAWalkAndLosesWhoHasLeft) {
     return !update.estimate.predicted;
   }));
 
-  // Who comes next is another track.
+  // The next person is another track.
   updates.clear();
   for (int i = 0; i < 5; ++i) {
     tracker.hear(moment(*room(), {{0.2, 0.2}}, 20.0 + 0.1 * i), updates);
@@ -143,8 +143,8 @@ TEST_F(PersonTracking, FollowsAWalkAndLosesWhoHasLeft) {
                 counters.unusable);
 }
 
-// The place that the whole room ranks first is among those of a tracker that looks where somebody
-// may be, and both see the same moments.
+// The place that the whole room ranks first is among those of a tracker that evaluates likely cells
+// only, and both use the same moments.
 TEST_F(PersonTracking, LooksWhereSomebodyMayBeAndSaysWhatTheWholeRoomSays) {
   constexpr double kSamePlace = 0.15;  // [m]
   auto quick = PersonTracking::tracker();
@@ -168,7 +168,7 @@ TEST_F(PersonTracking, LooksWhereSomebodyMayBeAndSaysWhatTheWholeRoomSays) {
   EXPECT_EQ(quick.counters().used, exhaustive.counters().used);
 }
 
-// However little the moments say, nobody stays for ever who was seen clearly once.
+// However little the moments indicate, a person whose evidence is not clear any more is lost.
 TEST_F(PersonTracking, DoubtsWhomItDoesNotSeeClearly) {
   PersonTrackerOptions options;
   options.lose_after = std::chrono::seconds(100);
@@ -213,7 +213,7 @@ TEST_F(PersonTracking, CoastsAtFixedTimesHoweverOftenItIsAsked) {
   }
   expect_same(once, stepwise);
 
-  // Nobody asks until somebody is seen again: the same, and a new track.
+  // Without any advance until a person is seen again: the same, and a new track.
   auto never = tracker();
   Updates silent;
   see(never, 0.0, 6, silent);
@@ -294,7 +294,7 @@ TEST_F(PersonTracking, NumbersTracksAsItIsTold) {
   EXPECT_EQ(updates.back().track, 5U);
 }
 
-// What is wrong with a body that is not round stays while one access point sees one side of it.
+// The error of a body that is not round stays while one access point sees one side of it.
 TEST_F(PersonTracking, BelievesOneSideOfABodyLess) {
   PersonReference reference = test::learn_reference(*room());
   reference.person.front_sigma = 0.03;

@@ -95,7 +95,7 @@ class Walker {
   Vec3d at_, to_;
 };
 
-// Of one of the hypotheses: near it, or within its spread.
+// True if the place is near one of the hypotheses, or within its spread.
 bool names(const LocationEstimate& estimate, const Vec3d& place) {
   return std::any_of(
       estimate.hypotheses.begin(), estimate.hypotheses.end(), [&](const Hypothesis& one) {
