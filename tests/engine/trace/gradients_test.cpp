@@ -242,7 +242,7 @@ Parameter parameter_of(const std::string& name, const Scene& scene) {
 // dP of P = sum |h|^2 and dD of D = sum |h - h_ref|^2.
 void expect_reference_gradients(const TracedLink& link, const test::Csi& reference, const json& d) {
   std::vector<Parameter> parameters;
-  for (const auto& [name, value] : d.items()) {
+  for (const auto& [name, stated] : d.items()) {
     parameters.push_back(parameter_of(name, link.scene()));
   }
   const auto dp = link.gradient(parameters, [](test::Csi h) {
@@ -259,6 +259,7 @@ void expect_reference_gradients(const TracedLink& link, const test::Csi& referen
   for (const auto& [name, value] : d.items()) {
     // A lower wall moves along the axis, against its normal.
     const double sign = name.rfind("lo.", 0) == 0 ? -1.0 : 1.0;
+    const json& value = stated;  // clang 14 captures no structured binding
     const json& spread = value.at("spread");
     const auto tolerance = [&](const char* key, std::size_t k) {
       return kTolerance * std::abs(value.at(key).get<double>()) + 10 * spread.at(k).get<double>() +

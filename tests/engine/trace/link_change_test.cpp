@@ -42,8 +42,8 @@ TEST(LinkChange, IsThatOfEveryParameter) {
     const auto h = channel(*changed, link);
     const test::Csi expected = link.changed(parameter, by).csi();
     double largest = 0.0;
-    for (std::size_t j = 0; j < h.size(); ++j) {
-      largest = std::max(largest, std::abs(h[j]));
+    for (const auto& tone : h) {
+      largest = std::max(largest, std::abs(tone));
     }
     for (std::size_t j = 0; j < h.size(); ++j) {
       EXPECT_LE(std::abs(h[j] - expected[j]), 1e-9 * largest) << link.name_of(parameter);
