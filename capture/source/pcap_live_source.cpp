@@ -223,7 +223,7 @@ const TransportScheme kLiveScheme{
     .name = "live",
     .address = "INTERFACE",
     .example = "live:eth0",
-    .summary = "what passes a network interface (libpcap, needs CAP_NET_RAW)",
+    .summary = "packets on a network interface (libpcap, needs CAP_NET_RAW)",
     .open_source =
         [](const std::string& address, const SourceOptions& options) {
           PcapLiveOptions live;

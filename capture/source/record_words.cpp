@@ -21,8 +21,8 @@ std::string unset_clock_words(const RecordTimes& times) {
   const std::chrono::year_month_day date(
       std::chrono::floor<std::chrono::days>(times.busy.front().begin));
   return "its first time stamp is of the year " + std::to_string(static_cast<int>(date.year())) +
-         ": the clock of the machine that recorded it was not set, and the times that are told are "
-         "wrong by as much";
+         ": the clock of the recording machine was not set, and the reported times have the same "
+         "error";
 }
 
 std::string damage_words(const DamagedStamps& stamps) {
@@ -67,7 +67,7 @@ std::string clock_words(const ClockJump& jump, const RecordTimes& times) {
   words += back ? "back by " : "forward by ";
   words += seconds_text(back ? -size : size);
   if (jump.was_set) {
-    words += "; all times are told by the clock as it was at the ";
+    words += "; all reported times use the setting of the clock at the ";
     words += times.streamed ? "beginning" : "end";
   }
   return words;

@@ -56,7 +56,7 @@ std::string words_between(const PlannedFile& before, const PlannedFile& next, Du
   if (second->begin < first->end) {
     return both + "they overlap by " +
            seconds_text(std::min(first->end, second->end) - second->begin) +
-           "; what both hold counts once";
+           "; frames in both count once";
   }
   if (second->begin > first->end + gap) {
     return both + "nothing was recorded for " + seconds_text(second->begin - first->end) +
@@ -101,8 +101,8 @@ Expected<RecordingPlan> plan_recording(const std::vector<std::string>& files,
     } else if (files.size() > 1 && std::filesystem::exists(path)) {
       return make_error(ErrorKind::kUsage,
                         path +
-                            ": a pipe cannot be one of several recordings of an access point, "
-                            "as it tells no times before it is read; save it to a file first");
+                            ": a pipe cannot be one of several recordings of an access point, as "
+                            "its times are unknown before it is read; save it to a file first");
     }
     plan.files.push_back(std::move(file));
   }

@@ -64,8 +64,8 @@ RejectionAdvice rejection_advice(std::string_view reason) {
   }
   if (reason == "antenna_permutation") {
     return {
-        "records do not state one antenna for each receive chain, so that their chains cannot "
-        "be told apart",
+        "records do not state one antenna for each receive chain, so that their chains cannot be "
+        "distinguished",
         "connect the antennas that the receiver is set to use and start the card anew; a "
         "converter must keep the antenna field as the card wrote it"};
   }
@@ -129,9 +129,9 @@ std::vector<std::string> rejection_words(const SourceCounters& counters, const s
   if (const auto cut = counters.rejected.find("truncated_capture");
       counters.cut_original > 0 && cut != counters.rejected.end() &&
       is_notable(cut->second, counters.received)) {
-    words.push_back(name + ": of the longest packet that was cut, " +
+    words.push_back(name + ": the longest truncated packet was captured with " +
                     std::to_string(counters.cut_captured) + " of " +
-                    std::to_string(counters.cut_original) + " bytes were captured");
+                    std::to_string(counters.cut_original) + " bytes");
   }
   for (const auto& [tunnel, count] : counters.unwrapped) {
     words.push_back(unwrapped_line(tunnel, count, name));

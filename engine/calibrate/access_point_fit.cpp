@@ -172,7 +172,7 @@ Expected<AccessPointFit> AccessPointCalibrator::start() const {
                      " are needed" +
                      (unreached > 0
                           ? "; no ray of the plan leads from it to " + std::to_string(unreached) +
-                                " more: does it stand inside of a wall or of furniture?"
+                                " more: is the access point inside a wall or furniture?"
                           : std::string()));
   }
   AccessPointFit fit;

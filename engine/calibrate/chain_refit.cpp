@@ -363,9 +363,9 @@ Expected<void> check_phases(const RoomAccessPoint& ap, const ChainRefit& refit, 
       return bad_input("access point " + ap.id + ": the phase of core " +
                        std::to_string(ap.cores[m]) + " would be known to " +
                        std::to_string(std::lround(sigma * 180.0 / std::numbers::pi)) +
-                       " degrees only: the room explains too little of what it hears; give other "
-                       "known places (--points), or record the empty room with the fixed "
-                       "transmitter before the next power cycle (rayloc reference)");
+                       " degrees only: the room explains too little of its CSI; give other known "
+                       "places (--points), or record the empty room with the fixed transmitter "
+                       "before the next power cycle (rayloc reference)");
     }
   }
   return {};
@@ -393,7 +393,7 @@ Expected<ChainRefit> refit_chains(const RoomModel& room,
   }
   if (options.usual && is_far_below(best.refit.fit, *options.usual)) {
     return bad_input("access point " + ap.id + ": new chain gains explain " +
-                     share_text(best.refit.fit) + " of what it hears (median of " +
+                     share_text(best.refit.fit) + " of its CSI (median of " +
                      std::to_string(best.refit.spots) + " known places), the calibration " +
                      share_text(options.usual->median) +
                      ": the room or the access point has changed, or a place is wrong; check the "

@@ -84,7 +84,7 @@ Expected<void> check_uses(const RoomModel& room,
     anything = anything || heard > 0;
   }
   if (!anything) {
-    return bad_input("no access point heard the device at any of the points");
+    return bad_input("no access point received the device at any of the points");
   }
   return {};
 }

@@ -12,7 +12,7 @@ namespace {
 
 // The likelihoods of METHODS B2.
 constexpr std::array<LikelihoodName, 5> kNames{{
-    {LikelihoodKind::kPartial, "partial", "of every path a part is known and a part is not"},
+    {LikelihoodKind::kPartial, "partial", "every path has a known and an unknown part"},
     {LikelihoodKind::kCoherent, "coherent", "every path is known, phase and strength"},
     {LikelihoodKind::kPathCovariance,
      "path_covariance",

@@ -426,7 +426,7 @@ void CalibrationMonitor::AccessPoint::append_warnings(std::vector<CalibrationWar
   if (told_.drifted && !explained) {
     CalibrationWarning one = warning(CalibrationProblem::kResidualDrift);
     one.text = "residual_drift: access point " + ap_.id + ": " + percent(told_.slow.value_or(0.0)) +
-               " of what it hears of known transmitters is unexplained, usually " +
+               " of the CSI it receives from known transmitters is unexplained, usually " +
                percent(1.0 - told_.usual.value_or(told_.fit)) + "; has the room changed?";
     out.push_back(std::move(one));
   }

@@ -48,7 +48,7 @@ Expected<std::vector<PaperSample>> heard(const RoomModel& room,
     }
   }
   if (samples.empty()) {
-    return bad_input("no access point heard the device on any calibration point");
+    return bad_input("no access point received the device at any calibration point");
   }
   return samples;
 }

@@ -387,9 +387,9 @@ tl::expected<FilteredEstimate, MomentRefusal> Track::hear(std::span<const CsiFra
   FilteredEstimate estimate = summarise(std::move(observation.estimate), within_);
   remember(estimate);
   if (!state_ && bursts_ < options_.confirming_bursts) {
-    enter(TrackState::kTentative, time, "heard for the first time", estimate);
+    enter(TrackState::kTentative, time, "received for the first time", estimate);
   } else if (bursts_ >= options_.confirming_bursts) {
-    enter(TrackState::kConfirmed, time, "heard often enough", estimate);
+    enter(TrackState::kConfirmed, time, "received often enough", estimate);
   } else {
     estimate.state = *state_;
   }
@@ -427,9 +427,9 @@ std::optional<FilteredEstimate> Track::coast(Timestamp now) {
   const Duration silence = now - heard_;
   const bool tentative = *state_ == TrackState::kTentative;
   if (silence >= (tentative ? options_.forget_after : options_.lose_after)) {
-    enter(TrackState::kLost, now, "not heard for too long", estimate);
+    enter(TrackState::kLost, now, "not received for too long", estimate);
   } else if (!tentative) {
-    enter(TrackState::kCoasting, now, "not heard lately", estimate);
+    enter(TrackState::kCoasting, now, "not received lately", estimate);
   }
   return estimate;
 }

@@ -17,9 +17,9 @@ constexpr std::array kInputs = std::to_array<std::string_view>({"phase", "aoa"})
 std::span<const BaselineSetting> cifi_table() {
   // Each states its unit; 16 images are the paper's, the others chosen.
   static const std::array kTable = std::to_array<BaselineSetting>({
-      {"input", "what an image shows", 0.0, 0.0, 0.0, false, kInputs},
-      {"images", "of a burst", 16.0, 1.0, 256.0, true},
-      {"epochs", "of training", 15.0, 1.0, 1000.0, true},
+      {"input", "content of an image", 0.0, 0.0, 0.0, false, kInputs},
+      {"images", "images per burst", 16.0, 1.0, 256.0, true},
+      {"epochs", "training epochs", 15.0, 1.0, 1000.0, true},
       {"answer", "the place stated", 0.0, 0.0, 0.0, false, place_answers()},
   });
   return kTable;

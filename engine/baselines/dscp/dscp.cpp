@@ -12,9 +12,9 @@ namespace {
 std::span<const BaselineSetting> dscp_table() {
   // Each states its unit; chosen.
   static const std::array kTable = std::to_array<BaselineSetting>({
-      {"cell_m", "of the areas that places are merged to [m]; 0: each is one", 0.0, 0.0, 100.0},
-      {"images", "of a burst", 16.0, 1.0, 256.0, true},
-      {"epochs", "of training", 15.0, 1.0, 1000.0, true},
+      {"cell_m", "cells that merge places [m]; 0: no merging", 0.0, 0.0, 100.0},
+      {"images", "images per burst", 16.0, 1.0, 256.0, true},
+      {"epochs", "training epochs", 15.0, 1.0, 1000.0, true},
       {"answer", "the place stated", 0.0, 0.0, 0.0, false, place_answers()},
   });
   return kTable;

@@ -90,9 +90,10 @@ Expected<void> Trainer::see() {
     merge_cells();
   }
   if (seen_.size() < kMinSurveyPlaces) {
-    return bad_input(options_.classifier.method + " needs " + std::to_string(kMinSurveyPlaces) +
-                     " places or more that an access point heard; the survey has " +
-                     std::to_string(seen_.size()));
+    return bad_input(
+        options_.classifier.method + " needs " + std::to_string(kMinSurveyPlaces) +
+        " places or more at which an access point received the transmitter; the survey has " +
+        std::to_string(seen_.size()));
   }
   if (!is_possible({options_.classifier.kind.network, shape_, seen_.size()})) {
     return make_error(ErrorKind::kConfiguration,

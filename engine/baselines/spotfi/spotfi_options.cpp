@@ -13,8 +13,8 @@ constexpr std::array kRanges = std::to_array<std::string_view>({"level", "none",
 std::span<const BaselineSetting> spotfi_table() {
   // Each states its unit; defaults are the paper's, or measured, or chosen (see the study).
   static const std::array kTable = std::to_array<BaselineSetting>({
-      {"frames", "of a burst at an access point, at most", 10.0, 1.0, 64.0, true},
-      {"clusters", "of the paths of a burst", 5.0, 1.0, 20.0, true},
+      {"frames", "most frames of a burst at an access point", 10.0, 1.0, 64.0, true},
+      {"clusters", "clusters of the paths of a burst", 5.0, 1.0, 20.0, true},
       {"sigma_psi",
        "standard deviation of a direct path's phase from antenna to antenna [rad], where none was "
        "learned",
@@ -28,11 +28,11 @@ std::span<const BaselineSetting> spotfi_table() {
        0.9},
       {"grid_m", "cells of the map [m]", 0.05, 0.01, 1.0},
       {"w_share", "weight of a cluster's share in the likelihood of being direct", 1.0, 0.0, 1e3},
-      {"w_psi", "of its deviation in phase [1/half turn]", 10.0, 0.0, 1e3},
-      {"w_tau", "of its deviation in delay [1/100 ns]", 10.0, 0.0, 1e3},
-      {"w_soon", "of its delay [1/100 ns]", 1.0, 0.0, 1e3},
+      {"w_psi", "weight of its deviation in phase [1/half turn]", 10.0, 0.0, 1e3},
+      {"w_tau", "weight of its deviation in delay [1/100 ns]", 10.0, 0.0, 1e3},
+      {"w_soon", "weight of its delay [1/100 ns]", 1.0, 0.0, 1e3},
       {"rank", "rule for the number of paths", 0.0, 0.0, 0.0, false, path_count_rule_names()},
-      {"range", "what tells the distance", 0.0, 0.0, 0.0, false, kRanges},
+      {"range", "source of the distance", 0.0, 0.0, 0.0, false, kRanges},
   });
   return kTable;
 }

@@ -83,7 +83,7 @@ Expected<std::shared_ptr<const Training>> train_spotfi(const TrainingInput& inpu
     }
   }
   if (training->access_points.empty()) {
-    return bad_input("no access point of the site heard the survey");
+    return bad_input("no access point of the site received the survey");
   }
   return training;
 }

@@ -92,7 +92,7 @@ Expected<Widar2> Widar2::create(std::shared_ptr<const RoomModel> room,
   if (made.receivers_.empty()) {
     return make_error(
         ErrorKind::kConfiguration,
-        why.empty() ? "widar2 needs an access point that hears the transmitter" : why);
+        why.empty() ? "widar2 needs an access point that receives the transmitter" : why);
   }
   return made;
 }

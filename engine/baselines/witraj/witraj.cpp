@@ -119,11 +119,10 @@ Expected<Witraj> Witraj::create(std::shared_ptr<const RoomModel> room,
     }
   }
   if (made.receivers_.size() < 2) {
-    return make_error(
-        ErrorKind::kConfiguration,
-        "witraj needs 2 access points that hear one transmitter, 3 to drop the worst; "
-        "the site has " +
-            (names.empty() ? "none" : names));
+    return make_error(ErrorKind::kConfiguration,
+                      "witraj needs 2 access points that receive one transmitter, 3 to drop the "
+                      "worst; the site has " +
+                          (names.empty() ? "none" : names));
   }
   return made;
 }

@@ -13,11 +13,11 @@ constexpr std::array kWeaker = std::to_array<std::string_view>({"access_point", 
 std::span<const BaselineSetting> witraj_table() {
   // Each states its unit; chosen, except for the windows, which are the paper's (path_rate.h).
   static const std::array kTable = std::to_array<BaselineSetting>({
-      {"v_max", "of who walks [m/s]; faster steps are cut", 1.5, 0.1, 10.0},
+      {"v_max", "greatest walking speed [m/s]; faster steps are cut", 1.5, 0.1, 10.0},
       {"sigma_v", "standard deviation of a path's rate [m/s]", 0.12, 1e-3, 10.0},
-      {"rate_memory_s", "in which its error stays the same [s]", 0.3, 1e-3, 10.0},
-      {"worst", "of three access points, which turns least evenly", 0.0, 0.0, 0.0, false, kWorst},
-      {"weaker", "antenna, over the stronger one", 0.0, 0.0, 0.0, false, kWeaker},
+      {"rate_memory_s", "time for which the error of a path's rate persists [s]", 0.3, 1e-3, 10.0},
+      {"worst", "use of the least even of three access points", 0.0, 0.0, 0.0, false, kWorst},
+      {"weaker", "data that select the weaker antenna", 0.0, 0.0, 0.0, false, kWeaker},
       {"start_sigma", "standard deviation of the start [m]", 0.1, 1e-3, 10.0},
   });
   return kTable;

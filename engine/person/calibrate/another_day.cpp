@@ -161,7 +161,7 @@ Expected<TurnedChains> compare_days(const OfdmGrid& grid,
     return bad_input(
         "the empty rooms of the two days have too little in common: " +
         std::to_string(std::lround(100.0 * std::min(chains.changed, 1.0))) +
-        " % of what is heard differs; was the transmitter moved, or is it another radio?");
+        " % of the received CSI differs; was the transmitter moved, or is it another radio?");
   }
   double level = 0.0;
   for (const Value& one : chains.turn) {

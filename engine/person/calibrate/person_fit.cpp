@@ -259,8 +259,9 @@ Expected<PersonFit> fit_body(const RoomModel& room,
     scales.push_back(fitter.best_scale(link, person));
   }
   if (fit.spots < kLeastPersonSpots) {
-    return bad_input("people were heard at " + std::to_string(fit.spots) + " places; " +
-                     std::to_string(kLeastPersonSpots) + " are needed to fit what a person does");
+    return bad_input("people were observed at " + std::to_string(fit.spots) + " places; " +
+                     std::to_string(kLeastPersonSpots) +
+                     " are needed to fit the model of a person");
   }
   person = fitter.best_errors(*links, scales, person);
   for (std::size_t l = 0; l < scales.size(); ++l) {

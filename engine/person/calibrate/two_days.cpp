@@ -110,7 +110,8 @@ Expected<TwoDays> tell_days_apart(const RoomModel& room, std::span<const HeardDa
   }
   days.changes = *std::move(changes);
   if (days.changes.empty()) {
-    return bad_input("no access point heard a fixed transmitter in the empty rooms of both days");
+    return bad_input(
+        "no access point received a fixed transmitter in the empty rooms of both days");
   }
   for (const DayChange& change : days.changes) {
     if (!change.is_turned) {

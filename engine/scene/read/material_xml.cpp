@@ -306,9 +306,8 @@ Expected<RadioMaterial> MaterialReader::material_of(const Stated& stated,
     return RadioMaterial{};
   }
   return bad_input(
-      "the <bsdf> says nothing about radio; use an id mat-itu_NAME with a name of ITU-R "
-      "P.2040-4, the type radio-material, or state relative_permittivity and conductivity of "
-      "the material '" +
+      "the <bsdf> has no radio properties; use an id mat-itu_NAME with a name of ITU-R P.2040-4, "
+      "the type radio-material, or state relative_permittivity and conductivity of the material '" +
       stated.name + "' in the site");
 }
 

@@ -100,7 +100,7 @@ class SceneReader {
         file_.complain(child,
                        "<" + std::string(tag) + "> is not supported; " +
                            (tag == "path" ? "write the folder into each filename"
-                                          : "write what it stands for into this file"));
+                                          : "write its content into this file"));
       } else if (tag == "bsdf") {
         add_bsdf(child, id);
       } else if (is_listed(visual_tags(), tag) && !id.empty()) {

@@ -70,8 +70,8 @@ class StepReader {
     if (norm(Vec3d{v[12], v[13], v[14]}) > kMatrixRounding ||
         std::abs(v[15] - 1.0) > kMatrixRounding) {
       element_.complain(
-          "the last row of a <matrix> must be 0 0 0 1; it is written row by row, and a translation "
-          "stands at the ends of the rows");
+          "the last row of a <matrix> must be 0 0 0 1; a matrix is written row by row, with the "
+          "translation at the ends of the rows");
     }
     return {{{v[0], v[1], v[2]}, {v[4], v[5], v[6]}, {v[8], v[9], v[10]}}, {v[3], v[7], v[11]}};
   }

@@ -334,7 +334,7 @@ TEST_F(TrainPlaces, MethodsOfWalkersRefuseInWords) {
   const Finished one = replay("one", "witraj", "people", {"--start", "0,0"});
   EXPECT_EQ(one.status, 78);
   EXPECT_THAT(one.err,
-              HasSubstr("witraj needs 2 access points that hear one transmitter, 3 to drop the "
+              HasSubstr("witraj needs 2 access points that receive one transmitter, 3 to drop the "
                         "worst; the site has ap1"));
   simulate("slow", walked(5000.0, 0.02, 110, 0.3), {"--transmitter", "plug", "--person"});
   const Finished slow = replay("reference", "widar2", "slow");

@@ -263,7 +263,8 @@ TEST(Cifi, RefusesInWords) {
   TrainingInput few = input_of(0.5);
   few.points.resize(9);
   EXPECT_EQ(train_cifi(few).error().message,
-            "cifi needs 10 places or more that an access point heard; the survey has 9");
+            "cifi needs 10 places or more at which an access point received the transmitter; the "
+            "survey has 9");
 }
 
 TEST(Cifi, SaysWhyThereIsNoFix) {

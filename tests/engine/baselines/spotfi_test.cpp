@@ -245,7 +245,7 @@ TEST(Spotfi, LearnsItsNumbersFromASurvey) {
   EXPECT_FALSE((*train_spotfi(input))->access_points[0].level)
       << "of a power that may change nothing is learned";
   input.points.clear();
-  EXPECT_EQ(train_spotfi(input).error().message, "no access point of the site heard the survey");
+  EXPECT_EQ(train_spotfi(input).error().message, "no access point of the site received the survey");
 }
 
 TEST(BaselineSettings, AreReadAndRefusedByName) {

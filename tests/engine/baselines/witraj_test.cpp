@@ -205,8 +205,8 @@ TEST(Witraj, RefusesInWords) {
   const auto one = Witraj::create(room(), {kPlug, kLink.position, {0}}, Vec3d{}, {});
   ASSERT_FALSE(one);
   EXPECT_EQ(one.error().message,
-            "witraj needs 2 access points that hear one transmitter, 3 to drop the worst; the site "
-            "has a");
+            "witraj needs 2 access points that receive one transmitter, 3 to drop the worst; the "
+            "site has a");
   auto slow = *Witraj::create(room(), kLink, Vec3d{}, {});
   EXPECT_TRUE(heard(slow,
                     walk(1.5,

@@ -120,7 +120,7 @@ TEST(AccessPointCalibrator, SaysThatTheAccessPointIsShutIn) {
   EXPECT_EQ(fit.error().message,
             "access point " + shut.access_points[0].id +
                 ": 0 calibration points can be used, at least 4 are needed; no ray of the plan "
-                "leads from it to 9 more: does it stand inside of a wall or of furniture?");
+                "leads from it to 9 more: is the access point inside a wall or furniture?");
 }
 
 // The gains are those behind a coupling that is known.

@@ -356,7 +356,7 @@ TEST(JointCalibration, RefusesASurveyThatNobodyHeard) {
   }
   const auto found = calibrate_jointly(room.plan, room.points, options_of(room), {});
   ASSERT_FALSE(found);
-  EXPECT_NE(found.error().message.find("no access point heard"), std::string::npos);
+  EXPECT_NE(found.error().message.find("no access point received"), std::string::npos);
 }
 
 }  // namespace

@@ -264,7 +264,7 @@ TEST(Field, MaterialOfReferencesInACircleEnds) {
     }
     all += bsdf("twosided", "b" + std::to_string(i), references);
   }
-  EXPECT_NE(error_of(parse(all + wall_of("b0"))).find("says nothing about radio"),
+  EXPECT_NE(error_of(parse(all + wall_of("b0"))).find("has no radio properties"),
             std::string::npos);
 
   std::string deep = bsdf("diffuse", "", "");

@@ -140,7 +140,7 @@ TEST(LoadScene, EachMistakeHasItsMessage) {
        "'concrete'?"},
       {scene_of("<bsdf type='diffuse' id='grey'/>",
                 "<shape type='cube'><ref id='grey' name='bsdf'/></shape>"),
-       "material 'grey': the <bsdf> says nothing about radio"},
+       "material 'grey': the <bsdf> has no radio properties"},
       {scene_of("<bsdf type='radio-material' id='m'><float name='relative_permittivity' "
                 "value='0.2'/></bsdf>",
                 "<shape type='cube'><ref id='m' name='bsdf'/></shape>"),
