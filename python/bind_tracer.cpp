@@ -59,7 +59,7 @@ TracerHandle tracer_of(const SceneHandle& scene,
 
 void check_ends(const Transmitter& transmitter, const Receiver& receiver) {
   if (transmitter.position == receiver.position) {
-    refuse("transmitter and receiver are the same point; an antenna does not hear itself");
+    refuse("transmitter and receiver are the same point; give two different points");
   }
 }
 

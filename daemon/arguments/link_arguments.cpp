@@ -80,7 +80,7 @@ void declare_scene(OptionParser& app, std::string& scene, std::optional<double>&
   app.add_option("SCENE", scene, "Mitsuba XML, or a site: a directory with site.toml")->required();
   app.add_option("--frequency",
                  frequency,
-                 "Carrier, where materials and antennas are evaluated [Hz]; default: of the site, "
+                 "Carrier at which materials and antennas are evaluated [Hz]; default: the site's, "
                  "else 5.18e9")
       ->check(positive());
 }
@@ -160,7 +160,7 @@ Expected<Link> parse_link(const LinkArguments& arguments) {
   }
   if (tx->position == rx->position) {
     return make_error(ErrorKind::kUsage,
-                      "--tx and --rx are the same point; an antenna does not hear itself");
+                      "--tx and --rx are the same point; give two different points");
   }
   return Link{Transmitter{*tx}, Receiver{*rx}};
 }

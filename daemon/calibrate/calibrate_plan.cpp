@@ -145,8 +145,8 @@ void print_worth(std::size_t points) {
     return;
   }
   std::fprintf(stderr,
-               "what to expect, of a meeting room of 3.5 x 2.9 m and a corridor of 31 x 2.7 m: %zu "
-               "points measured to 3 cm located devices to %s\n",
+               "expected accuracy, as measured in a meeting room of 3.5 x 2.9 m and a corridor of "
+               "31 x 2.7 m: %zu points surveyed to 3 cm located devices to %s\n",
                found->points,
                found->worth);
   if (const MeasuredSurvey* const more = found + 1; more != kMeasured.data() + kMeasured.size()) {
@@ -174,11 +174,11 @@ Expected<void> run_plan(const PlanArguments& arguments) {
   options.is_free = [&](const Vec3d& p) { return !solid_around(*room->scene, p); };
   const SurveyPlan plan = plan_survey(*room, options);
   if (plan.points.empty()) {
-    return bad_input(fmt::format(
-        "{}: no free place at {:g} m that an access point hears; are [bounds], the height of the "
-        "device and the access points those of the room?",
-        arguments.site,
-        room->device.height));
+    return bad_input(
+        fmt::format("{}: no access point receives a device at any free place at {:g} m; check "
+                    "[bounds], the height of the device and the access points",
+                    arguments.site,
+                    room->device.height));
   }
   const std::vector<PlannedPoint> points = named(*room, plan.points);
   if (const std::string file = picture_file(arguments); !file.empty()) {

@@ -301,8 +301,8 @@ std::string Rechain::why_not_learned(std::size_t access_point) const {
   for (const ChainState& state : states_) {
     if (state.access_point == access_point) {
       return fmt::format(
-          "what devices sent is not enough to learn its chains ({}); record a device that walks "
-          "through the room for a minute",
+          "the frames of devices are too few to learn its chains ({}); record a device that is "
+          "carried through the room for a minute",
           progress_text(state));
     }
   }

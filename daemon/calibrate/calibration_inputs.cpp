@@ -121,10 +121,9 @@ void keep_device(const std::optional<MacAddress>& device, CalibrationInputs& inp
         });
   }
   for (const MacAddress& mac : others) {
-    inputs.refused.push_back(
-        {to_string(mac),
-         "heard while the device stood on points, and not used: the survey is that of " +
-             (device ? to_string(*device) : "none")});
+    inputs.refused.push_back({to_string(mac),
+                              "received during the survey and not used: the surveyed device is " +
+                                  (device ? to_string(*device) : "none")});
   }
 }
 
@@ -172,16 +171,16 @@ Expected<void> check_times(const std::string& file, const CalibrationInputs& inp
     for (std::size_t i = 0; i < later; ++i) {
       const SurveyPoint& other = inputs.points[i].point;
       if (point.t_start + kClockSlack < other.t_end && other.t_start + kClockSlack < point.t_end) {
-        return bad_input(fmt::format(
-            "{}:{}: from {} to {} is in the time of row {} ({} to {}): the device stood at one "
-            "place at a time",
-            file,
-            point.line,
-            seconds_text(point.t_start),
-            seconds_text(point.t_end),
-            other.line,
-            seconds_text(other.t_start),
-            seconds_text(other.t_end)));
+        return bad_input(
+            fmt::format("{}:{}: from {} to {} is in the time of row {} ({} to {}): the device is "
+                        "at one point at a time",
+                        file,
+                        point.line,
+                        seconds_text(point.t_start),
+                        seconds_text(point.t_end),
+                        other.line,
+                        seconds_text(other.t_start),
+                        seconds_text(other.t_end)));
       }
     }
   }
@@ -237,24 +236,24 @@ std::string explain_silence(const Site& site,
       all_notes += "\n" + note;
     }
     return recorded.fixed_frames > 0
-               ? "heard no device, only " + std::to_string(recorded.fixed_frames) +
+               ? "received no device, only " + std::to_string(recorded.fixed_frames) +
                      " frames of fixed transmitters; give the recording in which the device was "
                      "carried from point to point"
-               : "heard no device; the recording holds no frame that can be decoded" + all_notes;
+               : "received no device; the recording holds no frame that can be decoded" + all_notes;
   }
   auto found =
       device ? heard.find(*device) : std::find_if(heard.begin(), heard.end(), [&](const auto& one) {
         return is_listed(site, one.first);
       });
   if (found == heard.end() && (device || lists_devices(site))) {
-    return "heard no frame of " +
+    return "received no frame of " +
            (device ? "the device of the survey, " + to_string(*device)
                    : std::string("a device that site.toml lists")) +
            ", only of others (" + to_string(heard.begin()->first) +
            "); the [[transmitter]] of the device that was carried states its address";
   }
   found = found == heard.end() ? heard.begin() : found;
-  return "heard the device " + to_string(found->first) + " " +
+  return "received the device " + to_string(found->first) + " " +
          explain_other_times(points_file,
                              survey_points(inputs),
                              found->second,
@@ -275,16 +274,16 @@ Expected<void> check_clock(const MacAddress& device,
   if (!found) {
     return {};
   }
-  return bad_input(fmt::format(
-      "{}: access point '{}': {} of the {} points of {} fit a device that stands, but {} fit "
-      "{}; --time-offset 0 keeps the times as they are",
-      recorded.second.files,
-      access_point,
-      found->as_stated,
-      inputs.points.size(),
-      points_file,
-      found->points,
-      describe(*found, other_recordings(recorded.first, inputs))));
+  return bad_input(
+      fmt::format("{}: access point '{}': {} of the {} points of {} fit a device at rest at the "
+                  "stated times, but {} fit {}; --time-offset 0 keeps the stated times",
+                  recorded.second.files,
+                  access_point,
+                  found->as_stated,
+                  inputs.points.size(),
+                  points_file,
+                  found->points,
+                  describe(*found, other_recordings(recorded.first, inputs))));
 }
 
 // A recording of another time is an error; single points without frames are only left out.

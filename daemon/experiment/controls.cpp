@@ -54,7 +54,7 @@ Expected<Locate> nearest(const RoomModel& room, const StudyLayout& layout) {
   }
   return [map](const StudySpot& spot, std::size_t) {
     const auto place = map->nearest(spot.frames);
-    return place ? at(*place) : nowhere("nothing was heard");
+    return place ? at(*place) : nowhere("no frame was received");
   };
 }
 
@@ -80,7 +80,7 @@ Expected<Locate> level(std::shared_ptr<const RoomModel> room,
                        bool constant_power,
                        std::uint64_t seed) {
   if (layout.transmitter) {
-    return refuse("levels alone tell nothing of people");
+    return refuse("received powers alone do not locate people");
   }
   if (layout.survey.empty()) {
     return refuse("no survey: survey_points is 0");
@@ -162,7 +162,7 @@ Expected<Locate> make_control(std::string_view name,
   }
   if (name == "start") {
     if (layout.walks.empty()) {
-      return refuse("nobody walks: motion is still");
+      return refuse("no person walks: motion is still");
     }
     return [](const StudySpot& spot, std::size_t) { return at(spot.position); };
   }

@@ -212,9 +212,9 @@ std::string experiment_csv(const std::vector<StudyResult>& results) {
 std::string experiment_html(const Experiment& experiment, const std::vector<StudyResult>& results) {
   std::string body = fmt::format(
       "<p>Simulated captures of the project's own tracer, seed {}. The model that locates made the "
-      "recordings: the figures compare methods and conditions with each other, and say nothing "
-      "about the accuracy in a real room. Brackets and bars: bootstrap intervals of 95 % over "
-      "spots. Errors are horizontal; a miss counts as infinitely far.</p>\n",
+      "recordings: the figures compare methods and conditions with each other, and do not state "
+      "the accuracy in a real room. Brackets and bars: bootstrap intervals of 95 % over spots. "
+      "Errors are horizontal; a miss counts as infinitely far.</p>\n",
       experiment.seed);
   for (const StudyResult& result : results) {
     body += study_html(result);

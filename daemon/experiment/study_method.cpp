@@ -45,7 +45,7 @@ Expected<PersonReference> refer(const RoomModel& room, const StudyLayout& layout
     }
   }
   if (empty.empty()) {
-    return bad_input("no access point hears the fixed transmitter of the empty room");
+    return bad_input("no access point receives the fixed transmitter of the empty room");
   }
   auto reference = fit_empty_room(room, *layout.transmitter, empty);
   if (!reference) {
@@ -264,8 +264,9 @@ Expected<Locate> make_locate(const Condition& condition,
   const Method& method = *find_method(condition.method);
   if (layout.transmitter) {
     if (method.needs_every_frame) {
-      return make_error(ErrorKind::kConfiguration,
-                        std::string(method.name) + " follows who walks; here people stand");
+      return make_error(
+          ErrorKind::kConfiguration,
+          std::string(method.name) + " tracks people who walk; here people are at rest");
     }
     return locate_people(condition, layout, seed);
   }

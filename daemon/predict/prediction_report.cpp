@@ -26,7 +26,7 @@ double another_place_share(const PredictedPlace& place) { return share_elsewhere
 draw::Drawing prediction_picture(const Prediction& prediction, const RoomModel& room) {
   draw::RoomMap map;
   map.scene = room.scene.get();
-  map.title = fmt::format("{}: predicted error, median {:.2f} m; {:.0f} % taken to be elsewhere",
+  map.title = fmt::format("{}: predicted error, median {:.2f} m; {:.0f} % located at another place",
                           room.name,
                           prediction.median_m,
                           100.0 * prediction.another_place);

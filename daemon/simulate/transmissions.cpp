@@ -33,7 +33,7 @@ Expected<void> check_times(std::span<const SurveyPoint> ordered,
                                           point.line,
                                           "begins before the point of line " +
                                               std::to_string(last.line) +
-                                              " ends; one device stands at one point at a time"));
+                                              " ends; one device is at one point at a time"));
     }
   }
   const auto count = static_cast<Duration::rep>(options.frames);

@@ -50,13 +50,13 @@ void judge_held_out(const CalibrationReport& report, CalibrationVerdict& verdict
   for (std::size_t ap = 0; ap < report.access_points.size(); ++ap) {
     const FitSummary fit = summarize_fit(report, calibration, ap);
     if (has_fallen(fit)) {
-      verdict.reasons.push_back(fmt::format(
-          "access point '{}': of the {} points held out the calibration explains less ({:.3f}, "
-          "median of the correlations) than the plan did ({:.3f})",
-          report.access_points[ap],
-          fit.points,
-          fit.after->median,
-          fit.before->median));
+      verdict.reasons.push_back(
+          fmt::format("access point '{}': at the {} points held out the calibration explains less "
+                      "({:.3f}, median of the correlations) than the plan did ({:.3f})",
+                      report.access_points[ap],
+                      fit.points,
+                      fit.after->median,
+                      fit.before->median));
     }
   }
   if (report.fixes.empty()) {
@@ -64,11 +64,11 @@ void judge_held_out(const CalibrationReport& report, CalibrationVerdict& verdict
   }
   const HeldOutFixes& taken = report.fixes.back();
   if (taken.points >= kLeastJudged && 2 * taken.fixes <= taken.points) {
-    verdict.reasons.push_back(fmt::format(
-        "{} of the {} points held out have no fix: diffuse scattering alone explains what was "
-        "heard there as well as the calibrated room does",
-        taken.points - taken.fixes,
-        taken.points));
+    verdict.reasons.push_back(
+        fmt::format("{} of the {} points held out have no fix: diffuse scattering alone explains "
+                    "their CSI as well as the calibrated room does",
+                    taken.points - taken.fixes,
+                    taken.points));
   }
 }
 

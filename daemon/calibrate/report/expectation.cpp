@@ -111,7 +111,7 @@ std::string expectation(const CalibrationReport& report) {
   }
   const std::vector<Explained> all = explained(report);
   if (all.empty() || report.fixes.empty() || report.fixes.back().points == 0) {
-    return "Nobody can tell how good it is: no point was held out.";
+    return "Accuracy unknown: no point was held out.";
   }
   const HeldOutFixes& taken = report.fixes.back();
   if (!taken.median_error_m) {

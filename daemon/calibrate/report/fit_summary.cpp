@@ -54,7 +54,7 @@ std::optional<CorrelationSummary> summarize_located(const CalibrationReport& rep
 
 std::string to_text(const HeldOutFixes& fixes) {
   if (fixes.points == 0) {
-    return "no point was held out: nothing tells how good the calibration is";
+    return "no point was held out: the accuracy of the calibration is unknown";
   }
   const std::string error = fixes.median_error_m
                                 ? fmt::format(

@@ -122,17 +122,16 @@ std::string mistake_table(const std::vector<TriedMistake>& mistakes) {
   }
   return to_html(table) +
          paragraph(
-             "What people get wrong, best first, tried under the floor plan with chain gains of "
-             "one "
-             "half of the points and judged by the other half. Standard errors are those of the "
-             "mean difference, point by point.");
+             "Frequent mistakes of surveys and plans, the best fit first. Each was tried on the "
+             "floor plan, with chain gains fitted to one half of the points, and judged by the "
+             "other half. Standard errors are those of the mean difference per point.");
 }
 
 std::string first_words(const CalibrationReport& report) {
   std::string html = "<p><strong>" + html_text(expectation(report)) + "</strong></p>\n";
   const std::vector<std::string> next = advice(report);
   if (!next.empty() && report.verdict.is_success()) {
-    html += paragraph("What would help most:") + "<ol>\n";
+    html += paragraph("Recommended next steps:") + "<ol>\n";
     for (const std::string& one : next) {
       html += "<li>" + html_text(one) + "</li>\n";
     }
@@ -291,7 +290,7 @@ std::string to_html(const CalibrationReport& report) {
           section("Methods", method_table(report)) +
           section("Course of the fit", progress(report)) +
           section("Fit of the points held out", fit_distributions(report)) +
-          section("What moved",
+          section("Changes to the plan",
                   figures({draw_displacements(report)}) +
                       paragraph("Floors and ceilings, poses and materials are in the table only.") +
                       moved_table(report)) +

@@ -169,8 +169,8 @@ Expected<void> run_unsurveyed(const UnsurveyedArguments& arguments) {
   }
   if (is_one_alone(arguments.captures)) {
     say(arguments,
-        "one access point alone may have learned chains that only look right: its regions are "
-        "wide, and others or a survey tell");
+        "chains that were learned with one access point alone may be wrong although they fit: its "
+        "regions are wide; verify them with more access points or a survey");
   }
   const auto places = places_in(learned, arguments.captures);
   if (!places) {
@@ -178,19 +178,20 @@ Expected<void> run_unsurveyed(const UnsurveyedArguments& arguments) {
   }
   if (places->points.size() < kFewestPoints) {
     say(arguments,
-        fmt::format("{} of {} bursts were at a sure place, of {} that walls need: they stay where "
-                    "the plan has them; record a device that walks through all of the room, heard "
-                    "by all access points",
+        fmt::format("{} of {} bursts have a certain position, and walls need {}: the walls stay as "
+                    "in the plan; record a device that is carried through the whole room while all "
+                    "access points receive it",
                     places->points.size(),
                     places->bursts,
                     kFewestPoints));
     return keep_plan(learned, arguments);
   }
   say(arguments,
-      fmt::format("{} of {} bursts were at a sure place, to {:.3f} m: the survey of the walls",
-                  places->points.size(),
-                  places->bursts,
-                  places->sigma));
+      fmt::format(
+          "{} of {} bursts have a certain position, to {:.3f} m: they are the survey of the walls",
+          places->points.size(),
+          places->bursts,
+          places->sigma));
   return fit_room(learned, work.file("places.csv"), *places, arguments);
 }
 

@@ -118,7 +118,7 @@ TEST(CalibrationReportHtml, IsWellFormedAndComplete) {
   for (const char* heading : {"Methods",
                               "Course of the fit",
                               "Fit of the points held out",
-                              "What moved",
+                              "Changes to the plan",
                               "Where the room is explained",
                               "Refused"}) {
     EXPECT_TRUE(page.says(heading)) << heading;

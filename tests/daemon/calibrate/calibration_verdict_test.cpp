@@ -121,7 +121,7 @@ TEST(Expectation, SaysHowWellASiteWillLocate) {
   report.fixes.back().median_error_m.reset();
   EXPECT_EQ(expectation(report), "Doubtful: none of the 3 points held out has a fix.");
   report.fixes.back().points = 0;
-  EXPECT_EQ(expectation(report), "Nobody can tell how good it is: no point was held out.");
+  EXPECT_EQ(expectation(report), "Accuracy unknown: no point was held out.");
   report.verdict.reasons = {"it was raining"};
   EXPECT_EQ(expectation(report), "No success: it was raining");
 }

@@ -256,8 +256,8 @@ TEST_F(RechainVerb, RefusesWhatItCannotUse) {
   Finished finished = rechain("one", {});
   EXPECT_EQ(finished.status, 65);
   EXPECT_THAT(finished.err,
-              HasSubstr("access point ap1: what devices sent is not enough to learn its chains"));
-  EXPECT_THAT(finished.err, HasSubstr("a device that walks through the room"));
+              HasSubstr("access point ap1: the frames of devices are too few to learn its chains"));
+  EXPECT_THAT(finished.err, HasSubstr("a device that is carried through the room"));
   EXPECT_FALSE(fs::exists(path("one")));
   finished = RaylocProcess({"calibrate",
                             path("site"),

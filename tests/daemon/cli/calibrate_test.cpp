@@ -251,7 +251,7 @@ TEST_F(CalibrateVerb, RefusesTheRecordingOfAnotherTime) {
                                   "--points",
                                   kSite + "/calibration.csv"});
   EXPECT_EQ(run.status, 65);
-  EXPECT_NE(run.err.find("access point 'ap1' heard the device 02:52:4c:00:00:01 from"),
+  EXPECT_NE(run.err.find("access point 'ap1' received the device 02:52:4c:00:00:01 from"),
             std::string::npos)
       << run.err;
 }
@@ -269,7 +269,7 @@ TEST_F(CalibrateVerb, SaysThatNoPointWasHeldOut) {
       calibrate({"--capture", "ap1=" + kSite + "/calibration-ap1.pcap.gz", "--points", points(4)});
   ASSERT_EQ(run.status, 0) << run.err;
   EXPECT_NE(run.err.find("ap1: 4 points, none of them held out\n"), std::string::npos) << run.err;
-  EXPECT_NE(run.err.find("nothing tells how good the calibration is"), std::string::npos)
+  EXPECT_NE(run.err.find("the accuracy of the calibration is unknown"), std::string::npos)
       << run.err;
   EXPECT_EQ(run.err.find("median error"), std::string::npos) << run.err;
 }

@@ -112,14 +112,15 @@ TEST_F(CalibrationInputsTest, RefusesARecordingThatHeardOnlyFixedTransmitters) {
     transmitter.role = TransmitterRole::kFixed;
   }
   const auto message = error_with(std::string("t_start,t_end,x,y,z\n") + kRightRow, site);
-  EXPECT_TRUE(says(message, "access point 'ap1' heard no device, only "));
+  EXPECT_TRUE(says(message, "access point 'ap1' received no device, only "));
   EXPECT_TRUE(says(message, "frames of fixed transmitters"));
 }
 
 TEST_F(CalibrationInputsTest, NamesTheAccessPointThatHeardNothingAtThatTime) {
   const auto message =
       error_with("t_start,t_end,x,y,z\n1600000000.0,1600000000.5,-1.54,-1.1,1.2\n");
-  EXPECT_TRUE(says(message, "access point 'ap1' heard the device 02:52:4c:00:00:01 from 1718000"));
+  EXPECT_TRUE(
+      says(message, "access point 'ap1' received the device 02:52:4c:00:00:01 from 1718000"));
   EXPECT_TRUE(says(message, "from 1600000000.000 to 1600000000.500"));
 }
 
@@ -140,7 +141,8 @@ TEST_F(CalibrationInputsTest, NamesTheAccessPointThatHeardOnlyStrangers) {
     transmitter.mac.octets[5] += 0x40;
   }
   const auto message = error_with(std::string("t_start,t_end,x,y,z\n") + kRightRow, site);
-  EXPECT_TRUE(says(message, "access point 'ap1' heard no frame of a device that site.toml lists"));
+  EXPECT_TRUE(
+      says(message, "access point 'ap1' received no frame of a device that site.toml lists"));
   EXPECT_TRUE(says(message, "only of others (02:52:4c:00:00:01)"));
 }
 

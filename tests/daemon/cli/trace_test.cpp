@@ -285,8 +285,7 @@ TEST(TraceVerb, WrongCallsExitWith64) {
   EXPECT_EQ(trace({kSite, "--tx", "0,0,1"}).status, 64);
   const Finished same = trace({kSite, "--tx", "0,0,1", "--rx", "0,0,1"});
   EXPECT_EQ(same.status, 64);
-  EXPECT_EQ(same.err,
-            "rayloc: --tx and --rx are the same point; an antenna does not hear itself\n");
+  EXPECT_EQ(same.err, "rayloc: --tx and --rx are the same point; give two different points\n");
 }
 
 TEST(TraceVerb, UnusableScenesAreRefusedWithTheirPlace) {

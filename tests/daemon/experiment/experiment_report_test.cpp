@@ -85,7 +85,7 @@ TEST_F(ExperimentReport, ThePageIsWellFormedAndShowsTheClaim) {
   pugi::xml_document page;
   EXPECT_TRUE(page.load_string(html.c_str()));
   EXPECT_THAT(html, HasSubstr("x &amp; y"));
-  EXPECT_THAT(html, HasSubstr("say nothing about the accuracy in a real room"));
+  EXPECT_THAT(html, HasSubstr("do not state the accuracy in a real room"));
   EXPECT_THAT(html, HasSubstr("<svg"));
 }
 

@@ -93,8 +93,8 @@ TEST(PaperFigures, HaveARowOfEverySystem) {
                                    "witraj"}));
   EXPECT_EQ(hops, (std::set<std::string>{"36", "36-48", "36-64", "36-64,100-144", "plan"}));
   EXPECT_EQ(refused.count("m3"), 0U);
-  EXPECT_EQ(refused["widar2"], "widar2 follows who walks; here people stand");
-  EXPECT_EQ(refused["witraj"], "witraj follows who walks; here people stand");
+  EXPECT_EQ(refused["widar2"], "widar2 tracks people who walk; here people are at rest");
+  EXPECT_EQ(refused["witraj"], "witraj tracks people who walk; here people are at rest");
   EXPECT_NE(
       refused["spotfi"].find("one access point and no learned level: spotfi has a bearing and "
                              "no range"),
