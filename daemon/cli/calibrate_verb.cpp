@@ -93,8 +93,9 @@ RunVerb declare_calibrate(OptionParser& app) {
   const auto options = std::make_shared<CalibrateOptions>();
   app.add_option("site", options->calibrate.site, "directory with site.toml")->required();
   app.add_option("--capture", options->calibrate.captures, "recordings of the survey: [AP=]FILE");
-  app.add_option(
-      "--points", options->calibrate.points, "where the device stood: t_start,t_end,x,y,z");
+  app.add_option("--points",
+                 options->calibrate.points,
+                 "surveyed positions of the device: t_start,t_end,x,y,z");
   app.add_option("--time-offset", options->time_offset, kTimeOffsetHelp);
   app.add_option("--out",
                  options->calibrate.out,
@@ -105,12 +106,12 @@ RunVerb declare_calibrate(OptionParser& app) {
       ->check(one_of({"joint", "paper"}))
       ->capture_default_str();
   app.add_flag(
-      "--plan", options->make_plan, "says where to stand in a survey, before there is one");
+      "--plan", options->make_plan, "proposes the points of a survey, before there is one");
   app.add_option("--plan-points",
                  options->plan.points,
                  "how many points to plan: 12 for a first day, 36 and 143 for more")
       ->capture_default_str();
-  app.add_option("--picture", options->plan.picture, "of the plan: .svg or .png");
+  app.add_option("--picture", options->plan.picture, "picture of the plan: .svg or .png");
   app.add_flag("--rechain",
                options->rechain,
                "only new chain gains, after a power cycle: from 1 to 3 --points, or without them "
@@ -128,11 +129,13 @@ RunVerb declare_calibrate(OptionParser& app) {
       ->capture_default_str();
   app.add_option("--survey-error",
                  options->calibrate.survey_error,
-                 "standard deviation of the points from where they are said to be, along each axis "
-                 "[m]: 0.005 is careful work with a tape; without it the joint method finds it");
-  app.add_option("--seed", options->calibrate.seed, "of the draw of those points")
+                 "standard deviation of the surveyed points along each axis [m]: 0.005 is careful "
+                 "work with a tape; the joint method estimates it when left out");
+  app.add_option("--seed", options->calibrate.seed, "seed of the draw of those points")
       ->capture_default_str();
-  app.add_flag("--resume", options->calibrate.resume, "goes on with what was interrupted in --out");
+  app.add_flag("--resume",
+               options->calibrate.resume,
+               "continues the calibration that was interrupted in --out");
   app.add_flag(
       "--force",
       options->calibrate.force,
@@ -159,7 +162,7 @@ const Verb kCalibrate = {"calibrate",
                          "ap2=walk2.pcap --out office-calibrated\n"
                          "Exit status 79: the calibration explains the survey no better than the "
                          "plan does, or the site contradicts it; standard error and report.json "
-                         "say why, and without --force no site is written",
+                         "state the reason, and without --force no site is written",
                          declare_calibrate};
 
 }  // namespace rayloc::cli

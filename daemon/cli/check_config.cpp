@@ -125,7 +125,7 @@ RunVerb declare_check_config(OptionParser& app) {
   const auto arguments = std::make_shared<CheckConfigArguments>();
   app.add_option("FILE", arguments->path, "raylocd.toml, or a site: a directory with site.toml")
       ->required();
-  app.add_flag("--quiet", arguments->quiet, "Say nothing when all is well");
+  app.add_flag("--quiet", arguments->quiet, "Print nothing when all is well");
   return [arguments] { return run_check_config(*arguments); };
 }
 

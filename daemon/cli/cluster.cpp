@@ -71,8 +71,8 @@ Expected<int> run_status(const BrokerOptions& server) {
 std::string lag_of(const v1::OutputRecord& last) {
   const std::int64_t done = last.has_output() ? last.output().done_us() : last.begin().done_us();
   return done == 0
-             ? "nothing said yet"
-             : fmt::format("said all up to {:.1f} s ago",
+             ? "no results yet"
+             : fmt::format("results complete up to {:.1f} s ago",
                            to_seconds(system_now() - Timestamp(std::chrono::microseconds(done))));
 }
 
@@ -87,7 +87,7 @@ Expected<int> run_sites(const BrokerOptions& server) {
                printable(name),
                worker.empty()                ? "no worker has it"
                : view->has_owner(site.claim) ? "worker " + printable(worker)
-                                             : "worker " + printable(worker) + " is not heard",
+                                             : "worker " + printable(worker) + " is silent",
                site.claim.generation(),
                lag_of(site.last));
   }
@@ -131,8 +131,9 @@ Expected<int> run_drain(const BrokerOptions& server, const std::string& worker) 
     return tl::make_unexpected(view.error());
   }
   if (view->workers.count(worker) == 0) {
-    return make_error(ErrorKind::kUnavailable,
-                      "no worker '" + worker + "' is heard; `rayloc cluster status` lists them");
+    return make_error(
+        ErrorKind::kUnavailable,
+        "worker '" + worker + "' does not report; `rayloc cluster status` lists the workers");
   }
   if (const Expected<void> left = ask_to_leave(**broker, worker); !left) {
     return tl::make_unexpected(left.error());
@@ -152,17 +153,17 @@ RunVerb declare_cluster(OptionParser& app) {
     OptionParser* const sub = app.add_subcommand(name, summary);
     return Part{sub, add_broker_options(*sub)};
   };
-  const Part status = add("status", "The workers that live; status 1 where a site has none");
-  const Part sites = add("sites", "Who owns each site, and how far it is");
-  const Part doctor = add("doctor", "What stands in the way of the cluster, and what to do");
+  const Part status = add("status", "The running workers; status 1 where a site has none");
+  const Part sites = add("sites", "The owner of each site, and its progress");
+  const Part doctor = add("doctor", "Problems of the cluster, and their remedies");
   const Part drain = add("drain", "Have a worker give back its sites before it is stopped");
   drain.parser->add_option("worker", *worker, "its [cluster] name")->required();
   const Part applies = add("apply", "Give a site to all workers, in the place of what they have");
   const auto apply = std::make_shared<ApplyArguments>();
   applies.parser->add_option("SITE", apply->folder, "A directory with site.toml")->required();
   applies.parser->add_option(
-      "--name", apply->name, "What it is called; unless told, as in site.toml");
-  applies.parser->add_option("--replicas", apply->replicas, "On how many servers it is kept")
+      "--name", apply->name, "Name of the site; default: the name in site.toml");
+  applies.parser->add_option("--replicas", apply->replicas, "Number of servers that keep it")
       ->check(in_range(1, 5))
       ->capture_default_str();
   const Part removes = add("remove", "Take a site out, with its stream");
@@ -172,10 +173,13 @@ RunVerb declare_cluster(OptionParser& app) {
   const Part fetches = add("fetch", "The sites that were applied, as folders for raylocd");
   const auto fetch = std::make_shared<FetchArguments>();
   fetches.parser
-      ->add_option("FOLDER", fetch->folder, "Where they go; raylocd.toml includes FOLDER/*.toml")
+      ->add_option(
+          "FOLDER", fetch->folder, "Folder of the sites; raylocd.toml includes FOLDER/*.toml")
       ->required();
-  fetches.parser->add_option("--command", fetch->command, "What is run when sites have changed");
-  fetches.parser->add_flag("--follow", fetch->keep_on, "Go on, and fetch what is applied later");
+  fetches.parser->add_option(
+      "--command", fetch->command, "Command that is run when sites have changed");
+  fetches.parser->add_flag(
+      "--follow", fetch->keep_on, "Continue, and fetch sites that are applied later");
   return [=]() -> Expected<int> {
     const auto end = [](const Expected<void>& done) {
       return done ? Expected<int>(0) : tl::make_unexpected(done.error());
@@ -204,11 +208,16 @@ std::shared_ptr<BrokerOptions> add_broker_options(OptionParser& sub) {
 }
 
 void add_identity_options(OptionParser& sub, BrokerOptions& options) {
-  sub.add_option("--tls-ca", options.ca_file, "Who signed their certificates");
-  sub.add_option("--tls-cert", options.certificate_file, "Our own, where they ask for one");
-  sub.add_option("--tls-key", options.key_file, "Its key");
-  sub.add_option("--nkey", options.nkey_seed_file, "Who we are, by `rayloc keygen --nkey`");
-  sub.add_option("--inbox", options.inbox, "Where answers to us may come, if the servers say so");
+  sub.add_option(
+      "--tls-ca", options.ca_file, "Authority that signed the certificates of the servers");
+  sub.add_option("--tls-cert",
+                 options.certificate_file,
+                 "Certificate of this client, where the servers request one");
+  sub.add_option("--tls-key", options.key_file, "Key of that certificate");
+  sub.add_option(
+      "--nkey", options.nkey_seed_file, "Identity of this client, made by `rayloc keygen --nkey`");
+  sub.add_option(
+      "--inbox", options.inbox, "Prefix of the subjects of replies, where the servers restrict it");
 }
 
 Expected<std::shared_ptr<Broker>> connect(const BrokerOptions& options) {

@@ -97,10 +97,10 @@ void check_stream(const Wanted& wanted,
     }
     if (!stream.answers_directly || stream.options.republish_to != wanted.republish_to ||
         stream.options.max_messages_per_subject != wanted.messages_per_subject) {
-      findings.push_back(
-          {Kind::kProblem,
-           what + " was not made by raylocd: workers cannot read it",
-           "delete it (nats stream rm " + wanted.name + "); who needs it makes it again"});
+      findings.push_back({Kind::kProblem,
+                          what + " was not made by raylocd: workers cannot read it",
+                          "delete it (nats stream rm " + wanted.name +
+                              "); raylocd makes it again when it needs it"});
     } else if (servers_are_several && stream.options.replicas == 1) {
       findings.push_back({Kind::kWarning,
                           what + " is on one server alone",
@@ -158,10 +158,10 @@ void check_node(Broker& broker,
                         "see whether raylocd runs there and reaches the servers"});
   } else if (!batch.clock_synchronised()) {
     findings.push_back({Kind::kWarning,
-                        what + ": nobody keeps its clock right",
+                        what + ": its clock is not synchronised",
                         "run chrony or systemd-timesyncd there"});
   } else {
-    findings.push_back({Kind::kOk, what + " is heard", ""});
+    findings.push_back({Kind::kOk, what + " sends", ""});
   }
   for (const v1::ApPart& part : batch.parts()) {
     const Timestamp told{std::chrono::microseconds(part.watermark_us())};
@@ -186,7 +186,7 @@ void check_nodes(Broker& broker, const std::string& site, Findings& findings) {
   }
   if (!is_heard) {
     findings.push_back({Kind::kProblem,
-                        "site " + printable(site) + ": no capture node is heard",
+                        "site " + printable(site) + ": no capture node sends",
                         "start one with [[source]] site = \"" + printable(site) + "\""});
   }
 }
@@ -229,7 +229,7 @@ void check_workers(const ClusterView& view, Findings& findings) {
     leases.insert(worker.state.lease_ms());
   }
   if (view.workers.empty()) {
-    findings.push_back({Kind::kProblem, "no worker is heard", "start a raylocd with role worker"});
+    findings.push_back({Kind::kProblem, "no worker reports", "start a raylocd with role worker"});
   }
   if (arithmetic.size() > 1) {
     findings.push_back({Kind::kWarning,

@@ -33,7 +33,7 @@ bool ask_for_sources(const HttpQuery& query, const Site& site, std::vector<Findi
   const Expected<JsonResult> sources = get_json(query, "/api/v1/sources");
   if (!sources) {
     findings.push_back({Finding::Kind::kWarning,
-                        "raylocd does not tell about its sources: " + sources.error().message,
+                        "raylocd does not report its sources: " + sources.error().message,
                         "pass its token: --token-file"});
     return false;
   }
@@ -107,9 +107,9 @@ Finding silent_daemon(pid_t process, bool has_http) {
   const std::string what = "raylocd runs with this file as process " + std::to_string(process);
   return has_http ? Finding{Finding::Kind::kWarning,
                             what + " and does not answer yet: it is starting, or stopping",
-                            "ask again when its log says that it is running"}
+                            "try again when its log reports that it is running"}
                   : Finding{Finding::Kind::kOk,
-                            what + ", and says nothing of its sources: [http] is not enabled",
+                            what + ", and does not report its sources: [http] is not enabled",
                             ""};
 }
 
@@ -156,13 +156,9 @@ RunVerb declare_doctor(OptionParser& app) {
   const auto file = std::make_shared<std::string>("/etc/raylocd/raylocd.toml");
   app.add_option("FILE", *file, "raylocd.toml")->capture_default_str();
   const auto options = add_http_options(app, "");
-  app.get_option("--http")->description(
-      "HOST:PORT of raylocd's HTTP, where it is not what [http] of "
-      "FILE says");
+  app.get_option("--http")->description("HOST:PORT of raylocd's HTTP; default: [http] of FILE");
   app.get_option("--token-file")
-      ->description(
-          "File with the token, where it is not [http] token_file "
-          "of FILE");
+      ->description("File with the token; default: [http] token_file of FILE");
   return [file, options] { return run_doctor(*file, *options); };
 }
 
@@ -170,7 +166,7 @@ RunVerb declare_doctor(OptionParser& app) {
 
 extern const Verb kDoctor;
 const Verb kDoctor = {"doctor",
-                      "Look for what on this machine stands in raylocd's way",
+                      "Find problems of this machine that disturb raylocd",
                       "rayloc doctor /etc/raylocd/raylocd.toml",
                       declare_doctor};
 

@@ -102,10 +102,10 @@ RunVerb declare_evaluate(OptionParser& app) {
   app.add_option(
          "--truth", arguments->truth, "csv: t_start,t_end,x,y,z per spot or t,x,y,z per instant")
       ->required();
-  app.add_option("--kind", arguments->kind, "What is located")
+  app.add_option("--kind", arguments->kind, "Kind of target")
       ->check(one_of({"device", "person"}))
       ->capture_default_str();
-  app.add_option("--estimate", arguments->estimate, "Which estimates of it")
+  app.add_option("--estimate", arguments->estimate, "Kind of its estimates")
       ->check(one_of({"snapshot", "filtered"}))
       ->capture_default_str();
   app.add_option("--target", arguments->target, "Only this target: its address, or person-N");

@@ -82,19 +82,19 @@ RunVerb declare_experiment(OptionParser& app) {
   app.add_flag(
       "--resume",
       arguments->resume,
-      "Go on with what was interrupted in --out: a condition that is done is not run again");
+      "Continue the run that was interrupted in --out: a condition that is done is not run again");
   app.add_flag("--force", arguments->force, "Write into a directory that is not empty");
   app.add_flag("--quiet", arguments->quiet, "No words on standard error");
   app.footer(app.get_footer() + R"(
 
 A file (the paper's studies are in deploy/experiments):
   name = "Clutter"
-  seed = 1                        # of everything that is drawn
-  [defaults]                      # what all studies hold, one value each
+  seed = 1                        # seed of all random draws
+  [defaults]                      # keys of all studies, one value each
   room = "rooms/office.toml"      # relative to this file
   [[study]]
   name = "boxes"
-  claim = "what is to be seen"    # printed beside the figures
+  claim = "expected result"       # printed beside the figures
   method = ["rayloc", "paper"]    # a list is an axis; all combinations are run
   boxes = [2, 4, 6, 8, 10]
   over = "boxes"                  # the axis that charts run over; else the first of numbers
@@ -107,12 +107,11 @@ Keys and their defaults:
 }  // namespace
 
 extern const Verb kExperiment;
-const Verb kExperiment = {
-    "experiment",
-    "Run studies on simulated captures and report them",
-    "rayloc experiment deploy/experiments/ablation.toml --out ablation\n\n"
-    "The captures are made with the model that locates: they compare methods and conditions, and "
-    "say nothing about accuracy.",
-    declare_experiment};
+const Verb kExperiment = {"experiment",
+                          "Run studies on simulated captures and report them",
+                          "rayloc experiment deploy/experiments/ablation.toml --out ablation\n\n"
+                          "The captures are made with the model that locates: they compare methods "
+                          "and conditions, and do not state the accuracy in a real room.",
+                          declare_experiment};
 
 }  // namespace rayloc::cli

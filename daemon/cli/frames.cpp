@@ -152,7 +152,7 @@ std::string summary_line(const Summary& summary, bool json) {
     line += ", " + std::to_string(count) + " rejected: " + reason;
   }
   if (summary.unrecorded > 0) {
-    line += "; not recorded, as the recording says: " + std::to_string(summary.unrecorded);
+    line += "; marked in the recording as not recorded: " + std::to_string(summary.unrecorded);
   }
   return line;
 }
@@ -298,7 +298,7 @@ Expected<void> run_frames(const FramesOptions& options) {
   }
   if (result && summary.datagrams > 0 && summary.decoded == 0) {
     return bad_input("no CSI in " + std::to_string(summary.datagrams) +
-                     " packets; the summary says why each was rejected");
+                     " packets; the summary states why each was rejected");
   }
   return result;
 }

@@ -46,13 +46,14 @@ Expected<void> run_keygen(const KeygenArguments& arguments) {
 RunVerb declare_keygen(OptionParser& app) {
   const auto arguments = std::make_shared<KeygenArguments>();
   app.add_option(
-         "FILE", arguments->file, "Where the secret key goes; a file that exists is never changed")
+         "FILE", arguments->file, "File for the secret key; a file that exists is never changed")
       ->required();
   app.add_flag(
       "--public", arguments->of_existing, "Make nothing: print the public key of the one in FILE");
-  app.add_flag("--nkey",
-               arguments->of_nats,
-               "Who a machine of a cluster is to its NATS servers ([cluster] nkey_seed_file)");
+  app.add_flag(
+      "--nkey",
+      arguments->of_nats,
+      "Make the identity of a machine of a cluster at its NATS servers ([cluster] nkey_seed_file)");
   return [arguments] { return run_keygen(*arguments); };
 }
 

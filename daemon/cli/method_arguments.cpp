@@ -36,7 +36,7 @@ std::vector<std::string> names_of_methods() {
 }
 
 std::string help_of_likelihoods() {
-  std::string help = "what method rayloc compares:";
+  std::string help = "quantity that method rayloc compares:";
   for (const LikelihoodName& one : likelihood_names()) {
     help += "\n" + std::string(one.name) + ": " + std::string(one.description);
   }
@@ -47,7 +47,7 @@ std::string help_of_likelihoods() {
 Expected<Vec3d> read_start(const std::string& text, const Method& method) {
   if (!method.takes_start) {
     return make_error(ErrorKind::kUsage,
-                      "--start: method " + std::string(method.name) + " begins nowhere");
+                      "--start: method " + std::string(method.name) + " takes no start");
   }
   Vec3d start;
   const char* const end = text.data() + text.size();
@@ -120,7 +120,7 @@ void add_method_options(OptionParser& app, MethodArguments& options) {
   app.add_option("--likelihood", options.likelihood, help_of_likelihoods())
       ->check(one_of(names_of_likelihoods()))
       ->capture_default_str();
-  app.add_option("--seed", options.seed, "of random numbers; rayloc draws none")
+  app.add_option("--seed", options.seed, "seed of random numbers; rayloc draws none")
       ->capture_default_str();
   app.add_option("--multi-start", options.starts, "random starts of paper; the least loss wins")
       ->check(in_range(1, 10'000))

@@ -102,10 +102,11 @@ void print_prediction(const Prediction& prediction, const PredictArguments& argu
              arguments.options.frames);
   fmt::print(
       "error: median {:.3f} m, 90 % below {:.3f} m\n", prediction.median_m, prediction.p90_m);
-  fmt::print("taken to be elsewhere (more than {:.1f} m off): {:.1f} % of bursts\n",
+  fmt::print("located at another place (more than {:.1f} m off): {:.1f} % of bursts\n",
              kAnotherPlace,
              100.0 * prediction.another_place);
-  fmt::print("a device of {} is heard in {:.0f} % of bursts\n", arguments.devices, 100.0 * heard);
+  fmt::print(
+      "a device of {} is received in {:.0f} % of bursts\n", arguments.devices, 100.0 * heard);
   for (const LookAlike& one : look_alikes(prediction, kMostLookAlikes)) {
     fmt::print("looks alike: {} is taken for {} in {} of {} bursts\n",
                place_text(one.place),
@@ -194,10 +195,11 @@ void declare_plan(OptionParser& app, PredictArguments& arguments) {
                  arguments.spacing_cm,
                  "distance of neighbouring antennas of every row [cm]; default: as stated")
       ->check(in_range(0.5, 100.0));
-  app.add_option("--devices", arguments.devices, "that share the air of one channel")
+  app.add_option("--devices", arguments.devices, "devices that share one channel")
       ->check(in_range(1, 10'000))
       ->capture_default_str();
-  app.add_option("--rate", arguments.rate, "frames that an access point hears [1/s], of all")
+  app.add_option(
+         "--rate", arguments.rate, "frames that an access point receives from all devices [1/s]")
       ->check(in_range(0.1, 10'000.0))
       ->capture_default_str();
 }
@@ -210,7 +212,7 @@ RunVerb declare_predict(OptionParser& app) {
   app.add_option("--draws", arguments->options.draws, "bursts at each place")
       ->check(in_range(1, 1000))
       ->capture_default_str();
-  app.add_option("--seed", arguments->options.seed, "of everything that is drawn")
+  app.add_option("--seed", arguments->options.seed, "seed of all random draws")
       ->capture_default_str();
   app.add_flag(
       "--propose", arguments->propose, "also compare other distances of antennas, the best first");
@@ -225,13 +227,12 @@ RunVerb declare_predict(OptionParser& app) {
 }  // namespace
 
 extern const Verb kPredict;
-const Verb kPredict = {
-    "predict",
-    "Say how well devices would be found in a room, before buying",
-    "rayloc predict office --propose --out office.png office.csv office.npz\n"
-    "  rayloc predict office --access-points ap1 --bandwidth 80 --spacing 2.9\n"
-    "Channels are drawn from the distribution that the likelihood takes them to have after a usual "
-    "calibration; what no plan has makes errors larger",
-    declare_predict};
+const Verb kPredict = {"predict",
+                       "Predict the accuracy in a room, before buying",
+                       "rayloc predict office --propose --out office.png office.csv office.npz\n"
+                       "  rayloc predict office --access-points ap1 --bandwidth 80 --spacing 2.9\n"
+                       "Channels are drawn from the distribution that the likelihood assumes after "
+                       "a usual calibration; objects that the plan lacks make errors larger",
+                       declare_predict};
 
 }  // namespace rayloc::cli

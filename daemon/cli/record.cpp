@@ -37,8 +37,7 @@ Expected<std::unique_ptr<DatagramSource>> open_source(const RecordArguments& arg
                      int{!arguments.from.empty()};
   if (stated != 1) {
     return make_error(ErrorKind::kUsage,
-                      "say where from: --udp HOST:PORT, or --interface IF, or --from URL (one of "
-                      "them)");
+                      "state one source: --udp HOST:PORT, --interface IF or --from URL");
   }
   const std::string url = !arguments.udp.empty()         ? "udp:" + arguments.udp
                           : !arguments.interface.empty() ? "live:" + arguments.interface

@@ -114,8 +114,8 @@ Expected<Reference::Frames> Reference::read_captures(const std::vector<std::stri
     });
     if (!heard) {
       std::string message = files_text(recording) + ": access point '" + recording.access_point +
-                            "' heard no fixed transmitter of the site; give a recording of one of "
-                            "the [[transmitter]] with role = \"fixed\"";
+                            "' received no fixed transmitter of the site; give a recording of one "
+                            "of the [[transmitter]] with role = \"fixed\"";
       for (const std::string& note : notes_) {
         message += "\n" + note;
       }
@@ -209,8 +209,8 @@ Expected<std::vector<EmptyRoom>> Reference::hear_empty(const std::vector<CsiFram
     if (!occupied && burst->motion_residual > kMostChange) {
       return bad_input("access point " + ap.id + ": the channel of " +
                        to_string(frames.front().transmitter) +
-                       " changes during the recording of the empty room; record it again with "
-                       "nobody inside and nothing moving, or give --occupied");
+                       " changes during the recording of the empty room; record it again with no "
+                       "person inside and nothing moving, or give --occupied");
     }
     for (const auto& value : burst->h) {
       content_.add(value.real());
@@ -286,7 +286,7 @@ Expected<void> Reference::learn_two_days() {
   for (std::size_t i = 0; i < macs.size(); ++i) {
     HeardDays& heard = days->heard[i];
     if (heard.today.empty()) {
-      refused_.push_back({to_string(macs[i]), "no access point heard it on both days"});
+      refused_.push_back({to_string(macs[i]), "no access point received it on both days"});
       continue;
     }
     if (auto added = add_reference(macs[i], heard.surveyed, heard.people); !added) {
@@ -344,7 +344,7 @@ Expected<void> Reference::learn_person() {
     std::vector<std::vector<CsiFrame>> frames_of_spot;
     const auto spots = spots_of(reference, frames->second, frames_of_spot);
     if (const auto trace = DeviceTrace::of(frames->second); spots.empty()) {
-      return bad_input("--people: heard " + to_string(reference.mac) + " " +
+      return bad_input("--people: received " + to_string(reference.mac) + " " +
                        explain_other_times(options_.points, points_, trace));
     }
     auto fit = fit_person(people_room_, reference, spots);
@@ -462,8 +462,7 @@ RunVerb declare_reference(OptionParser& app) {
                  options->captures,
                  "recordings of the empty room: [AP=]FILE, with a fixed transmitter")
       ->required();
-  app.add_option(
-      "--people", options->people, "recordings of a person who stood at known places: [AP=]FILE");
+  app.add_option("--people", options->people, "recordings of a person at known places: [AP=]FILE");
   app.add_option("--people-empty",
                  options->people_empty,
                  "recordings of the empty room of the day of --people, where that is another day: "
@@ -474,8 +473,8 @@ RunVerb declare_reference(OptionParser& app) {
       ->required();
   app.add_flag("--occupied",
                options->occupied,
-               "somebody walks about in the recordings of the empty room: what half of the frames "
-               "have in common is the room");
+               "a person walks about in the recordings of the empty room: the channel common to "
+               "half of the frames is that of the room");
   app.add_flag("--force", options->force, "write into a folder that is not empty");
   app.add_flag("--quiet", options->quiet, "no words on stderr");
   return [options] { return Reference(*options).run(); };
@@ -490,9 +489,9 @@ const Verb kReference = {
     "rayloc reference office-calibrated --capture ap1=empty.pcap --out office-people\n"
     "  rayloc reference office-calibrated --capture ap1=empty.pcap0 ap1=empty.pcap1 --out "
     "office-people\n"
-    "  rayloc reference office-calibrated --capture ap1=empty.pcap --people ap1=somebody.pcap "
+    "  rayloc reference office-calibrated --capture ap1=empty.pcap --people ap1=person.pcap "
     "--points places.csv --out office-people\n"
-    "  rayloc reference office-calibrated --capture ap1=today.pcap --people ap1=somebody.pcap "
+    "  rayloc reference office-calibrated --capture ap1=today.pcap --people ap1=person.pcap "
     "--people-empty ap1=empty.pcap --points places.csv --out office-today\n"
     "  rayloc reference office-calibrated --capture ap1=monday.pcap --occupied --out office-people",
     declare_reference};

@@ -72,7 +72,7 @@ void print_reference(const ReferenceReport& report) {
       person.likelihood_exponent);
   if (person.second_person) {
     std::fprintf(stderr,
-                 "  a second person is believed from a log-likelihood of %.1f on, and with two "
+                 "  a second person is accepted from a log-likelihood of %.1f on, and with two "
                  "access points\n",
                  *person.second_person);
   }

@@ -392,18 +392,18 @@ Expected<void> run_replay(const Options& options) {
 void add_stream_options(OptionParser& app, Options& options) {
   app.add_option("--stream",
                  options.stream,
-                 "instead of recordings the streams of a cluster's broker, \"nats://HOST:4222\": "
-                 "what its workers published of the site, again");
+                 "reads the streams of a cluster's broker, \"nats://HOST:4222\", instead of "
+                 "recordings, and repeats the results that its workers published for the site");
   app.add_option("--stream-site",
                  options.stream_site,
-                 "what the cluster calls the site, where that is not the name in site.toml");
+                 "name of the site in the cluster; default: the name in site.toml");
+  app.add_flag("--uninterrupted",
+               options.uninterrupted,
+               "with --stream: the results of one worker for all of it, at the same instants");
   app.add_flag(
-      "--uninterrupted",
-      options.uninterrupted,
-      "of a --stream: as if one worker had located all of it, which tells the same instants");
-  app.add_flag("--fill",
-               options.fill,
-               "of a --stream: what an absent broker kept from the workers and came later");
+      "--fill",
+      options.fill,
+      "with --stream: only frames that reached the workers too late because the broker was absent");
   add_identity_options(app, options.broker);
 }
 
@@ -414,12 +414,13 @@ void add_output_options(OptionParser& app, Options& options) {
   app.add_option("--target-rotate-h", options.target_rotate_h, "its rotate_h")
       ->check(in_range(0.01, 8760.0))
       ->capture_default_str();
-  app.add_option("--chains", options.chains.read, "file with what was learned of chains before");
-  app.add_option("--chains-out", options.chains.write, "file for what is learned of them");
+  app.add_option(
+      "--chains", options.chains.read, "file with the chain gains that were learned before");
+  app.add_option("--chains-out", options.chains.write, "file for the chain gains that are learned");
   app.add_option("--snapshots",
                  options.snapshots,
-                 "a burst as a whole, anywhere in the room: of every burst (always), or of devices "
-                 "that no track follows yet (acquire)")
+                 "fixes of single bursts over the whole room: of every burst (always), or of "
+                 "devices without a track (acquire)")
       ->check(one_of({"always", "acquire"}))
       ->capture_default_str();
 }
@@ -455,13 +456,13 @@ RunVerb declare_replay(OptionParser& app) {
   app.add_option("--out", options->out, "file to write instead of standard output");
   app.add_option("--zone-events",
                  options->zone_events,
-                 "file for who enters and leaves the zones of the site, one ZoneEvent a line");
+                 "file for the events of the zones of the site, one ZoneEvent a line");
   app.add_option("--height-sigma",
                  options->height_sigma,
                  "standard deviation of the devices' heights [m], instead of the site's "
                  "height_sigma_m; 0: they are known")
       ->check(in_range(kHeightSigmaRange.min, kHeightSigmaRange.max));
-  app.add_option("--threads", options->threads, "of the engine; 0 takes one per core")
+  app.add_option("--threads", options->threads, "number of engine threads; 0: one per core")
       ->check(in_range(0, 1024))
       ->capture_default_str();
   add_output_options(app, *options);

@@ -20,7 +20,7 @@ constexpr std::array kSceneParts = {
          "Summarize a scene or site, and warn of what is probably a mistake",
          declare_scene_check},
     Part{"import", "Make a scene from a drawing or scan of another program", declare_scene_import},
-    Part{"map", "Say how access points are heard over a room", declare_scene_map},
+    Part{"map", "Map the path gain of access points over a room", declare_scene_map},
     Part{"room",
          "Make a scene from a few lines of TOML: a room, its walls and furniture",
          declare_scene_room},

@@ -164,7 +164,7 @@ RunVerb declare_scene_check(OptionParser& app) {
       ->required();
   app.add_option("--frequency",
                  arguments->frequency,
-                 "Carrier of the materials [Hz]; default: of the site, else 5.18e9");
+                 "Carrier of the materials [Hz]; default: the site's, else 5.18e9");
   app.add_flag("--json", arguments->json, "One JSON object");
   app.footer(
       "Example:\n  rayloc scene check tests/data/sites/meeting_room\n"

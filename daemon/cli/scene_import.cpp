@@ -66,8 +66,8 @@ Expected<ImportOptions> import_options(const SceneImportArguments& arguments) {
   if (arguments.scale) {
     if (!arguments.unit.empty()) {
       return make_error(ErrorKind::kUsage,
-                        "--scale says how large a drawing on paper is, --unit what a unit of the "
-                        "file is; write one of them");
+                        "--scale states the scale of a drawing on paper, --unit the unit of the "
+                        "file; write one of them");
     }
     constexpr double kMost = 1000.0;  // scale of site plans
     if (!(*arguments.scale >= 1.0 && *arguments.scale <= kMost)) {
@@ -165,8 +165,9 @@ RunVerb declare_scene_import(OptionParser& app) {
   app.add_option("--name", arguments->name, "Name of the site; default: room");
   app.add_option("--materials", arguments->materials, "Table of names and radio materials, TOML");
   app.add_flag("--print-materials", arguments->print_materials, "Print the default table");
-  app.add_option("--unit", arguments->unit, "Of the file: mm, cm, m, in or ft");
-  app.add_option("--scale", arguments->scale, "Of an SVG that was drawn for paper: 50 for 1:50");
+  app.add_option("--unit", arguments->unit, "Unit of the file: mm, cm, m, in or ft");
+  app.add_option(
+      "--scale", arguments->scale, "Scale of an SVG that was drawn for paper: 50 for 1:50");
   app.add_option("--up", arguments->up, "Which axis of the file points up: y or z");
   app.add_option(
       "--height", arguments->height, "Floor to ceiling of a flat drawing [m]; default: 2.7");
@@ -176,7 +177,7 @@ RunVerb declare_scene_import(OptionParser& app) {
   app.add_option("--access-point", arguments->model, "Write an access point of that model")
       ->check(one_of(preset_models()));
   app.add_flag("--force", arguments->force, "Write into a directory that is not empty");
-  app.add_flag("--quiet", arguments->quiet, "Say nothing when all is well");
+  app.add_flag("--quiet", arguments->quiet, "Print nothing when all is well");
   app.footer(
       "Example:\n  rayloc scene import scan.glb --out office\n"
       "  rayloc scene import storey.dxf --height 2.8 --out office\n"

@@ -192,8 +192,8 @@ RunVerb declare_scene_map(OptionParser& app) {
                  "points then only where --access-points names them");
   app.add_option("--height",
                  arguments->height,
-                 "Of the devices, world coordinate [m]; default: of the site's, else 1.2 m above "
-                 "the lowest point");
+                 "Height of the devices, world coordinate [m]; default: the site's, else 1.2 m "
+                 "above the lowest point");
   app.add_option("--step", arguments->step, "Side of a cell [m]; default: about 10,000 cells")
       ->check(in_range(0.01, 100.0));
   declare_paths(app, arguments->options);

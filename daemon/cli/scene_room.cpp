@@ -66,7 +66,7 @@ Several rooms are [[room]] tables with `name` and `outline`; their walls are kit
 
 [carrier] and [[access_point]] may follow as in site.toml; with an access point the output is a
 site, without one it lacks only that. --access-point writes one of a known model into a corner of
-the room: say where it is in site.toml.)";
+the room: state its position in site.toml.)";
 
 struct SceneRoomArguments {
   std::string plan;
@@ -106,15 +106,15 @@ Expected<void> run_scene_room(const SceneRoomArguments& arguments) {
     }
   }
   if (!arguments.quiet) {
-    std::fprintf(stderr,
-                 "%s: %zu objects of %zu materials; %s\n",
-                 directory.c_str(),
-                 scene.objects.size(),
-                 scene.materials.size(),
-                 !arguments.model.empty() ? "a site; say in its site.toml where the access point is"
-                 : plan->access_points.empty()
-                     ? "to make it a site, name an access point in its site.toml"
-                     : "a site");
+    std::fprintf(
+        stderr,
+        "%s: %zu objects of %zu materials; %s\n",
+        directory.c_str(),
+        scene.objects.size(),
+        scene.materials.size(),
+        !arguments.model.empty() ? "a site; state the position of the access point in its site.toml"
+        : plan->access_points.empty() ? "to make it a site, name an access point in its site.toml"
+                                      : "a site");
   }
   return {};
 }
@@ -129,7 +129,7 @@ RunVerb declare_scene_room(OptionParser& app) {
   app.add_option("--access-point", arguments->model, "Write an access point of that model")
       ->check(one_of(preset_models()));
   app.add_flag("--force", arguments->force, "Write into a directory that is not empty");
-  app.add_flag("--quiet", arguments->quiet, "Say nothing when all is well");
+  app.add_flag("--quiet", arguments->quiet, "Print nothing when all is well");
   app.footer(kExample);
   return [arguments] { return run_scene_room(*arguments); };
 }

@@ -110,8 +110,8 @@ Expected<void> read_spots(const SimulateArguments& arguments,
   }
   if (simulation.is_walk && arguments.transmissions.survey_error > 0.0) {
     return make_error(ErrorKind::kUsage,
-                      "--survey-error is of points where somebody stands; " + arguments.points +
-                          " has the instants of a walk");
+                      "--survey-error applies to points at which the device rests; " +
+                          arguments.points + " has the instants of a walk");
   }
   TransmissionOptions options = arguments.transmissions;
   options.walk = simulation.is_walk;
@@ -333,7 +333,7 @@ Expected<void> run_simulate(const SimulateArguments& arguments) {
   }
   if (!arguments.truth.empty() && !arguments.force && std::filesystem::exists(arguments.truth)) {
     return make_error(ErrorKind::kUnavailable,
-                      arguments.truth + ": exists already; choose another name, or say --force");
+                      arguments.truth + ": exists already; choose another name, or give --force");
   }
   if (!arguments.quiet) {
     print_notes(*simulation);
@@ -413,11 +413,10 @@ RunVerb declare_simulate(OptionParser& app) {
   const auto arguments = std::make_shared<SimulateArguments>();
   app.add_option("SITE", arguments->site, "Directory with site.toml; may be calibrated")
       ->required();
-  app.add_option(
-         "--points",
-         arguments->points,
-         "Where the device stands: t_start,t_end,x,y,z; or t,x,y,z, a walk that sends a frame at "
-         "each row")
+  app.add_option("--points",
+                 arguments->points,
+                 "Positions of the device: t_start,t_end,x,y,z; or t,x,y,z, a walk with a frame at "
+                 "each row")
       ->required();
   app.add_option("--out", arguments->out, "The recordings to make: [AP=]FILE")->required();
   app.add_option("--impairments",
@@ -432,15 +431,15 @@ RunVerb declare_simulate(OptionParser& app) {
       ->capture_default_str();
   app.add_option("--survey-error",
                  arguments->transmissions.survey_error,
-                 "The device stands off each point by this standard deviation along each axis [m]")
+                 "Standard deviation of the device's position from each point, along each axis [m]")
       ->check(in_range(0.0, 10.0))
       ->capture_default_str();
   declare_sender(app, *arguments);
-  ParserOption* const person = app.add_flag(
-      "--person",
-      arguments->person,
-      "The points are those of a person without a device, as [person] of site.toml states, "
-      "past whom the fixed --transmitter is heard");
+  ParserOption* const person =
+      app.add_flag("--person",
+                   arguments->person,
+                   "The points are those of a person without a device, as [person] of site.toml "
+                   "states; the fixed --transmitter sends");
   ParserOption* const depth =
       app.add_option("--depth", arguments->trace.max_depth, "Reflections (and crossings) of a path")
           ->check(in_range(0, 8))
@@ -463,7 +462,7 @@ RunVerb declare_simulate(OptionParser& app) {
       ->excludes(transmission)
       ->excludes(diffuse);
   declare_life(app, *arguments, person);
-  app.add_option("--seed", arguments->transmissions.seed, "Of everything that is drawn")
+  app.add_option("--seed", arguments->transmissions.seed, "Seed of all random draws")
       ->capture_default_str();
   app.add_flag("--force", arguments->force, "Replace files that exist");
   app.add_flag("--quiet", arguments->quiet, "No words on standard error");
@@ -484,9 +483,9 @@ const Verb kSimulate = {
     "  rayloc simulate CALIBRATED --points spots.csv --out hops.pcap --channels 36-64\n"
     "  rayloc simulate office --points walk.csv --out ap1=day2.pcap --second-day default "
     "--height-sigma 0.3 --tilt-deg 35 --power-sigma-db 4 --truth truth.csv\n\n"
-    "For tests, planning and studies: made with the model that locates, the recordings say nothing "
-    "about accuracy.\n"
-    "Prints as JSON what was simulated, the phases and gains of the chains among it. A seed is a "
+    "For tests, planning and studies: made with the model that locates, the recordings do not "
+    "state the accuracy in a real room.\n"
+    "Prints the simulated parameters as JSON, with the phases and gains of the chains. A seed is a "
     "site: recordings of one seed share its chains, with --second-day those of that day.",
     declare_simulate};
 

@@ -37,8 +37,8 @@ RunVerb declare_snapshot(OptionParser& app) {
   const auto options = add_http_options(app);
   app.footer(app.get_footer() + R"(
 
-Prints the recordings, one per access point, that raylocd begins to write: what came
-within [record] ring_s. The signal SIGUSR1 makes raylocd do the same.)");
+Prints the recordings, one per access point, that raylocd begins to write: the
+datagrams of the last [record] ring_s. The signal SIGUSR1 makes raylocd do the same.)");
   return [options] { return run_snapshot(*options); };
 }
 

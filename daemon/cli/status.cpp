@@ -108,7 +108,7 @@ void print_state(const StatusJson& ready, const StatusJson& status, const std::s
     fmt::print("  warning: {}\n", warning.get<std::string>());
   }
   if (ready.value("clock", "") == "unknown") {
-    fmt::print("  clock: unknown to raylocd whether it is synchronised; timedatectl tells\n");
+    fmt::print("  clock: synchronisation unknown to raylocd; timedatectl shows it\n");
   }
   for (const StatusJson& source : status.at("sources")) {
     print_source(source);
@@ -214,7 +214,7 @@ Expected<void> run_status_verb(const HttpOptions& options, const std::string& si
     if (state.has_begun()) {
       print_state(state.readiness, state.status, "");
     } else {
-      fmt::print("not ready: {}\n", state.status.value("error", "it says nothing"));
+      fmt::print("not ready: {}\n", state.status.value("error", "it states no reason"));
     }
   }
   const auto some = std::find_if(states->begin(), states->end(), [](const State& state) {
@@ -230,11 +230,11 @@ RunVerb declare_status(OptionParser& app) {
   const auto options = add_http_options(app);
   const auto site = std::make_shared<std::string>();
   const auto json = std::make_shared<bool>(false);
-  app.add_option("--site", *site, "Of several sites only the one that is called so");
+  app.add_option("--site", *site, "Only the site of this name");
   app.add_flag("--json",
                *json,
-               "A line of JSON for each site: readiness, the heartbeat as status, and of several "
-               "the name as site");
+               "A line of JSON for each site: readiness, the heartbeat as status, and with several "
+               "sites the name as site");
   return [options, site, json] { return run_status_verb(*options, *site, *json); };
 }
 

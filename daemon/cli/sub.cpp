@@ -199,14 +199,12 @@ RunVerb declare_sub(OptionParser& app) {
   auto arguments = std::make_shared<SubArguments>();
   app.add_option("TOPIC",
                  arguments->topics,
-                 "What the topics begin with; unless told all, of csv, geojson and omlox "
-                 "v1/location/");
+                 "Prefixes of the topics; default: all, with csv, geojson and omlox v1/location/");
   add_source_options(app, arguments->from);
-  app.add_option(
-         "--format",
-         arguments->format,
-         "text: for people; json: every Envelope; of locations alone csv, geojson (WGS 84 by "
-         "the site's georeference), omlox")
+  app.add_option("--format",
+                 arguments->format,
+                 "text: for people; json: every Envelope; locations alone: csv, geojson (WGS 84 by "
+                 "the site's georeference), omlox")
       ->check(one_of(feed_format_names()))
       ->capture_default_str();
   app.add_flag("--json", arguments->json, "The same as --format json");

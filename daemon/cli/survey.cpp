@@ -112,8 +112,8 @@ Expected<std::vector<std::string>> configured_ports(const SurveyVerbArguments& a
 Expected<std::vector<SurveyPort>> ports_of(const SurveyVerbArguments& arguments, const Site& site) {
   if (arguments.listen.empty() == arguments.config.empty()) {
     return make_error(ErrorKind::kUsage,
-                      "say where the access points send to: --listen [AP=]HOST:PORT, or --config "
-                      "raylocd.toml (one of the two)");
+                      "state the addresses to which the access points send: --listen "
+                      "[AP=]HOST:PORT, or --config raylocd.toml (one of the two)");
   }
   auto listen = arguments.config.empty() ? Expected<std::vector<std::string>>(arguments.listen)
                                          : configured_ports(arguments, site);
@@ -280,7 +280,7 @@ class Survey {
                  counts_text(counts).c_str());
     warn_of_silence(counts);
     if (*std::max_element(counts.begin(), counts.end()) == 0) {
-      std::fputs("nothing was heard: the point is not written\n", stderr);
+      std::fputs("no frame was received: the point is not written\n", stderr);
       return {};
     }
     ++written_;
@@ -303,7 +303,7 @@ class Survey {
     for (std::size_t i = 0; i < counts.size(); ++i) {
       if (counts[i] == 0) {
         std::fprintf(stderr,
-                     "warning: %s heard no whole frame of the device\n",
+                     "warning: %s received no whole frame of the device\n",
                      listener_.access_point(i).c_str());
       }
     }
@@ -370,15 +370,14 @@ RunVerb declare_survey(OptionParser& app) {
                  "Where access points send to: [AP=]HOST:PORT, or [AP=] and " +
                      transport_syntax(transport_schemes(), TransportUse::kLiveSource));
   app.add_option("--config", arguments->config, "Take the live sources of raylocd's configuration");
-  app.add_option(
-      "--site",
-      arguments->name,
-      "Of several sites there the one that is called so; else the one of this directory");
+  app.add_option("--site",
+                 arguments->name,
+                 "With several sites there, the name of one; default: the site of this directory");
   app.add_option("--record", arguments->record, "Also record what arrives: [AP=]FILE.pcap");
   app.add_option("--plan",
                  arguments->plan,
                  "Planned points, x,y,z,name (rayloc calibrate --plan): Enter takes the next one");
-  app.add_option("--frames", arguments->frames, "Of every access point at each point")
+  app.add_option("--frames", arguments->frames, "Frames of every access point at each point")
       ->check(in_range(1, 100'000))
       ->capture_default_str();
   app.add_option("--timeout", arguments->timeout, "A point ends after so many seconds in any case")
@@ -392,7 +391,7 @@ RunVerb declare_survey(OptionParser& app) {
 extern const Verb kSurvey;
 const Verb kSurvey = {
     "survey",
-    "Survey a site: stand at a point, press Enter, frames are counted, next",
+    "Survey a site: go to a point, press Enter, frames are counted, next",
     "rayloc survey office --out points.csv --listen ap1=0.0.0.0:5501 ap2=0.0.0.0:5502 "
     "--record ap1=a.pcap ap2=b.pcap\n"
     "  rayloc survey office --out points.csv --config raylocd.toml --plan plan.csv\n\n"

@@ -167,9 +167,9 @@ RunVerb declare_top(OptionParser& app) {
   add_source_options(app, arguments->from);
   app.get_option("--snapshot")
       ->description(
-          "Where the last message of each topic is asked for; unless told, at port 5561 where the "
+          "Endpoint that has the last message of each topic; default: port 5561 where the "
           "endpoint's is 5560");
-  app.add_option("--site", arguments->site, "Of several sites only the one that is called so");
+  app.add_option("--site", arguments->site, "Only the site of this name");
   app.add_flag("--once",
                arguments->once,
                "Print one table after the second heartbeat and end; so it is where standard output "

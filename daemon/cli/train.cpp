@@ -353,7 +353,7 @@ RunVerb declare_train(OptionParser& app) {
       ->required();
   app.add_option("--points",
                  options->survey.points,
-                 "where the device, or the person, stood: t_start,t_end,x,y,z")
+                 "surveyed positions of the device, or the person: t_start,t_end,x,y,z")
       ->required();
   app.add_option("--time-offset", options->time_offset, kTimeOffsetHelp);
   app.add_option("--empty",
@@ -366,9 +366,9 @@ RunVerb declare_train(OptionParser& app) {
                  "KEY=VALUE: settings of the method, as `rayloc replay` has them");
   app.add_option("--holdout", options->holdout, "share of the points kept for checking")
       ->capture_default_str();
-  app.add_option("--seed", options->seed, "of the draw of those points, and of the method's")
+  app.add_option("--seed", options->seed, "seed of the draw of those points, and of the method")
       ->capture_default_str();
-  app.add_flag("--resume", options->resume, "goes on with what was interrupted in --out");
+  app.add_flag("--resume", options->resume, "continues the training that was interrupted in --out");
   app.add_flag("--force", options->force, "write into a folder that is not empty");
   app.add_flag("--quiet", options->quiet, "no words on stderr");
   return [options] { return Train(*options).run(); };

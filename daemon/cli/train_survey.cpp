@@ -122,13 +122,13 @@ Expected<TrainSurvey> read_people_survey(const Site& site, const SurveyArguments
   }
   if (!survey.transmitter && !frames->empty() && !frames->begin()->second.empty()) {
     const auto& [mac, all] = *frames->begin();
-    return bad_input("--capture: heard " + to_string(mac) + " " +
+    return bad_input("--capture: received " + to_string(mac) + " " +
                      explain_other_times(arguments.points, *points, DeviceTrace::of(all)));
   }
   if (!survey.transmitter) {
     return bad_input(arguments.points +
-                     ": no fixed transmitter of the site is heard at the time of any point; give "
-                     "the recording of one of the [[transmitter]] with role = \"fixed\"");
+                     ": no fixed transmitter of the site is received at the time of any point; "
+                     "give the recording of one of the [[transmitter]] with role = \"fixed\"");
   }
   if (!arguments.empty.empty()) {
     auto empty = read_frames(site, arguments.empty, survey.notes);

@@ -61,7 +61,9 @@ RunVerb declare_wait_ready(OptionParser& app) {
   app.add_option("--timeout", *timeout, "Give up with status 69 after so many seconds")
       ->check(not_negative())
       ->capture_default_str();
-  app.add_flag("--running", *running, "It is enough that raylocd runs, heard or not");
+  app.add_flag("--running",
+               *running,
+               "Wait only until raylocd runs, also without a frame of its access points");
   return [options, timeout, running] { return run_wait_ready(*options, *timeout, !*running); };
 }
 
@@ -70,7 +72,7 @@ RunVerb declare_wait_ready(OptionParser& app) {
 extern const Verb kWaitReady;
 const Verb kWaitReady = {
     "wait-ready",
-    "Wait until raylocd is ready: runs, can locate, and hears every access point",
+    "Wait until raylocd is ready: runs, can locate, and receives every access point",
     "rayloc wait-ready --timeout 30 && echo go",
     declare_wait_ready};
 

@@ -57,10 +57,10 @@ void add_warm_replay_options(OptionParser& app, WarmReplayArguments& arguments) 
   app.add_option(
       "--from",
       arguments.from,
-      "say nothing of instants before this time, as in locations: 2024-06-10T06:13:35.5Z");
+      "write no results of instants before this time, as in locations: 2024-06-10T06:13:35.5Z");
   app.add_option("--warm-up",
                  arguments.warm_up,
-                 "seconds before that in which to listen already, and to say nothing")
+                 "seconds before that from which frames are processed, without results")
       ->check(in_range(0.0, 3600.0))
       ->capture_default_str();
   app.add_option("--carried",

@@ -18,8 +18,8 @@ rayloc \- Wi\-Fi localization from channel state information
 .SH DESCRIPTION
 Tools beside the daemon
 .BR raylocd (8):
-they record, calibrate, replay, evaluate and look at what it does.
-Data goes to standard output, words for people to standard error.
+they record, calibrate, replay, evaluate and monitor it.
+Data goes to standard output, messages to standard error.
 A
 .I SITE
 is a folder with

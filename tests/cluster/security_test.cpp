@@ -262,7 +262,7 @@ TEST_F(Secured, EachRoleHasWhatItNeeds) {
                          [&] {
                            sites = ask("operator", {"sites"});
                            return sites.find("hall: worker w1, generation ") != std::string::npos &&
-                                  sites.find(", said all up to") != std::string::npos;
+                                  sites.find(", results complete up to") != std::string::npos;
                          }))
       << sites << worker.log();
   const std::string doctor = ask("operator", {"doctor"});
@@ -296,7 +296,7 @@ TEST_F(Secured, EachRoleHasWhatItNeeds) {
   }
   const std::string after = ask("operator", {"doctor"});
   EXPECT_EQ(after.substr(0, 2), "69") << after;
-  EXPECT_THAT(after, HasSubstr("problem  no worker is heard; start a raylocd with role worker"));
+  EXPECT_THAT(after, HasSubstr("problem  no worker reports; start a raylocd with role worker"));
   EXPECT_THAT(after, HasSubstr("problem  site hall has no worker"));
 }
 

@@ -258,10 +258,10 @@ TEST_F(TakeOver, OfAWorkerThatIsAskedToLeave) {
   const Said sites = rayloc_cluster({"sites"});
   EXPECT_EQ(sites.status, 0) << sites.errors;
   EXPECT_THAT(sites.text, HasSubstr("a: worker " + leaving + ", generation "));
-  EXPECT_THAT(sites.text, HasSubstr("said all up to "));
+  EXPECT_THAT(sites.text, HasSubstr("results complete up to "));
   const Said nobody = rayloc_cluster({"drain", "w3"});
   EXPECT_EQ(nobody.status, 69);
-  EXPECT_THAT(nobody.errors, HasSubstr("no worker 'w3' is heard"));
+  EXPECT_THAT(nobody.errors, HasSubstr("worker 'w3' does not report"));
   const Said drained = rayloc_cluster({"drain", leaving});
   EXPECT_EQ(drained.status, 0) << drained.errors;
   EXPECT_THAT(drained.text, HasSubstr("worker " + leaving + " has given back its sites"));

@@ -88,7 +88,7 @@ TEST_F(SceneVerb, RoomWithAnAccessPointOfAKnownModelIsASite) {
   const Finished made =
       RaylocProcess({"scene", "room", plan, "--out", out(), "--access-point", "RT-AC86U"}).wait();
   ASSERT_EQ(made.status, 0) << made.err;
-  EXPECT_NE(made.err.find("a site; say in its site.toml where the access point is"),
+  EXPECT_NE(made.err.find("a site; state the position of the access point in its site.toml"),
             std::string::npos)
       << made.err;
   const Finished checked = RaylocProcess({"scene", "check", out()}).wait();

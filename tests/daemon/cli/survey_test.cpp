@@ -207,7 +207,7 @@ TEST_F(SurveyVerb, WarnsOfAnAccessPointThatHearsNothing) {
                        " --listen ap1=127.0.0.1:" + std::to_string(heard) +
                        " ap2=127.0.0.1:" + std::to_string(silent)),
             0);
-  EXPECT_THAT(read("err"), HasSubstr("warning: ap2 heard no whole frame"));
+  EXPECT_THAT(read("err"), HasSubstr("warning: ap2 received no whole frame"));
   EXPECT_THAT(read("err"), Not(HasSubstr("warning: ap1")));
   EXPECT_EQ(load_points_csv(path("points.csv"))->size(), 1U);
 }
@@ -216,7 +216,7 @@ TEST_F(SurveyVerb, WritesNoRowWhenNothingWasHeard) {
   ASSERT_EQ(survey("0.5,0.2,1.2\nq\n",
                    "--timeout 0.2 --listen ap1=127.0.0.1:" + std::to_string(free_port())),
             0);
-  EXPECT_THAT(read("err"), HasSubstr("nothing was heard: the point is not written"));
+  EXPECT_THAT(read("err"), HasSubstr("no frame was received: the point is not written"));
   EXPECT_EQ(read("points.csv"), "t_start,t_end,x,y,z\n");
   EXPECT_THAT(read("out"), HasSubstr("\"points\":0"));
 }

@@ -316,7 +316,8 @@ TEST_F(TrainPlaces, DscpLearnsFromPeople) {
                                  "--out",
                                  path("nowhere")});
   EXPECT_EQ(wrong.status, 65);
-  EXPECT_THAT(wrong.err, HasSubstr("no fixed transmitter of the site is heard at the time of any"));
+  EXPECT_THAT(wrong.err,
+              HasSubstr("no fixed transmitter of the site is received at the time of any"));
 }
 
 TEST_F(TrainPlaces, MethodsOfWalkersRefuseInWords) {

@@ -271,7 +271,7 @@ TEST_F(TrainVerb, BeginsWhereItIsTold) {
     EXPECT_EQ(refused.status, 64);
     EXPECT_THAT(refused.err, HasSubstr("write X,Y in metres")) << wrong;
   }
-  EXPECT_THAT(begun("spotfi", "0,0").err, HasSubstr("--start: method spotfi begins nowhere"));
+  EXPECT_THAT(begun("spotfi", "0,0").err, HasSubstr("--start: method spotfi takes no start"));
 }
 
 // A training with another radio or calibration is refused.
