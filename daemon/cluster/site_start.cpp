@@ -44,7 +44,7 @@ Expected<SiteStart> start_with(const v1::StreamPosition& resume,
                                const std::string& told) {
   v1::Carried carried;
   if (!carried.ParseFromString(told)) {
-    return bad_input("what is carried in its Begin cannot be read");
+    return bad_input("the carried state in its Begin cannot be read");
   }
   return start_with(resume, from_us, told.empty() ? nullptr : &carried);
 }

@@ -329,7 +329,7 @@ void check_sources(const ConfigReading& reading) {
         table.error_at(table.has("url") ? "url" : kInputs.at(static_cast<std::size_t>(source.kind)),
                        "a second source on " + shared + " (the first: " + line_of(other.place) +
                            "); every access point sends from the same address, only the port, "
-                           "file, interface or socket tells them apart");
+                           "file, interface or socket distinguishes them");
         break;
       }
     }

@@ -26,7 +26,7 @@ void check_cluster(const TomlTable& root, const ClusterConfig& cluster) {
     if (root.has("source")) {
       table->error_at(
           "role",
-          "'role' is \"" + role + "\", which hears what capture nodes hear; leave [[source]] out");
+          "'role' is \"" + role + "\", which receives from capture nodes; leave [[source]] out");
     }
     if (!root.is_array("site")) {
       table->error_at("role",

@@ -43,7 +43,7 @@ those that are gone; the others go on as they were, and so does one whose files 
 constexpr std::string_view kConfigTail = R"(.SH FILES
 .TP
 .I /etc/raylocd/raylocd.toml
-what the unit raylocd.service reads
+configuration that the unit raylocd.service reads
 .SH SEE ALSO
 .BR raylocd (8),
 .BR rayloc (1)
@@ -53,7 +53,7 @@ what the unit raylocd.service reads
 checks a file and the site it names,
 .B rayloc config show
 .I FILE
-prints what holds with it,
+prints the settings in effect,
 .B rayloc config schema
 a JSON schema for editors.
 )";

@@ -80,7 +80,7 @@ const std::array kDaemonOptions = {
         .type = T::kChoice,
         .preset = "\"always\"",
         .choices = kSnapshots,
-        .description = "Fixes of single bursts: of all, or until a track follows a device",
+        .description = "Fixes of single bursts: for all, or until a track follows a device",
         .store = [](C& c, const V& v) { c.engine.snapshots_always = text(v) == kSnapshots[0]; }},
     ConfigOption{.section = "limits",
                  .key = "ring_frames",
@@ -155,8 +155,8 @@ const std::array kDaemonOptions = {
                  .key = "allow",
                  .type = T::kTexts,
                  .example = "[\"Yne@$w-vo<fVvi]a<NY6T1ed:M$fCG*[IaLV{hID\"]",
-                 .description = "Public keys of the clients that may subscribe; a reload lets in "
-                                "new ones, and cuts off nobody who is connected",
+                 .description = "Public keys of the clients that may subscribe; a reload admits "
+                                "new ones, and disconnects none",
                  .reload = true,
                  .store = [](C& c, const V& v) { c.curve.allow = texts(v); }},
 

@@ -17,9 +17,9 @@ const std::array kClusterOptions = {
         .type = T::kChoice,
         .preset = "\"none\"",
         .choices = kRoles,
-        .description = "What this machine is of a cluster: a capture node gives what its "
-                       "sources hear to the broker, a worker locates by it, a gateway "
-                       "publishes what workers find",
+        .description =
+            "Role of this machine in a cluster: a capture node sends what its sources receive to "
+            "the broker, a worker locates from it, a gateway publishes the workers' results",
         .store = [](C& c, const V& v) { c.cluster.role = chosen<ClusterRole>(v, kRoles); }},
     ConfigOption{.section = "cluster",
                  .key = "servers",
@@ -31,14 +31,15 @@ const std::array kClusterOptions = {
                  .key = "name",
                  .type = T::kText,
                  .example = "\"hall-1\"",
-                 .description = "What this machine is called in the cluster; no other is called so",
+                 .description = "Name of this machine in the cluster; no other machine has it",
                  .store = [](C& c, const V& v) { c.cluster.name = text(v); }},
     ConfigOption{.section = "cluster",
                  .key = "tls_ca",
                  .type = T::kFile,
                  .example = "\"/etc/raylocd/cluster-ca.pem\"",
-                 .description = "Who signed the servers' certificates; left out, whom this machine "
-                                "trusts. With it, or with tls:// in servers, all is encrypted",
+                 .description =
+                     "Authority that signed the servers' certificates; left out, those that this "
+                     "machine trusts. With it, or with tls:// in servers, all is encrypted",
                  .store = [](C& c, const V& v) { c.cluster.tls_ca = text(v); }},
     ConfigOption{.section = "cluster",
                  .key = "tls_cert",
@@ -56,8 +57,8 @@ const std::array kClusterOptions = {
                  .key = "nkey_seed_file",
                  .type = T::kFile,
                  .example = "\"/etc/raylocd/cluster.nkey\"",
-                 .description = "Who this machine is to the servers, by `rayloc keygen --nkey`; "
-                                "systemd's credential cluster.nkey when left out",
+                 .description = "Identity of this machine at the servers, made by `rayloc keygen "
+                                "--nkey`; systemd's credential cluster.nkey when left out",
                  .store = [](C& c, const V& v) { c.cluster.nkey_seed_file = text(v); }},
     ConfigOption{.section = "cluster",
                  .key = "flush_ms",
@@ -73,14 +74,14 @@ const std::array kClusterOptions = {
                  .range = {1, 1024, "MiB"},
                  .description = "On their way to the broker and not acknowledged, at most",
                  .store = [](C& c, const V& v) { c.cluster.window_bytes = mebibytes(v); }},
-    ConfigOption{.section = "cluster",
-                 .key = "keep_s",
-                 .type = T::kNumber,
-                 .preset = "30",
-                 .range = {1.0, 600.0, "s"},
-                 .description = "How long a batch can be sent again when nobody says that it has "
-                                "been consumed",
-                 .store = [](C& c, const V& v) { c.cluster.keep = from_seconds(number(v)); }},
+    ConfigOption{
+        .section = "cluster",
+        .key = "keep_s",
+        .type = T::kNumber,
+        .preset = "30",
+        .range = {1.0, 600.0, "s"},
+        .description = "How long a batch can be sent again when its consumption is not reported",
+        .store = [](C& c, const V& v) { c.cluster.keep = from_seconds(number(v)); }},
     ConfigOption{.section = "cluster",
                  .key = "keep_mb",
                  .type = T::kInteger,
@@ -93,7 +94,7 @@ const std::array kClusterOptions = {
                  .type = T::kNumber,
                  .preset = "2",
                  .range = {0.5, 60.0, "s"},
-                 .description = "A worker that is not heard for so long loses its sites to others; "
+                 .description = "A worker that is silent for so long loses its sites to others; "
                                 "the same for all workers",
                  .store = [](C& c, const V& v) { c.cluster.lease = from_seconds(number(v)); }},
     ConfigOption{.section = "cluster",
@@ -103,13 +104,14 @@ const std::array kClusterOptions = {
                  .range = {0, 100'000},
                  .description = "Sites that a worker owns at most; 0: all that others leave",
                  .store = [](C& c, const V& v) { c.cluster.capacity = count(v); }},
-    ConfigOption{.section = "cluster",
-                 .key = "rewarm_s",
-                 .type = T::kNumber,
-                 .preset = "5",
-                 .range = {0.0, 30.0, "s"},
-                 .description = "What a worker that takes a site over listens to again",
-                 .store = [](C& c, const V& v) { c.cluster.rewarm = from_seconds(number(v)); }},
+    ConfigOption{
+        .section = "cluster",
+        .key = "rewarm_s",
+        .type = T::kNumber,
+        .preset = "5",
+        .range = {0.0, 30.0, "s"},
+        .description = "Length of the data that a worker processes again when it takes a site over",
+        .store = [](C& c, const V& v) { c.cluster.rewarm = from_seconds(number(v)); }},
     ConfigOption{.section = "cluster",
                  .key = "standby",
                  .type = T::kChoice,

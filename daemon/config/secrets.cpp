@@ -42,8 +42,8 @@ void take_credentials(DaemonConfig& config) {
 
 Expected<std::string> read_http_token(const fs::path& file) {
   constexpr std::size_t kShortest = 16;
-  Expected<std::string> token =
-      read_secret(file, {"token", "what root keeps, systemd passes (drop-in http-token.conf)"});
+  Expected<std::string> token = read_secret(
+      file, {"token", "systemd passes a file of root to the daemon (drop-in http-token.conf)"});
   if (token && token->size() < kShortest) {
     return make_error(ErrorKind::kConfiguration,
                       file.string() +

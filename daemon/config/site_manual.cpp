@@ -28,7 +28,7 @@ and
 write such a folder from a plan, a drawing or a scan,
 .B rayloc scene check
 .I SITE
-says what is doubtful.
+reports probable mistakes.
 )";
 
 constexpr std::string_view kSiteTail = R"(.SH SEE ALSO

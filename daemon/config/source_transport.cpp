@@ -48,7 +48,7 @@ std::string objection(const TransportAddress& url) {
   if (kind == SourceKind::kUdp && !parse_listen(url.address)) {
     const std::string fault = listen_fault(url.address);
     return fault == "is no ADDRESS:PORT" ? "no ADDRESS:PORT of this machine follows the colon"
-                                         : "what follows the colon " + fault;
+                                         : "the text after the colon " + fault;
   }
   return "";
 }

@@ -241,14 +241,14 @@ void add_counters(const v1::Heartbeat& heartbeat, Lines& lines) {
                                 people.used(),
                                 people.moments()));
   }
-  lines.push_back(fmt::format(
-      "publisher   {} messages to {} subscriptions; {} coalesced, {} events dropped, {} times "
-      "somebody was slow",
-      publisher.published(),
-      publisher.subscriptions(),
-      estimation.coalesced(),
-      estimation.events_dropped(),
-      publisher.slow_episodes()));
+  lines.push_back(
+      fmt::format("publisher   {} messages to {} subscriptions; {} coalesced, {} events dropped, "
+                  "{} times a subscriber was slow",
+                  publisher.published(),
+                  publisher.subscriptions(),
+                  estimation.coalesced(),
+                  estimation.events_dropped(),
+                  publisher.slow_episodes()));
   if (heartbeat.has_recorder()) {
     lines.push_back(fmt::format("recorder    {} datagrams written, {} dropped",
                                 heartbeat.recorder().written(),

@@ -71,7 +71,7 @@ void LossWatch::look(const v1::Heartbeat& heartbeat) {
   compare({"batches_marked",
            "batches did not reach the cluster: the broker is away or too slow; recording goes on"},
           heartbeat.capture().marked());
-  compare({"snapshot_files_failed", "what was received lately could not be written"},
+  compare({"snapshot_files_failed", "recent datagrams could not be written"},
           heartbeat.ring_snapshots().failed());
 }
 

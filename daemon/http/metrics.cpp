@@ -183,7 +183,7 @@ void add_site(const SiteHeartbeat& one, Families& families) {
                site,
                seconds(heartbeat.started()));
   families.add("rayloc_calibration_warnings",
-               "What speaks against the calibration in use",
+               "Findings against the calibration in use",
                false,
                site,
                heartbeat.calibration_warnings_size());

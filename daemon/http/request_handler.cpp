@@ -260,7 +260,7 @@ class RequestHandler::Parser : public httplib::Server {
     const auto read = std::from_chars(stated.data(), stated.data() + stated.size(), length);
     if (request.has_header("Transfer-Encoding") || stated.empty() || read.ec != std::errc() ||
         read.ptr != stated.data() + stated.size()) {
-      return set_json(response, 411, "say the Content-Length");
+      return set_json(response, 411, "state the Content-Length");
     }
     if (length > route.most_bytes) {
       return set_json(
@@ -330,7 +330,9 @@ class RequestHandler::Parser : public httplib::Server {
       return false;
     }
     if (by_page && !request.has_header(kControlHeader)) {
-      set_json(response, 403, std::string("say that it is meant: ") + kControlHeader + ": 1");
+      set_json(response,
+               403,
+               std::string("confirm the request with the header ") + kControlHeader + ": 1");
       return false;
     }
     return true;

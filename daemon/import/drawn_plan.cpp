@@ -248,7 +248,7 @@ class PlanMaker {
   void say(std::size_t walls, std::size_t windows) {
     model_.remarks.push_back(
         fmt::format("{} pieces of wall, {} of them with both faces drawn; floor to ceiling {:g} m "
-                    "(--height says another)",
+                    "(--height states another)",
                     walls,
                     paired_,
                     height_));
@@ -277,7 +277,7 @@ class PlanMaker {
 
 double unit_of(const Drawing& drawing, double told, std::vector<std::string>& remarks) {
   if (told > 0.0) {
-    remarks.push_back(fmt::format("a unit is {} m, as told", told));
+    remarks.push_back(fmt::format("a unit is {} m, by --unit", told));
     return told;
   }
   if (drawing.metres > 0.0) {
@@ -294,7 +294,7 @@ double unit_of(const Drawing& drawing, double told, std::vector<std::string>& re
   }
   const bool is_metres = upper - lower <= kLargestStorey;
   remarks.emplace_back(std::string(is_metres ? "metres" : "millimetres") +
-                       ", by the size of the whole (--unit says another)");
+                       ", by the size of the drawing (--unit states another)");
   return is_metres ? 1.0 : kMillimetre;
 }
 

@@ -88,15 +88,15 @@ class SceneMaker {
 
   Expected<ImportedScene> finish() {
     if (scan_triangles_ > 0 && scan_area_ > 0.0) {
-      result_.remarks.push_back(fmt::format(
-          "{} triangles of scans became {} planes, which hold {:.0f} % of their area; the planes "
-          "are {:.1f} mm off the scan (rms), within a tolerance of {:.0f} mm (--tolerance says "
-          "another)",
-          scan_triangles_,
-          planes_,
-          100.0 * kept_area_ / scan_area_,
-          1e3 * std::sqrt(squares_ / std::max(kept_area_, 1e-12)),
-          1e3 * tolerance_));
+      result_.remarks.push_back(
+          fmt::format("{} triangles of scans became {} planes, which hold {:.0f} % of their area; "
+                      "the planes are {:.1f} mm off the scan (rms), within a tolerance of {:.0f} "
+                      "mm (--tolerance states another)",
+                      scan_triangles_,
+                      planes_,
+                      100.0 * kept_area_ / scan_area_,
+                      1e3 * std::sqrt(squares_ / std::max(kept_area_, 1e-12)),
+                      1e3 * tolerance_));
     }
     if (result_.scene.objects.empty()) {
       return bad_input(
@@ -105,8 +105,8 @@ class SceneMaker {
     }
     if (kept_area_ < kPoorShare * scan_area_) {
       result_.remarks.emplace_back(
-          "warning: much of the scan is in no plane: it has holes or is very rough; what was not "
-          "seen is left out of the scene");
+          "warning: much of the scan is in no plane: it has holes or is very rough; unseen "
+          "surfaces are left out of the scene");
     }
     if (!unknown_.empty()) {
       result_.remarks.push_back(

@@ -13,7 +13,7 @@ namespace rayloc {
 
 // Thicknesses are those of common boards and panes.
 const char* const kDefaultMaterialTable =
-    R"(# Names of layers, materials and objects, and what they are for radio waves.
+    R"(# Names of layers, materials and objects, and their radio materials.
 # The first row one of whose words is in a name counts; letters of any case. A name's words end where
 # letters do, and before a capital letter: "Door_2", "oakDoor". With an "s" they are the same;
 # "gips*" is any word that begins so.
@@ -50,13 +50,13 @@ match = ["wood*", "door", "table", "desk", "chair", "shelf", "bookshelf", "shelv
 itu = "wood"
 thickness_m = 0.02
 
-[otherwise]  # of what no name tells, by where it is
+[otherwise]  # surfaces without a name above, by their place
 floor = "concrete"
 ceiling = "ceiling_board"
 wall = "plasterboard"
 other = "wood"
 
-[layers]  # of a flat drawing (DXF, SVG): what the lines of a layer are; what is in none is left out
+[layers]  # kinds of the lines in a layer of a flat drawing (DXF, SVG); other layers are left out
 window = ["window*", "fenster*", "glaz*", "fenetre*", "glas"]
 door = ["door*", "tuer*", "tür*", "porte*"]
 wall = ["wall*", "wand*", "waende*", "wänd*", "mauer*", "mur", "muro*", "partition"]

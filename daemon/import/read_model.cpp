@@ -184,24 +184,24 @@ void set_units(ModelFormat format, const ModelUnits& units, Model& model) {
   const bool by_standard = format == ModelFormat::kGlb || format == ModelFormat::kGltf;
   double metres = units.metres;
   if (metres > 0.0) {
-    model.remarks.push_back(fmt::format("a unit is {} m, as told", metres));
+    model.remarks.push_back(fmt::format("a unit is {} m, by --unit", metres));
   } else if (by_standard) {
     metres = 1.0;
-    model.remarks.emplace_back("metres, as glTF says");
+    model.remarks.emplace_back("metres, as glTF states");
   } else if (format == ModelFormat::kIfc) {
     metres = 1.0;
     model.remarks.emplace_back("units of the file, as IFC states them");
   } else {
     const RecognisedUnit unit = recognised_unit(bounds);
     metres = unit.metres;
-    model.remarks.push_back(unit.name + ", " + unit.why + " (--unit says another)");
+    model.remarks.push_back(unit.name + ", " + unit.why + " (--unit states another)");
   }
   char up = units.up;
   if (up != '\0') {
-    model.remarks.push_back(fmt::format("{} is up, as told", up));
+    model.remarks.push_back(fmt::format("{} is up, by --up", up));
   } else if (by_standard) {
     up = 'y';
-    model.remarks.emplace_back("y is up, as glTF says");
+    model.remarks.emplace_back("y is up, as glTF states");
   } else {
     auto [axis, why] = recognised_up(model, bounds, metres);
     if (axis == '\0') {
@@ -210,7 +210,7 @@ void set_units(ModelFormat format, const ModelUnits& units, Model& model) {
       why = std::string("as programs write ") + name_of(format) + " by default";
     }
     up = axis;
-    model.remarks.push_back(fmt::format("{} is up, {} (--up says another)", up, why));
+    model.remarks.push_back(fmt::format("{} is up, {} (--up states another)", up, why));
   }
   apply(metres, up == 'y', model);
 }

@@ -218,7 +218,7 @@ class RoomScanReader {
   }
 
   void say(const Json& json) {
-    remarks_.emplace_back("metres, y is up, as RoomPlan says");
+    remarks_.emplace_back("metres, y is up, as RoomPlan states");
     const auto version = json.find("version");
     const bool is_known =
         version != json.end() && version->is_number_integer() &&
@@ -245,10 +245,10 @@ class RoomScanReader {
     };
     list("left out, as it is not known here", left_out);
     list("bent, of which the chord was taken", bent_);
-    list("seen with low confidence, look at them", low_);
+    list("seen with low confidence, check them", low_);
     if (floors_ > 1) {
       remarks_.push_back(
-          fmt::format("of {} floors the largest is the floor and the ceiling", floors_));
+          fmt::format("the largest of {} floors is the floor and the ceiling", floors_));
     }
   }
 

@@ -369,18 +369,18 @@ class SvgReader {
     }
     const double paper = paper_unit(root);
     if (units_.scale > 0.0) {
-      drawing_.remarks.push_back(fmt::format("drawn at 1:{:g}, as told", units_.scale));
+      drawing_.remarks.push_back(fmt::format("drawn at 1:{:g}, by --scale", units_.scale));
       drawing_.metres = units_.scale * (paper > 0.0 ? paper : kPixel);
       return std::move(drawing_);
     }
     constexpr const char* kCure =
         "state its scale (--scale 50, for 1:50), or what a unit of it is (--unit cm)";
     if (paper <= 0.0) {
-      return refuse(fmt::format("does not say how large it is: its lengths are pixels; {}", kCure));
+      return refuse(fmt::format("does not state its size: its lengths are pixels; {}", kCure));
     }
     if (const double side = longer_side() * paper; side < kLeastRoom) {
       return refuse(fmt::format(
-          "is {:.0f} mm large on paper, and does not say at which scale; {}", 1e3 * side, kCure));
+          "is {:.0f} mm large on paper, and does not state its scale; {}", 1e3 * side, kCure));
     }
     drawing_.metres = paper;
     return std::move(drawing_);

@@ -53,7 +53,7 @@ Finding check_clock() {
     case ClockState::kUnknown:
       break;
   }
-  return {Kind::kWarning, "whether the clock is synchronised is unknown", "timedatectl tells"};
+  return {Kind::kWarning, "the synchronisation of the clock is unknown", "run timedatectl"};
 }
 
 // The folder, or the nearest one above it that exists.

@@ -183,10 +183,11 @@ class Hints {
             "of frames");
       } else if (found->below_strongest_db() > kDeafDb) {
         add(Kind::kWarning,
-            fmt::format("core {} hears {:.0f} dB less than the strongest: its antenna may be dead",
-                        core,
-                        found->below_strongest_db()),
-            "look at the antenna and its pigtail; without it, take the core out of site.toml");
+            fmt::format(
+                "core {} receives {:.0f} dB less than the strongest: its antenna may be dead",
+                core,
+                found->below_strongest_db()),
+            "check the antenna and its pigtail; if it has none, take the core out of site.toml");
       }
     }
     for (const v1::CoreReport& report : source_.cores()) {

@@ -40,7 +40,7 @@ Expected<std::unique_ptr<DeviceMethod>> create_device(DeviceMethodInput input) {
 
 const Method& cifi_method() {
   static const Method kRow = {.name = "cifi",
-                              .summary = "images of phases that a network has seen at places",
+                              .summary = "a network trained on images of phases at known places",
                               .reference = "CiFi, IEEE ICC 2017",
                               .domain = "chain gains; surveyed places",
                               .baseline_settings = cifi_settings(),

@@ -63,16 +63,15 @@ Expected<std::unique_ptr<PersonMethod>> create_person(PersonMethodInput input) {
 }  // namespace
 
 const Method& dscp_method() {
-  static const Method kRow = {.name = "dscp",
-                              .summary =
-                                  "images of amplitudes that a network has seen with "
-                                  "somebody at known places",
-                              .reference = "DSCP, WCMC 2021",
-                              .domain = "chain gains; people at known places",
-                              .baseline_settings = dscp_settings(),
-                              .create_person = &create_person,
-                              .train = &train_dscp,
-                              .needs_training = true};
+  static const Method kRow = {
+      .name = "dscp",
+      .summary = "a network trained on images of amplitudes with a person at known places",
+      .reference = "DSCP, WCMC 2021",
+      .domain = "chain gains; people at known places",
+      .baseline_settings = dscp_settings(),
+      .create_person = &create_person,
+      .train = &train_dscp,
+      .needs_training = true};
   return kRow;
 }
 

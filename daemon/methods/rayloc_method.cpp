@@ -17,8 +17,8 @@ constexpr std::string_view kLikelihood = "likelihood";
 constexpr std::string_view kPersonCell = "person_cell_m";
 
 constexpr std::array kSettings = std::to_array<MethodSetting>({
-    {kLikelihood, "what of a device's channel is compared (likelihood_names())"},
-    {kPersonCell, "of the grid on which people are looked for [m]"},
+    {kLikelihood, "quantity of a device's channel that is compared (likelihood_names())"},
+    {kPersonCell, "cell of the grid on which people are searched [m]"},
 });
 
 class RaylocDevices : public DeviceMethod {

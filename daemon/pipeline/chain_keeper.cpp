@@ -127,7 +127,7 @@ void ChainKeeper::spread(const ChainLearner& learner,
                    (ap.are_chains_known ? "since the calibration: " : "by: ") + turns(state, ap)
              : "access point " + ap.id +
                    (ap.are_chains_known ? ": its chains have turned; "
-                                        : ": nobody knows its chains yet; ") +
+                                        : ": its chains are not known yet; ") +
                    learning(state, room));
   }
   keep(states);
@@ -149,8 +149,8 @@ std::vector<CalibrationWarning> ChainKeeper::warnings(const RoomModel& room) con
       warning.text =
           "chain_phase_jump: access point " + ap.id + ": " +
           (ap.are_chains_known ? "its chains have turned since the calibration (a power cycle?)"
-                               : "nobody knows its chains yet, for nobody surveyed the site") +
-          "; it is not believed; " + learning(state, room);
+                               : "its chains are not known yet, as the site was not surveyed") +
+          "; its CSI is not used; " + learning(state, room);
     }
   }
   return result;

@@ -67,8 +67,8 @@ std::string TargetNames::text(const MacAddress& transmitter, Timestamp time) {
 }
 
 Expected<std::string> TargetNames::read_key(const std::filesystem::path& file) {
-  Expected<std::string> key =
-      read_secret(file, {"key", "what root keeps, systemd passes (drop-in privacy-key.conf)"});
+  Expected<std::string> key = read_secret(
+      file, {"key", "systemd passes a file of root to the daemon (drop-in privacy-key.conf)"});
   if (key && key->size() < kShortestKey) {
     return make_error(ErrorKind::kConfiguration,
                       file.string() +

@@ -150,10 +150,10 @@ void note_recording(const RecordedSource& source,
   }
   for (const auto& [core, frames] : decoded.without_core) {
     if (frames >= ChainPresence::kFrames && 2 * frames > decoded.frames) {
-      notes.push_back(what + "core " + std::to_string(core) + " has no CSI in " +
-                      std::to_string(frames) + " of " + std::to_string(decoded.frames) +
-                      " frames: check its antenna and pigtail, and that the extractor is told to "
-                      "measure it");
+      notes.push_back(
+          what + "core " + std::to_string(core) + " has no CSI in " + std::to_string(frames) +
+          " of " + std::to_string(decoded.frames) +
+          " frames: check its antenna and pigtail, and that the extractor is set to measure it");
     }
   }
   if (const auto marks = read.rejected.find("gap_mark"); marks != read.rejected.end()) {

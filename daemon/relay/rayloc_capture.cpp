@@ -148,7 +148,7 @@ int run(int argc, const char* const* argv) {
   app.footer("Example:\n  rayloc-capture --interface eth0 --to /run/raylocd/eth0");
   Arguments arguments;
   app.add_option("--interface", arguments.interface, "Interface to capture from")->required();
-  app.add_option("--filter", arguments.filter, "What to capture: a pcap-filter(7)")
+  app.add_option("--filter", arguments.filter, "Packets to capture: a pcap-filter(7)")
       ->capture_default_str();
   app.add_option("--to",
                  arguments.to,

@@ -70,8 +70,8 @@ std::string access_point_block(const RoomPlan& plan, const AntennaPreset& preset
   const AccessPointPlace place = usual_place(plan);
   std::string text = fmt::format(
       "[[access_point]]  # {}, {}\nid = \"ap1\"\n"
-      "position = [{}, {}, {}]  # of the middle antenna, metres: write where it is\n"
-      "yaw_deg = {}  # where it looks: anticlockwise from +x\n",
+      "position = [{}, {}, {}]  # middle antenna, metres: write its position\n"
+      "yaw_deg = {}  # direction it faces: anticlockwise from +x\n",
       preset.model,
       preset.remark,
       place.position.x,
@@ -80,11 +80,11 @@ std::string access_point_block(const RoomPlan& plan, const AntennaPreset& preset
       place.yaw_deg);
   double y = -preset.spacing_m;
   for (const int core : preset.cores) {
-    text +=
-        fmt::format("[[access_point.antenna]]{}\ncore = {}\noffset = [0, {}, 0]\n",
-                    y < 0.0 ? "  # from the access point: +x is where it looks, +y its left" : "",
-                    core,
-                    y);
+    text += fmt::format(
+        "[[access_point.antenna]]{}\ncore = {}\noffset = [0, {}, 0]\n",
+        y < 0.0 ? "  # from the access point: +x is the direction it faces, +y its left" : "",
+        core,
+        y);
     y += preset.spacing_m;
   }
   return text;
@@ -100,10 +100,9 @@ std::string commented(const std::string& text) {
 }
 
 std::string access_point_example(const RoomPlan& plan) {
-  return "# Name each access point, and where its antennas are: then this folder is a site. "
-         "Without "
-         "its\n# \"# \" this one is ready, in a corner of the room (--access-point says of which "
-         "model).\n" +
+  return "# State each access point and the places of its antennas: then this folder is a site. "
+         "Without its\n# \"# \" this one is ready, in a corner of the room (--access-point states "
+         "its model).\n" +
          commented(access_point_block(plan, kAntennaPresets.front()));
 }
 
@@ -139,7 +138,7 @@ std::string active_text(const std::vector<std::int16_t>& tones) {
 }
 
 std::string carrier_text(const Carrier& carrier) {
-  std::string text = "\n[carrier]  # what the access points measure on\n";
+  std::string text = "\n[carrier]  # channel of the access points\n";
   if (carrier.channel != 0) {
     text += fmt::format("channel = {}\n", carrier.channel);
   }

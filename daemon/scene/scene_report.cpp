@@ -119,7 +119,7 @@ void warn_of_antenna(const Scene& scene,
                      std::vector<SceneWarning>& warnings) {
   if (const auto around = solid_around(scene, antenna.place)) {
     warnings.push_back({"antenna_inside",
-                        fmt::format("{} is inside of object '{}', where it hears nothing",
+                        fmt::format("{} is inside of object '{}', where it receives nothing",
                                     antenna.name,
                                     printable(scene.objects()[*around].name))});
   }

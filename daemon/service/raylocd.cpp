@@ -41,7 +41,7 @@ void stop_in_time(Service& service, const std::string& reason) {
     spdlog::critical("not stopped after {} ms: '{}' does not come back{}",
                      taken.count(),
                      stage,
-                     recorder ? ": what waits for the disk is lost" : "");
+                     recorder ? ": data that waits for the disk is lost" : "");
   }
   if (hung.empty() && service.preparing_sites()) {
     spdlog::info("stopped while a site was being prepared");

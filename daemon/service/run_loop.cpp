@@ -123,7 +123,7 @@ void RunLoop::tell_readiness() {
   }
   ready_ = now.ready();
   if (now.ready()) {
-    log_.say("ready", {LogLevel::kInfo, "ready: every access point is heard", {}});
+    log_.say("ready", {LogLevel::kInfo, "ready: every access point is received", {}});
   } else {
     log_.say("not ready", {LogLevel::kWarning, "not ready: " + joined(now.reasons, "; "), {}});
   }

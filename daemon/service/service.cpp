@@ -193,14 +193,15 @@ std::string Service::status_line() const {
     fixes += estimation.snapshots - estimation.no_fix;
   }
   const std::lock_guard lock(health_mutex_);
-  return fmt::format("{} of {} sources heard; {} datagrams, {} dropped by the kernel; {} fixes{}{}",
-                     heard,
-                     sources,
-                     received,
-                     kernel_drops,
-                     fixes,
-                     has_site_list_ ? fmt::format("; {} sites", sites.size()) : "",
-                     reload_failed_ ? "; the last reload failed" : "");
+  return fmt::format(
+      "{} of {} sources receive; {} datagrams, {} dropped by the kernel; {} fixes{}{}",
+      heard,
+      sources,
+      received,
+      kernel_drops,
+      fixes,
+      has_site_list_ ? fmt::format("; {} sites", sites.size()) : "",
+      reload_failed_ ? "; the last reload failed" : "");
 }
 
 std::vector<std::string> Service::source_descriptions() const {

@@ -90,7 +90,7 @@ std::vector<ExtraMetric> cluster_metrics(const Broker& broker,
                                          const ClaimKeeper* claims,
                                          std::pair<std::size_t, std::size_t> sites) {
   std::vector<ExtraMetric> metrics = {{"rayloc_cluster_broker_connected",
-                                       "Whether a server of the cluster answers",
+                                       "1 where a server of the cluster answers",
                                        false,
                                        {{"", "", broker.connected() ? 1.0 : 0.0}}},
                                       {"rayloc_cluster_broker_connections_total",
@@ -108,7 +108,7 @@ std::vector<ExtraMetric> cluster_metrics(const Broker& broker,
                        {{"state", "owned", static_cast<double>(sites.first)},
                         {"state", "waiting", static_cast<double>(sites.second)}}});
     metrics.push_back({"rayloc_cluster_worker_leaving",
-                       "Whether it gives its sites back and takes no more",
+                       "1 while it gives its sites back and takes no more",
                        false,
                        {{"", "", claims->is_leaving() ? 1.0 : 0.0}}});
   }
@@ -441,12 +441,12 @@ std::vector<ExtraMetric> Service::extra_metrics() const {
     }
   }
   metrics.push_back({"rayloc_recorder_snapshot_files_total",
-                     "Files asked for of what was received lately, by what became of them",
+                     "Requested files of recent datagrams, by result",
                      true,
                      {{"result", "written", static_cast<double>(rings.files)},
                       {"result", "failed", static_cast<double>(rings.failed)}}});
   metrics.push_back({"rayloc_log_dropped_total",
-                     "Messages of the log that gave way to newer ones: nobody took them",
+                     "Messages of the log that newer ones displaced before a client read them",
                      true,
                      {{"", "", static_cast<double>(log_entries_dropped())}}});
   if (has_site_list_) {

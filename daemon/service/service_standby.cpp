@@ -162,8 +162,9 @@ void Service::note_audit(const RunningSite& site) {
   if (!standby->first_difference.empty() && !std::exchange(audit.is_told, true)) {
     log_line(LogLevel::kError,
              "site '" + site.name() +
-                 "': what its owner published is not what this worker computes: " +
-                 standby->first_difference + "; `rayloc replay --stream` tells whose it is");
+                 "': its owner published other results than this worker computes: " +
+                 standby->first_difference +
+                 "; `rayloc replay --stream` shows which of the two is wrong");
   }
 }
 
@@ -177,7 +178,7 @@ std::vector<ExtraMetric> Service::standby_metrics() const {
                       {}};
   ExtraMetric missed{
       "rayloc_cluster_standby_missed_total",
-      "Records of owners that were not compared: not heard, or the first after one that was not",
+      "Records of owners that were not compared: not received, or the first after a gap",
       true,
       {}};
   ExtraMetric differing{"rayloc_cluster_divergence_total",

@@ -435,7 +435,7 @@ std::vector<std::string> SiteRuntime::errors() const {
   }
   if (sender_) {
     if (const std::string trouble = sender_->trouble(); !trouble.empty()) {
-      errors.push_back("cluster: " + trouble + "; what is heard is still recorded");
+      errors.push_back("cluster: " + trouble + "; received datagrams are still recorded");
     }
   }
   return errors;

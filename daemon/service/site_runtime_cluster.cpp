@@ -32,8 +32,9 @@ Expected<void> SiteRuntime::claim(std::uint64_t generation) {
   log_ = std::move(*log);
   if (along_) {
     if (log_->start().from < results_->gone_before()) {
-      return make_error(ErrorKind::kUnavailable,
-                        "the stream of results has lost words of the owner that were heard here");
+      return make_error(
+          ErrorKind::kUnavailable,
+          "the stream of results has lost records of the owner that this worker received");
     }
     start_.generation = generation;
     return {};

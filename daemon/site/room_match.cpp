@@ -169,7 +169,7 @@ RoomFinding frame_finding(const Scene& scene, const Bounds& room, const SceneFra
   }
   if (frame.is_shifted()) {
     finding.message += fmt::format(
-        ": its origin is elsewhere; move it by {:.3f}, {:.3f}, {:.3f} m (<translate> last in "
+        ": its origin is another one; move it by {:.3f}, {:.3f}, {:.3f} m (<translate> last in "
         "to_world of each shape), or correct [bounds] and all positions",
         frame.shift.x,
         frame.shift.y,
@@ -247,10 +247,10 @@ class RoomMatch {
                         kAxes[axis],
                         from,
                         to,
-                        apart ? "lies elsewhere," : "is smaller,",
+                        apart ? "lies apart from it," : "is smaller,",
                         box_.lower.*kOf.at(axis),
                         box_.upper.*kOf.at(axis),
-                        apart ? "both need one origin" : "nothing is known of waves beyond it"));
+                        apart ? "both need one origin" : "the paths beyond it are unknown"));
         return;
       }
     }
@@ -314,7 +314,7 @@ class RoomMatch {
   void add_named_up(const NamedUp& named, bool is_error) {
     add(is_error,
         "axes",
-        fmt::format("what is named a floor or a ceiling stands upright, across {}: {}",
+        fmt::format("an object that is named a floor or a ceiling is upright, across {}: {}",
                     kAxes[named.axis],
                     up_advice(named.axis)));
   }

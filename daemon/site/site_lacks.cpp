@@ -34,7 +34,7 @@ std::string obstacle(const Site& site, const std::vector<Uncalibrated>& all) {
   const bool is_whole_site = all.size() == site.access_points.size();
   return "nothing can be located: " +
          (is_whole_site ? std::string("the site is not calibrated")
-                        : "what is heard is not calibrated (" + who + ")") +
+                        : "the access points in use are not calibrated (" + who + ")") +
          "; see `rayloc calibrate --help`, with the site " + site.directory.string();
 }
 

@@ -59,7 +59,7 @@ std::string list_text(const Values& values, const Get& get) {
 std::string network_text(const PlaceNetwork& network, const std::string& method) {
   const auto itself = [](double value) { return value; };
   std::string text =
-      "\n[network]  # that knows places; [m]\nweights = \"" + method + ".f32\"\nhash = \"" +
+      "\n[network]  # classifies places; [m]\nweights = \"" + method + ".f32\"\nhash = \"" +
       weights_hash(weights_bytes(network.parameters)) +
       "\"  # of that file\nknows_nobody = " + (network.knows_nobody ? "true" : "false") +
       "\ntemperature = " + to_text(network.temperature) + "\nsigma = " + to_text(network.sigma) +

@@ -70,7 +70,8 @@ Json CalibrationJob::progress() const {
 
 Json CalibrationJob::outcome(int status) const {
   if (process_->was_stopped()) {
-    return {{"success", false}, {"verdict", "Stopped. What it had written does not count."}};
+    return {{"success", false},
+            {"verdict", "Stopped. The results that it had written are not used."}};
   }
   const auto text = read_file(out_ / "report.json");
   const Json report = text ? Json::parse(*text, nullptr, false) : Json();
@@ -79,7 +80,7 @@ Json CalibrationJob::outcome(int status) const {
   }
   std::error_code unknown;
   return {{"success", status == 0},
-          {"verdict", report["verdict"].value("expectation", "It says nothing.")},
+          {"verdict", report["verdict"].value("expectation", "It states no reason.")},
           {"folder", fs::absolute(out_, unknown).string()},
           {"report", true}};
 }
@@ -113,7 +114,7 @@ Expected<void> CalibrationJob::start(const std::string& what) {
   const fs::path survey = site_ / "survey.csv";
   const auto points = load_points_csv(survey);
   if (!points) {
-    return bad_input("walk a survey first: choose \"I stand here\" and tap where you stand (" +
+    return bad_input("walk a survey first: choose \"I am here\" and tap your place (" +
                      points.error().message + ")");
   }
   auto recordings = recordings_(points->front().t_start);

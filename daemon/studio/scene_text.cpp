@@ -295,7 +295,7 @@ class SceneEditing {
   void replace(const pugi::xml_node& node, const std::string& text) {
     if (begin_of(node) == std::string::npos) {
       error_ = Error{ErrorKind::kBadInput,
-                     "what is to be changed is not written where it can be: " + text +
+                     "the scene has no element that can be replaced by " + text +
                          "; give the object a <ref name=\"bsdf\"> by hand, then draw again"};
       return;
     }

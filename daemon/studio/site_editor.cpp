@@ -196,8 +196,8 @@ Expected<Json> SiteEditor::save(const std::string& text) const {
   }
   if (draft->revision != was->revision) {
     return make_error(ErrorKind::kUnavailable,
-                      "the files of the site have changed since they were read here; what you "
-                      "drew is still here: write down what you need of it, then read them again");
+                      "the files of the site have changed since they were read here; your drawing "
+                      "is kept: write down what you need of it, then read them again");
   }
   Files now = *was;
   auto toml = edit_site_text(was->toml, site_file(), *draft);
@@ -218,8 +218,8 @@ Expected<Json> SiteEditor::save(const std::string& text) const {
   // The check of a large scene takes seconds.
   if (const auto meanwhile = read(); !meanwhile || meanwhile->revision != was->revision) {
     return make_error(ErrorKind::kUnavailable,
-                      "the files of the site have changed while this was checked; what you drew is "
-                      "still here: read them again");
+                      "the files of the site have changed while this was checked; your drawing is "
+                      "kept: read them again");
   }
   if (auto replaced = replace(*was, now); !replaced) {
     return tl::make_unexpected(std::move(replaced.error()));

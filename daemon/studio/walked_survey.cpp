@@ -53,7 +53,7 @@ Expected<Json> WalkedSurvey::state() const {
 Expected<void> WalkedSurvey::stand(const Vec3d& position) {
   if (!(std::abs(position.x) < kFarthest && std::abs(position.y) < kFarthest &&
         std::abs(position.z) < kFarthest)) {
-    return bad_input("say where you stand: x, y and z in metres");
+    return bad_input("state your place: x, y and z in metres");
   }
   standing_ = Standing{position, std::chrono::system_clock::now(), frames_()};
   return {};
@@ -61,13 +61,13 @@ Expected<void> WalkedSurvey::stand(const Vec3d& position) {
 
 Expected<void> WalkedSurvey::keep() {
   if (!standing_) {
-    return bad_input("nobody stands anywhere: tap where you stand first");
+    return bad_input("no place was tapped: tap your place first");
   }
   const Frames frames = heard();
   if (std::all_of(frames.begin(), frames.end(), [](const auto& one) { return one.second == 0; })) {
     return make_error(ErrorKind::kUnavailable,
-                      "no access point has heard anything since you stand there; does the device "
-                      "send? Nothing was written");
+                      "no access point has received a frame since you tapped your place; does the "
+                      "device send? Nothing was written");
   }
   auto file = cli::SurveyFile::open(file_.string());
   if (!file) {

@@ -49,7 +49,7 @@ Expected<SurveyAnswer> parse_survey_answer(std::string_view line,
   }
   if (text.empty()) {
     if (next == nullptr) {
-      return bad_input(plan.empty() ? "type where the device stands: x,y,z"
+      return bad_input(plan.empty() ? "type the position of the device: x,y,z"
                                     : "all planned points are done: type x,y,z, a name, or q");
     }
     return SurveyAnswer{false, *next};

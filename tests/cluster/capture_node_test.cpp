@@ -100,7 +100,7 @@ TEST(CaptureNode, EveryDatagramIsInTheStreamOrInAMarkAndAllAreRecorded) {
     return number(capture().at("access_points").at(0).at("in_gap_marks")) > 0;
   }));
   EXPECT_THAT(daemon.log(),
-              HasSubstr("cluster: no broker answers; what is heard is still recorded"));
+              HasSubstr("cluster: no broker answers; received datagrams are still recorded"));
   ASSERT_TRUE(server.start());
   ASSERT_TRUE(eventually(kPatience, [&] {
     return capture().at("connected") == true && number(capture().at("sent")) > 50;

@@ -218,7 +218,7 @@ TEST_F(HotStandby, TellsOfAnOwnerThatSaysSomethingElse) {
     return standby("w1").differing() == 1;
   })) << worker->log();
   EXPECT_THAT(worker->log(),
-              HasSubstr("what its owner published is not what this worker computes"));
+              HasSubstr("its owner published other results than this worker computes"));
   EXPECT_THAT(worker->log(), HasSubstr("forged"));
   EXPECT_THAT(rayloc({"cluster", "status", "--server", server_.url()}, 0), HasSubstr(" 1 differ"));
   EXPECT_EQ(worker->stop(), 0) << worker->errors();

@@ -143,7 +143,8 @@ std::string said(const std::filesystem::path& folder, const std::vector<std::str
 }
 
 TEST(Field, ASiteThatCannotLocateSaysSoEverywhere) {
-  const std::string cannot = "nothing can be located: what is heard is not calibrated (ap2)";
+  const std::string cannot =
+      "nothing can be located: the access points in use are not calibrated (ap2)";
   const std::string no_people = "people are not looked for";
   const TemporaryFolder folder;
   LiveDaemon daemon(folder.path(), {.site = bundled(""), .access_points = {"ap2"}});
@@ -229,7 +230,7 @@ TEST(Field, TheLogSaysReadyWhenTheStatusDoes) {
                   "1000",
                   "--duration",
                   "5"});
-  EXPECT_TRUE(logs("info ready: every access point is heard")) << daemon.log();
+  EXPECT_TRUE(logs("info ready: every access point is received")) << daemon.log();
   const std::string status =
       said(folder.path(), {"status", "--http", "127.0.0.1:" + std::to_string(daemon.http_port())});
   EXPECT_THAT(status, HasSubstr(": ready\n"));

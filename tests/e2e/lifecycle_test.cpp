@@ -78,7 +78,7 @@ TEST(LifeCycle, SaysReadyOnceEverythingRunsAndStoppingAtTheEnd) {
   ASSERT_TRUE(eventually(kPatience, [&] {
     const std::vector<std::string>& lines = manager.lines();
     return std::any_of(lines.begin(), lines.end(), [](const std::string& line) {
-      return line.rfind("STATUS=0 of 1 sources heard; 0 datagrams", 0) == 0;
+      return line.rfind("STATUS=0 of 1 sources receive; 0 datagrams", 0) == 0;
     });
   }));
   EXPECT_EQ(daemon.stop(), 0) << daemon.errors();
@@ -169,10 +169,10 @@ TEST(LifeCycle, ASecondSignalEndsItAtOnceAndNoneWaitsForADeadDisk) {
     kill(append, SIGCONT);
     if (twice) {
       EXPECT_EQ(status, 128 + SIGTERM);
-      EXPECT_THAT(daemon.log(), Not(HasSubstr("what waits for the disk is lost")));
+      EXPECT_THAT(daemon.log(), Not(HasSubstr("data that waits for the disk is lost")));
     } else {
       EXPECT_EQ(status, 70) << daemon.errors();
-      EXPECT_THAT(daemon.log(), HasSubstr("what waits for the disk is lost"));
+      EXPECT_THAT(daemon.log(), HasSubstr("data that waits for the disk is lost"));
     }
   }
 }

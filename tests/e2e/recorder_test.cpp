@@ -333,7 +333,7 @@ TEST(Recorder, WritesWhatCameLatelyWhenAsked) {
   const std::string address = "127.0.0.1:" + std::to_string(daemon.http_port());
   Process early(folder.path(), "early", "rayloc", {"snapshot", "--http", address});
   EXPECT_EQ(early.wait(kPatience), 69);
-  EXPECT_THAT(early.errors(), HasSubstr("no source was heard"));
+  EXPECT_THAT(early.errors(), HasSubstr("no source has received"));
 
   NumberedSender sender(udp_port(daemon));
   sender.send(500);

@@ -174,8 +174,7 @@ Expected<StreamReplayReport> replay_stream(const std::shared_ptr<Broker>& broker
   if (report.owners == 0) {
     return make_error(ErrorKind::kUnavailable,
                       "site '" + replay.site + "': " +
-                          (report.notes.empty() ? "nobody has begun to speak for it, as far as the "
-                                                  "stream of results knows"
+                          (report.notes.empty() ? "the stream of results holds no owner of it"
                                                 : report.notes.back()));
   }
   return report;

@@ -57,7 +57,7 @@ Expected<std::string> line_of(const std::string& server, std::chrono::millisecon
   while (line.find('\n') == std::string::npos && line.size() < kLongest) {
     const ssize_t read = ::recv(peer.get(), some.data(), some.size(), 0);
     if (read <= 0) {
-      return silent(server, read == 0 ? "hangs up" : "says nothing");
+      return silent(server, read == 0 ? "hangs up" : "sends nothing");
     }
     line.append(some.data(), static_cast<std::size_t>(read));
   }
@@ -76,7 +76,7 @@ Expected<ServerGreeting> greeting_of(const std::string& server,
                         ? nlohmann::json::parse(line->substr(kBegin.size()), nullptr, false)
                         : nlohmann::json();
   if (!json.is_object()) {
-    return silent(server, "what answers is no NATS server");
+    return silent(server, "the peer is no NATS server");
   }
   const auto text = [&](const char* key) {
     return json.contains(key) && json.at(key).is_string() ? json.at(key).get<std::string>() : "";

@@ -105,10 +105,10 @@ Expected<void> enter(Broker& broker, const std::string& site, const json& manife
     return tl::make_unexpected(said.error());
   }
   if (!said->is_last) {
-    return make_error(ErrorKind::kUnavailable,
-                      "site '" + site +
-                          "': somebody else has changed it meanwhile; look at it, "
-                          "and try again");
+    return make_error(
+        ErrorKind::kUnavailable,
+        "site '" + site +
+            "': another client has changed it meanwhile; check its state, and try again");
   }
   const json old = *before ? json::parse((*before)->data, nullptr, false) : json();
   const std::string old_hash = old.is_object() ? old.value("hash", "") : "";
@@ -132,7 +132,7 @@ Expected<SiteBundle> split(const json& manifest, const std::string& all) {
   for (const json& file : manifest.value("files", json::array())) {
     const std::size_t bytes = file.value("bytes", std::size_t{0});
     if (bytes > all.size() - at) {
-      return refuse("a bundle is shorter than its entry says");
+      return refuse("a bundle is shorter than its entry states");
     }
     bundle.files[file.value("path", "")] = all.substr(at, bytes);
     at += bytes;

@@ -134,7 +134,8 @@ std::optional<OutStage::Standby> OutStage::standby() const {
 
 // REQUIRES: the mutex is held, and this is a standby.
 std::string OutStage::trouble() const {
-  return audit_->trouble().empty() ? "the owner has said nothing for too long" : audit_->trouble();
+  return audit_->trouble().empty() ? "the owner has published nothing for too long"
+                                   : audit_->trouble();
 }
 
 Timestamp OutStage::gone_before() const {

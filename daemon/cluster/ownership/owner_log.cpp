@@ -26,7 +26,7 @@ Error replaced(const std::string& site, std::uint64_t by) {
 
 Error followed_another(const std::string& site) {
   return {ErrorKind::kUnavailable,
-          "site '" + site + "': its last owner is not the one that this worker stood by for"};
+          "site '" + site + "': its last owner is not the owner that this standby followed"};
 }
 
 v1::Begin begin_message(const OwnerLog::Options& options, const SiteStart& start) {

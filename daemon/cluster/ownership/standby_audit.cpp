@@ -107,11 +107,11 @@ void StandbyAudit::compare_results(const Window& window, const std::vector<v1::O
   }
   ++counters_.differing;
   if (first_difference_.empty()) {
-    first_difference_ =
-        fmt::format("the window that ends at {:.6f} s: the owner said '{}', computed here was '{}'",
-                    1e-6 * static_cast<double>(window.output.done_us()),
-                    words(same < said.size() ? said[same].second : nullptr),
-                    words(same < found.size() ? found[same].second : nullptr));
+    first_difference_ = fmt::format(
+        "the window that ends at {:.6f} s: the owner published '{}', this worker computed '{}'",
+        1e-6 * static_cast<double>(window.output.done_us()),
+        words(same < said.size() ? said[same].second : nullptr),
+        words(same < found.size() ? found[same].second : nullptr));
   }
 }
 

@@ -77,7 +77,7 @@ Expected<RecordingRepair> repair_patiently(const std::string& path, Timestamp no
 std::string outcome(const std::string& path, const RecordingRepair& repair) {
   switch (repair.result) {
     case RecordingRepair::Result::kInUse:
-      return path + " is left alone: somebody writes it";
+      return path + " is not changed: another process writes it";
     case RecordingRepair::Result::kEmpty:
       return path + " had no record in it and is removed";
     case RecordingRepair::Result::kRepaired:

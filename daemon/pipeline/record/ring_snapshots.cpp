@@ -77,7 +77,8 @@ Expected<std::vector<std::string>> RingSnapshots::request() {
     }
   }
   if (files.empty()) {
-    return make_error(ErrorKind::kUnavailable, "there is nothing to write: no source was heard");
+    return make_error(ErrorKind::kUnavailable,
+                      "there is nothing to write: no source has received a datagram");
   }
   waiting_ = std::move(files);
   wake_.notify_one();

@@ -212,8 +212,9 @@ void ZoneWatch::forget_silent(Timestamp before) {
     if (given_up >= before) {
       return;
     }
-    leave_all(
-        silent, given_up, fmt::format("nothing was heard of it for {:g} s", to_seconds(kSilence)));
+    leave_all(silent,
+              given_up,
+              fmt::format("no frame of it was received for {:g} s", to_seconds(kSilence)));
   }
 }
 

@@ -73,8 +73,8 @@ TEST(Field, AReplayThatLocatesNothingEndsWithTheReason) {
       std::regex("\n([0-9]+) without a fix: no chain gains, calibrate the site \\(([0-9]+)\\)\n")))
       << finished.err;
   EXPECT_EQ(found[1], found[2]);
-  EXPECT_NE(finished.err.find(
-                "rayloc replay: nothing can be located: what is heard is not calibrated (ap1)"),
+  EXPECT_NE(finished.err.find("rayloc replay: nothing can be located: the access points in use are "
+                              "not calibrated (ap1)"),
             std::string::npos)
       << finished.err;
 }

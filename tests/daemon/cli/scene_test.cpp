@@ -213,7 +213,7 @@ TEST_F(SceneVerb, CheckWarnsAndStillSucceeds) {
   const Finished checked = RaylocProcess({"scene", "check", out()}).wait();
   EXPECT_EQ(checked.status, 0) << checked.err;
   EXPECT_NE(checked.out.find("warning: the antenna of core 0 of access point 'ap1' is inside of "
-                             "object 'table', where it hears nothing\n"),
+                             "object 'table', where it receives nothing\n"),
             std::string::npos)
       << checked.out;
 }

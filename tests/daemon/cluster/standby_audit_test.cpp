@@ -101,7 +101,7 @@ TEST(StandbyAudit, FindsWhatIsAnotherMissingOrTooMuch) {
   audit.compare(own, {});
   EXPECT_EQ(audit.counters().windows, 4U);
   EXPECT_EQ(audit.counters().differing, 3U);
-  EXPECT_NE(audit.first_difference().find("the owner said"), std::string::npos);
+  EXPECT_NE(audit.first_difference().find("the owner published"), std::string::npos);
   EXPECT_NE(audit.first_difference().find("0.015000 s"), std::string::npos)
       << audit.first_difference();
 }

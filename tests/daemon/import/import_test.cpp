@@ -121,7 +121,7 @@ TEST_F(Import, FilesOfAnotherProgramAreTheSameRoom) {
     const auto imported = import(made);
     ASSERT_TRUE(imported) << imported.error().message;
     expect_room(*imported);
-    EXPECT_NE(remarks(*imported).find("y is up, as glTF says"), std::string::npos);
+    EXPECT_NE(remarks(*imported).find("y is up, as glTF states"), std::string::npos);
   }
 }
 

@@ -195,7 +195,7 @@ TEST_F(RoomScan, NothingIsDroppedWithoutAWord) {
   EXPECT_THAT(said, HasSubstr("warning: it is of version 7, which is not known"));
   EXPECT_THAT(said, HasSubstr("left out, as it is not known here: roofs"));
   EXPECT_THAT(said, HasSubstr("bent, of which the chord was taken: walls[0]"));
-  EXPECT_THAT(said, HasSubstr("low confidence, look at them: windows[0]"));
+  EXPECT_THAT(said, HasSubstr("low confidence, check them: windows[0]"));
   EXPECT_THAT(said, HasSubstr("no row of the table of materials is of hammock"));
   EXPECT_THAT(said, HasSubstr("left out: 1 doors, windows or openings that are in no wall"));
   EXPECT_THAT(said, HasSubstr("left out: 1 pieces of furniture that lean"));

@@ -99,7 +99,7 @@ TEST_F(Svg, ADrawingOfAnotherProgramBecomesARoom) {
     EXPECT_LT(v.y, 3.201);
   }
   EXPECT_THAT(remarks(*room), HasSubstr("left out: 1 hidden, 1 text"));
-  EXPECT_THAT(remarks(*room), HasSubstr("drawn at 1:50, as told"));
+  EXPECT_THAT(remarks(*room), HasSubstr("drawn at 1:50, by --scale"));
   // Without a scale the size is ambiguous.
   const auto unscaled = import(made);
   ASSERT_FALSE(unscaled);

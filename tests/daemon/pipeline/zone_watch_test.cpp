@@ -129,7 +129,7 @@ TEST(ZoneWatch, LetsOneLeaveOfWhomNothingIsHeard) {
   EXPECT_EQ(lines(events_of(watch, 10.9)), "a entered desk 500 (1 inside)\n");
   const std::vector<ZoneEvent> events = events_of(watch, 11.0);
   EXPECT_EQ(lines(events), "a left desk 10900 (0 inside)\n");
-  EXPECT_EQ(events[0].reason, "nothing was heard of it for 10 s");
+  EXPECT_EQ(events[0].reason, "no frame of it was received for 10 s");
 }
 
 TEST(ZoneWatch, NamesThoseInsideInTheOrderInWhichTheyCame) {

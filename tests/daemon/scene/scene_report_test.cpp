@@ -124,7 +124,7 @@ TEST(SceneReport, WarnsOfAntennasInsideAndOutside) {
   EXPECT_EQ(kinds_of(report), (Kinds{"antenna_inside", "antenna_outside"}));
   EXPECT_EQ(report.warnings[0].message,
             "the antenna of core 0 of access point 'ap1' is inside of object 'block', where it "
-            "hears nothing");
+            "receives nothing");
   EXPECT_EQ(
       report.warnings[1].message,
       "the antenna of core 3 of access point 'ap1' is 3.5 m outside of the scene, at 1.5, 6.5, "

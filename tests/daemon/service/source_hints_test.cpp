@@ -150,10 +150,11 @@ TEST(SourceHints, ChainsThatAreMissingRareDeafOrUnknown) {
   unknown->set_frames(1000);
   EXPECT_THAT(
       hints_of(source),
-      ElementsAre("source ap1: no frame has core 0, which site.toml names",
-                  "source ap1: core 2 is in 800 of 1000 frames only",
-                  "source ap1: core 3 hears 33 dB less than the strongest: its antenna may be dead",
-                  "source ap1: core 1 comes and is not in site.toml"));
+      ElementsAre(
+          "source ap1: no frame has core 0, which site.toml names",
+          "source ap1: core 2 is in 800 of 1000 frames only",
+          "source ap1: core 3 receives 33 dB less than the strongest: its antenna may be dead",
+          "source ap1: core 1 comes and is not in site.toml"));
 }
 
 TEST(SourceHints, TornFramesAndAnotherBandwidth) {

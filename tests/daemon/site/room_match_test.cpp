@@ -245,8 +245,8 @@ TEST(Field, BoundsThatReachOutOfTheSceneAreSaid) {
   site.bounds_min.x = 6;
   site.access_points[0].array.pose.position.x = 6;
   EXPECT_THAT(found(*scene_of(room_of(kOffice), as_it_is), &site),
-              HasSubstr("error bounds: [bounds] states x from 6 to 9 m, and the scene lies "
-                        "elsewhere, from 0 to 4 m: both need one origin"));
+              HasSubstr("error bounds: [bounds] states x from 6 to 9 m, and the scene lies apart "
+                        "from it, from 0 to 4 m: both need one origin"));
 }
 
 TEST(Field, AntennasOutsideOfTheSceneAreSaid) {
@@ -288,8 +288,8 @@ TEST(Field, NamesOfFloorAndCeilingTellWhichWayIsUp) {
   const Site site = site_without_bounds();
   const auto scene = scene_of(room_of(kOffice), y_up);
   EXPECT_THAT(found(*scene, &site),
-              HasSubstr("error axes: what is named a floor or a ceiling stands upright, across y: "
-                        "exchange y and z"));
+              HasSubstr("error axes: an object that is named a floor or a ceiling is upright, "
+                        "across y: exchange y and z"));
   EXPECT_THAT(found(*scene, nullptr), HasSubstr("warning axes: "));
   // Without names, from what is missing.
   const auto part = scene_of({{"a", rectangle_mesh({0, 0, 0}, {4, 0, 0}, {0, 3, 0})},

@@ -63,7 +63,8 @@ TEST(Field, WhatIsHeardDecidesWhetherASiteCanLocate) {
   EXPECT_THAT(site_lacks(all.site, all.room, kCalibrated).all(), IsEmpty());
   EXPECT_THAT(
       site_lacks(all.site, all.room, kOthers).obstacles,
-      ElementsAre(HasSubstr("nothing can be located: what is heard is not calibrated (ap2, ap3)")));
+      ElementsAre(HasSubstr(
+          "nothing can be located: the access points in use are not calibrated (ap2, ap3)")));
 }
 
 TEST(Field, AFixedTransmitterWithoutAReferenceIsSaid) {

@@ -132,7 +132,7 @@ TEST_F(SiteEditorTest, WalkedPointsAreThoseThatCalibrateReads) {
   WalkedSurvey survey(file, [&] { return WalkedSurvey::Frames{{"ap1", frames}}; });
   EXPECT_FALSE(survey.keep());
   ASSERT_TRUE(survey.stand({0.5, 0.25, 1.2}));
-  EXPECT_THAT(survey.keep().error().message, HasSubstr("no access point has heard"));
+  EXPECT_THAT(survey.keep().error().message, HasSubstr("no access point has received"));
   frames += 21;
   EXPECT_EQ(survey.state().value()["standing"]["frames"]["ap1"], 21);
   ASSERT_TRUE(survey.keep());
