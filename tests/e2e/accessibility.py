@@ -195,7 +195,7 @@ def use(page, name, target):
     elif name == "heat-look":
         page.press("Enter")
         page.wait("document.querySelectorAll('#heat rect').length > 0 && "
-                  "/^Where somebody was in the last 24 h/.test(document.querySelector('#heat-text').textContent)")
+                  "/^Presence in the last 24 h/.test(document.querySelector('#heat-text').textContent)")
         page.press(" ")
         page.wait("!document.querySelector('#heat-text').checkVisibility()")
     elif name == "theme":

@@ -143,7 +143,7 @@
         quality: {no_fix_reason: 'nobody seen'}};
       const {model, said, tell} = begin([location(NOW, person('7', empty))]);
       same([model.at(NOW).length, said], [0, []], 'shown and announced');
-      same(model.absence(), 'Nobody is located: nobody seen.', 'said');
+      same(model.absence(), 'No person is located: nobody seen.', 'said');
       tell(NOW + 6000, []);
       same(model.absence(), 'No target has been located yet.', 'said when that is old');
     },
@@ -289,9 +289,9 @@
 
     'events are told in plain words'() {
       const phone = {mac: '02:00:00:00:00:01', name: 'phone'};
-      const track = (state, target = phone) => trackText({state: `TRACK_STATE_${state}`, target, reason: 'not heard for too long'});
-      same(['TENTATIVE', 'CONFIRMED', 'COASTING', 'LOST'].map((state) => track(state)), ['phone is heard for the first time',
-        'phone is located', 'phone is not heard at the moment', 'phone is gone: not heard for too long'], 'a device');
+      const track = (state, target = phone) => trackText({state: `TRACK_STATE_${state}`, target, reason: 'not received for too long'});
+      same(['TENTATIVE', 'CONFIRMED', 'COASTING', 'LOST'].map((state) => track(state)), ['phone is received for the first time',
+        'phone is located', 'phone is not received at the moment', 'phone is gone: not received for too long'], 'a device');
       same(track('COASTING', {track: '3'}), 'person 3 is not seen at the moment', 'a person');
       const left = (dwell, reason) => zoneText({target: phone, zone: 'desk2', kind: 'ZONE_EVENT_KIND_LEFT', dwell, reason});
       same(left('4.1s'), 'phone left desk2 after 4 s', 'a zone');
@@ -301,8 +301,8 @@
         status: `SOURCE_STATUS_${status}`, counters: {}}});
       const {model} = begin([source(NOW - 40, 'WAITING'), source(NOW - 30, 'RECEIVING'), source(NOW - 20, 'STALLED'),
         source(NOW - 10, 'RECEIVING'), source(NOW, 'FAILED', 'torn file')]);
-      same(model.events.map(({text}) => text), ['ap9 cannot be heard: torn file', 'ap9 is heard again', 'ap9 has fallen silent',
-        'ap9 is heard'], 'an access point');
+      same(model.events.map(({text}) => text), ['ap9 cannot be received: torn file', 'ap9 sends again', 'ap9 has fallen silent',
+        'ap9 sends'], 'an access point');
     },
 
     'a channel is shown with its age, its place and its name'() {
@@ -313,11 +313,11 @@
       const laptop = {mac: '02:00:00:00:00:02', name: 'laptop', track: '2'};
       const {model} = begin([location(NOW, {target: laptop})]);
       showChannel([channel(NOW - 7000)], null, model);
-      same(said(), 'phone at 1.00, -0.50, heard 7 s ago', 'live');
+      same(said(), 'phone at 1.00, -0.50, received 7 s ago', 'live');
       showChannel([channel(NOW - 7000, '')], '02:00:00:00:00:01', model, false);
       same(said(), 'Not of the moment that the map shows. 02', 'in review, of one without a name');
       showChannel([channel(NOW - HOUR)], laptop.mac, model);
-      same(said(), 'Of laptop no channel is known. phone at 1.00, -0.50, heard 3600 s ago', 'when another one is selected');
+      same(said(), 'laptop has no channel yet. phone at 1.00, -0.50, received 3600 s ago', 'when another one is selected');
       showChannel([channel(Date.parse('2020-01-01T00:01:07Z'))], null, begin([playing(NOW, 1)]).model);
       same(document.querySelector('#csi-text').textContent.startsWith('phone at 1.00, -0.50, 1:07.0 into the recording: '), true,
         'of a recording');

@@ -308,7 +308,7 @@ class MapTest:
         text = page.wait("document.querySelectorAll('#csi-charts .measured').length === 9 && "
                          "document.querySelectorAll('#csi-charts .simulated').length === 9 && "
                          "document.querySelector('#csi-text').textContent")
-        assert re.match(DEVICE + r" at -?\d+\.\d+, -?\d+\.\d+, heard \d+ s ago: ", text), text
+        assert re.match(DEVICE + r" at -?\d+\.\d+, -?\d+\.\d+, received \d+ s ago: ", text), text
         explained = [int(word) for word in re.findall(r"ap\d (\d+) %", text)]
         # Only the gains are calibrated, so not every access point agrees; an arbitrary channel
         # explains some 10 %.

@@ -17,7 +17,7 @@ export class Calibration {
     this.say = say;
     this.running = false;
     byId('calibrate-start').addEventListener('click', () => {
-      if (isChanged()) say('Save first: what the files have is calibrated', 'bad');
+      if (isChanged()) say('Save first: the calibration reads the files of the site', 'bad');
       else this.control(new URLSearchParams({do: 'start', what: byId('calibrate-what').value}));
     });
     byId('calibrate-stop').addEventListener('click', () => this.control('do=stop'));

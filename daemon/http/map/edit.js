@@ -14,14 +14,14 @@ import {View} from './view.js';
 
 const PATIENCE_MS = 60_000;  // a scan is read and checked
 const HINTS = {
-  select: 'Click what you want to change; then drag it. Arrows move the plan, Delete takes out, Ctrl+Z undoes.',
+  select: 'Click an object to change it; then drag it. Arrows move the plan, Delete removes the object, Ctrl+Z undoes.',
   place: 'Click where the access point is; then drag the dot to turn it.',
   zone: 'Drag a rectangle, or click corner by corner; Enter or the first corner closes it.',
   furniture: 'Drag from corner to corner.',
   wall: 'Drag from end to end.',
-  measure: 'Click two places in the picture whose distance you know; then write it at “how far they are apart”.',
+  measure: 'Click two places in the picture at a known distance; then write it at “how far they are apart”.',
   carry: 'Click a place in the picture, then where it belongs.',
-  stand: 'Tap where you stand, and stand still until enough frames are counted.',
+  stand: 'Tap your place, and stay there until enough frames are counted.',
 };
 
 let state = null;

@@ -40,7 +40,7 @@ export class Heat {
       this.show(presence);
     } catch (error) {
       if (!this.shown) return;
-      setText(byId('heat-text'), `Where somebody was is not known: ${error.message}.`);
+      setText(byId('heat-text'), `The presence map cannot be read: ${error.message}.`);
     }
     this.changed();
     this.next = setTimeout(() => this.look(), ASK_MS);
@@ -53,8 +53,8 @@ export class Heat {
       class: `heat-${shadeOf(stay, longest)}`, x: x - side / 2, y: y - side / 2, width: side, height: side,
     }, [svg('title', {}, [stayText(stay)])])));
     const of = kept >= 7200 ? `${Math.round(kept / 3600)} h` : stayText(kept);
-    setText(byId('heat-text'), stays.length === 0 ? `Nobody was located in the last ${of}.`
-      : `Where somebody was in the last ${of}: the darker, the longer; ${stayText(longest)} at the darkest place.`);
+    setText(byId('heat-text'), stays.length === 0 ? `No target was located in the last ${of}.`
+      : `Presence in the last ${of}: the darker, the longer; ${stayText(longest)} at the darkest place.`);
   }
 
   place(view) {

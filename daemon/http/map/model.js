@@ -169,7 +169,7 @@ export class Model {
   absence(isPresent = true) {
     if (!isPresent) return 'No target had been located by then.';
     const {nobody} = this;
-    return nobody && this.now() - nobody.sent < FRESH_MS ? `Nobody is located: ${nobody.reason}.`
+    return nobody && this.now() - nobody.sent < FRESH_MS ? `No person is located: ${nobody.reason}.`
       : 'No target has been located yet.';
   }
 

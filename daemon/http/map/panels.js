@@ -79,7 +79,7 @@ function showNoChannel(why) {
 function heardText(time, model) {
   const {playback} = model;
   if (playback) return `${minutes(model.played((time - playback.begin) / 1000))} into the recording`;
-  return `heard ${number(Math.max(0, model.now() - time) / 1000, 0)} s ago`;
+  return `received ${number(Math.max(0, model.now() - time) / 1000, 0)} s ago`;
 }
 
 // All text and charts are of one burst, and of the position at which it was located: a moving
@@ -87,7 +87,7 @@ function heardText(time, model) {
 export function showChannel(channels, selected, model, isPresent = true) {
   const channel = channels.find((one) => one.target === selected) || channels[0];
   if (!channel) return showNoChannel('No device has been located since this panel was opened.');
-  const other = selected && selected !== channel.target ? `Of ${model.nameOf(selected)} no channel is known. ` : '';
+  const other = selected && selected !== channel.target ? `${model.nameOf(selected)} has no channel yet. ` : '';
   const then = isPresent ? '' : 'Not of the moment that the map shows. ';
   const heard = heardText(Date.parse(channel.time), model);
   const [x, y] = channel.position;

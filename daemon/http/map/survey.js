@@ -47,7 +47,7 @@ export class Survey {
     const enough = standing && Object.values(standing.frames).every((count) => count >= ENOUGH);
     setText(byId('survey-text'), standing
       ? `At ${standing.position.map((v) => number(v)).join(', ')} for ${Math.round(standing.seconds)} s${enough ? ': enough' : ''}`
-      : `${points.length} points in ${told.file}. Choose “I stand here” and tap where you stand.`);
+      : `${points.length} points in ${told.file}. Choose “I am here” and tap your place.`);
     byId('survey-rows').replaceChildren(...Object.entries(standing?.frames ?? {}).map(([name, count]) => html('tr', {}, [
       html('th', {scope: 'row'}, [name]), html('td', {class: count >= ENOUGH ? 'good' : ''}, [`${count} of ${ENOUGH} frames`])])));
     this.place();

@@ -60,7 +60,7 @@ export class Underlay {
     byId('underlay-shown').value = USUAL;
     this.offer();
     this.editor.chooseTool('measure');
-    say(`${file.name} lies under the drawing: click two places in it whose distance you know`);
+    say(`${file.name} lies under the drawing: click two places in it at a known distance`);
   }
 
   // Two places were clicked.

@@ -25,7 +25,7 @@ export const trackStateText = (state) => STATES[word(state, 'TRACK_STATE_')] ?? 
 
 export function trackText({target, state, reason}) {
   const name = targetName(target);
-  const heard = isPerson(target) ? 'seen' : 'heard';
+  const heard = isPerson(target) ? 'seen' : 'received';
   const because = reason ? `: ${reason}` : '';
   return {
     tentative: `${name} is ${heard} for the first time`,
@@ -51,9 +51,9 @@ export function zoneText(event) {
 export function sourceText(id, was, is, detail) {
   return {
     waiting: `nothing has come from ${id} yet`,
-    receiving: statusText(was) === 'stalled' || statusText(was) === 'failed' ? `${id} is heard again` : `${id} is heard`,
+    receiving: statusText(was) === 'stalled' || statusText(was) === 'failed' ? `${id} sends again` : `${id} sends`,
     stalled: `${id} has fallen silent`,
     ended: `the recording of ${id} has come to its end`,
-    failed: `${id} cannot be heard${detail ? `: ${detail}` : ''}`,
+    failed: `${id} cannot be received${detail ? `: ${detail}` : ''}`,
   }[statusText(is)] ?? `${id}: ${statusText(is)}`;
 }
