@@ -38,8 +38,8 @@ void bind_calibration(py::module_& module) {
   module.def("run_calibration",
              calibrate,
              py::arg("arguments"),
-             "Whether the calibrated room explains what was held out. It takes over SIGINT and "
-             "SIGTERM: only for a process of its own.");
+             "Calibrates, and returns true if the calibrated room explains the points held out. It "
+             "takes over SIGINT and SIGTERM: only for a process of its own.");
   module.def("end_with_parent",
              &rayloc::end_with_parent,
              py::arg("parent"),

@@ -72,7 +72,7 @@ void bind_device(py::module_& module, const char* name, const std::string& doc) 
       .def_property_readonly(
           "position",
           [](const Device& device) { return triple_of(device.position); },
-          "Of the antenna [m], world.")
+          "Position of the antenna [m], world.")
       .def_property_readonly(
           "orientation",
           [](const Device& device) {
@@ -148,8 +148,8 @@ void bind_grid(py::module_& module) {
 Tone j is at centre + tone_index[j] * spacing.
 
 Args:
-    centre: of the channel [Hz].
-    spacing: of neighbouring tones [Hz].
+    centre: centre frequency of the channel [Hz].
+    spacing: distance of neighbouring tones [Hz].
     tone_index: whole numbers that ascend; 0 is the centre.
 
 Shapes: `frequencies` is (tones,). Units: hertz. Frame: none.

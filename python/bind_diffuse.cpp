@@ -13,16 +13,17 @@ namespace py = pybind11;
 namespace rayloc::python {
 namespace {
 
-constexpr const char* kDensityDoc = R"(What the rough surfaces of a scene scatter over a link, once.
+constexpr const char* kDensityDoc =
+    R"(Echoes that the rough surfaces of a scene scatter over a link, once.
 
-Made by `Paths.diffuse`. An echo stands for a part of a surface. Its power is the mean of |h|^2 over
+Made by `Paths.diffuse`. An echo represents a part of a surface. Its power is the mean of |h|^2 over
 all phases that the part may have, so there is no amplitude: echoes have no place in `cfr`. `tau`,
 `power`, `departure`, `arrival` and `vertices` are read-only views of the memory of the engine.
 
 Shapes: `tau` and `power` (echoes,), `departure`, `arrival` and `vertices` (echoes, 3),
     `profile(...)` (bins,).
 Units: seconds, metres; powers are received over sent, of the same kind as |Paths.a|^2.
-Frame: world, right-handed, z up; `arrival` points from the receiver to where the wave comes from.
+Frame: world, right-handed, z up; `arrival` points from the receiver towards the incoming wave.
 Errors: `profile` raises rayloc.Error where step is not above 0 or bins are not 1 to 1,000,000.
 Source: engine/trace/diffuse/diffuse_density.h.)";
 
@@ -102,7 +103,7 @@ void bind_diffuse(py::module_& module) {
            py::arg("first"),
            py::arg("step"),
            py::arg("bins"),
-           "Power by delay, (bins,): of bin i from first + i * step on [s].")
+           "Power by delay, (bins,): bin i begins at first + i * step [s].")
       .def("__len__", [](const DiffuseDensity& density) { return density.echoes().size(); });
 }
 

@@ -47,7 +47,7 @@ void translate(std::exception_ptr thrown) {
 }
 
 constexpr const char* kErrorDoc =
-    R"(What input caused, with the text that the command line would print.
+    R"(An error that input caused, with the text that the command line would print.
 
 Attributes:
     kind: "usage", "bad_input", "unavailable", "internal" or "configuration".

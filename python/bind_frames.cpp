@@ -147,7 +147,7 @@ void bind_frames(py::module_& module) {
       .def("arrays", stream_arrays, py::arg("stream"), "By name, as rayloc.Frames has them.")
       .def("taken", taken, py::arg("numbers"), "The frames of these numbers.")
       .def_readonly("access_points", &FrameTable::access_points, "Names that headers count.")
-      .def_readonly("notes", &FrameTable::notes, "What people should know of the recordings.")
+      .def_readonly("notes", &FrameTable::notes, "Notes on the recordings, for people.")
       .def("__len__", [](const FrameTable& table) { return table.frames.size(); });
   module.def("read_frame_table",
              read,

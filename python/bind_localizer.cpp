@@ -81,7 +81,7 @@ py::array_t<double> log_likelihood(const LocalizerHandle& handle, const FrameTab
     const py::gil_scoped_release unlocked;
     const RoomObservation heard = handle.localizer->hear(frames);
     if (heard.arrays.empty()) {
-      refuse("no calibrated access point heard these frames");
+      refuse("no calibrated access point received these frames");
     }
     map = handle.localizer->evidence(heard).log_likelihood;
   }
@@ -120,14 +120,14 @@ py::list hypotheses_of(const LocationEstimate& estimate) {
 
 void bind_estimate(py::module_& module) {
   py::class_<LocationEstimate>(
-      module, "LocationEstimate", R"(Where a device is, and how sure that is.
+      module, "LocationEstimate", R"(The position of a device, and its uncertainty.
 
 Made by `Localizer.locate`.
 
 Shapes: `position` (3,), `covariance` (3, 3); `hypotheses` a list of (position, covariance, weight).
 Units: metres, square metres; probabilities from 0 to 1.
 Frame: the world of the site, right-handed, z up.
-Errors: none; without a fix `position` is None and `reason` says why.
+Errors: none; without a fix `position` is None and `reason` states the reason.
 Source: engine/room/location_estimate.h.)")
       .def_property_readonly(
           "position",
@@ -137,7 +137,7 @@ Source: engine/room/location_estimate.h.)")
       .def_property_readonly(
           "covariance",
           [](const LocationEstimate& one) { return matrix_of(one.covariance); },
-          "Of the whole posterior about `position` [m^2], (3, 3).")
+          "Covariance of the whole posterior about `position` [m^2], (3, 3).")
       .def_readonly("accuracy",
                     &LocationEstimate::accuracy_m,
                     "Horizontal radius [m] that holds the device with accuracy_confidence.")
@@ -145,9 +145,9 @@ Source: engine/room/location_estimate.h.)")
       .def_property_readonly("hypotheses", hypotheses_of, "Heaviest first.")
       .def_readonly("residual_probability",
                     &LocationEstimate::residual_probability,
-                    "Probability that the device is elsewhere than the hypotheses say.")
+                    "Probability that the device is at none of the hypotheses.")
       .def_readonly(
-          "ambiguous", &LocationEstimate::ambiguous, "Whether another place is nearly as likely.")
+          "ambiguous", &LocationEstimate::ambiguous, "True if another place is nearly as likely.")
       .def_readonly("warnings", &LocationEstimate::warnings, "Sentences for people.");
 }
 
@@ -155,7 +155,7 @@ Source: engine/room/location_estimate.h.)")
 
 void bind_localizer(py::module_& module) {
   bind_estimate(module);
-  py::class_<LocalizerHandle>(module, "NativeLocalizer", "What rayloc.Localizer holds.")
+  py::class_<LocalizerHandle>(module, "NativeLocalizer", "Native part of rayloc.Localizer.")
       .def(py::init(&localizer_of), py::arg("site"), py::arg("cache"))
       .def("locate", locate, py::arg("frames"), py::arg("likelihood_exponent"))
       .def("log_likelihood", log_likelihood, py::arg("frames"))

@@ -225,28 +225,29 @@ Errors: `derivatives` raises rayloc.Error for an unknown parameter or one withou
 Source: engine/trace/paths.h, engine/trace/path.h; interactions as in Sionna RT: 0 none, 1 specular,
     4 refraction, 8 diffraction, and 16 for an edge that is passed with softness.)";
 
-constexpr const char* kDerivativesDoc = R"(How every path of a link changes with every parameter.
+constexpr const char* kDerivativesDoc = R"(Derivatives of every path of a link by every parameter.
 
 Made by `Paths.derivatives`; the same bits as the engine gives in C++. `a` and `tau` are read-only
 views of its memory.
 
 Shapes: `a` and `tau` (paths, parameters), `cfr(grid)` (parameters, tones),
     `loss_gradient(grid, csi_adjoint)` (parameters,).
-Units: of the value per unit of the parameter: metre, radian, S/m, or 1 for gains and eps_r.
+Units: unit of the value per unit of the parameter: metre, radian, S/m, or 1 for gains and eps_r.
 Frame: world, right-handed, z up.
 Errors: `loss_gradient` raises rayloc.Error where the adjoint is not one value a tone.
 Source: engine/trace/path_derivatives.h, engine/trace/parameter.h.)";
 
 void bind_link_paths(py::module_& module) {
   py::class_<LinkPaths, SharedPaths>(module, "Paths", kPathsDoc)
-      .def_property_readonly("a", a_of, "Coefficients without the phase of the way, complex128.")
+      .def_property_readonly(
+          "a", a_of, "Coefficients without the phase of the path length, complex128.")
       .def_property_readonly("tau", tau_of, "Delays [s].")
       .def_property_readonly("departure",
                              path_vectors<&Path::departure>,
-                             "Unit vectors, world: the way the wave leaves the transmitter.")
+                             "Unit vectors, world: direction of the wave at the transmitter.")
       .def_property_readonly("arrival",
                              path_vectors<&Path::arrival>,
-                             "Unit vectors, world: from the receiver to where the wave comes from.")
+                             "Unit vectors, world: from the receiver towards the incoming wave.")
       .def_property_readonly("theta_t", angle_of<&Path::theta_t>, "Zenith of departure [rad].")
       .def_property_readonly("phi_t", angle_of<&Path::phi_t>, "Azimuth of departure [rad].")
       .def_property_readonly("theta_r", angle_of<&Path::theta_r>, "Zenith of arrival [rad].")
@@ -279,8 +280,8 @@ void bind_link_paths(py::module_& module) {
       .def("diffuse",
            diffuse,
            py::arg("reflections") = 0,
-           "What rough surfaces scatter once over the same link, a DiffuseDensity, with 0 to 2 "
-           "reflections before and after it in all; rayloc.Error where the paths were traced "
+           "Echoes that rough surfaces scatter once over the same link, a DiffuseDensity, with 0 "
+           "to 2 reflections before and after it in all; rayloc.Error where the paths were traced "
            "without diffuse_reflection.")
       .def("__len__", [](const LinkPaths& link) { return link.paths.size(); });
 }
@@ -291,7 +292,7 @@ void bind_paths(py::module_& module) {
   bind_link_paths(module);
   py::class_<LinkDerivatives, std::shared_ptr<LinkDerivatives>>(
       module, "Derivatives", kDerivativesDoc)
-      .def_readonly("names", &LinkDerivatives::names, "Of the parameters, in their order.")
+      .def_readonly("names", &LinkDerivatives::names, "Names of the parameters, in their order.")
       .def_property_readonly(
           "a",
           [](const py::object& self) {
@@ -317,8 +318,8 @@ void bind_paths(py::module_& module) {
            loss_gradient,
            py::arg("grid"),
            py::arg("csi_adjoint"),
-           "Of a real loss L, (parameters,); csi_adjoint g (tones,) has dL = Re sum conj(g) dh, so "
-           "for L = sum |h|^2 it is 2 h.");
+           "Gradient of a real loss L, (parameters,); csi_adjoint g (tones,) has dL = Re sum "
+           "conj(g) dh, so for L = sum |h|^2 it is 2 h.");
 }
 
 }  // namespace rayloc::python

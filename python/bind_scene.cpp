@@ -96,7 +96,7 @@ Units: metres, hertz, siemens per metre.
 Frame: the world of the scene file, right-handed, z up.
 Errors: `vertices` raises rayloc.Error where the scene has no such object.
 Source: engine/scene/scene.h.)")
-      .def_readonly("name", &SceneHandle::name, "Of the site, else of the file.")
+      .def_readonly("name", &SceneHandle::name, "Name of the site, else of the file.")
       .def_property_readonly(
           "frequency",
           [](const SceneHandle& handle) { return handle.scene->carrier_hz(); },

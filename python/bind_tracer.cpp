@@ -162,7 +162,8 @@ py::tuple changed(const SceneHandle& handle,
 }
 
 void bind_receiver_tracer(py::module_& module) {
-  py::class_<ReceiverHandle>(module, "ReceiverTracer", R"(What a receiver may hear, built once.
+  py::class_<ReceiverHandle>(
+      module, "ReceiverTracer", R"(Tracer of the paths to one receiver, built once.
 
 Made by `Tracer.at`; tracing from many transmitters is then fast.
 
@@ -189,14 +190,14 @@ void bind_tracer(py::module_& module) {
   py::class_<TracerHandle>(module, "Tracer", R"(Traces links of a scene.
 
 Args:
-    scene: of load_scene.
+    scene: a scene of load_scene.
     max_depth: most interactions of a path, 0 to 16.
     refraction: also straight through objects; each face that is crossed counts for the depth.
     softness: distance from its edge over which a face begins to reflect and to shadow [m].
     diffraction: 1 (or True): also round one edge, with at most two interactions on each side of
         it; the edge counts for the depth. 2: also round two edges in a row, which takes longer as
         the number of edges squared. Not with softness.
-    diffuse_reflection: rough materials reflect less; what they scatter is `Paths.diffuse`.
+    diffuse_reflection: rough materials reflect less; `Paths.diffuse` has the scattered echoes.
 
 Shapes: none. Units: metres. Frame: world, right-handed, z up.
 Errors: rayloc.Error for an argument out of its range, where both ends are the same point, and for
@@ -214,7 +215,7 @@ Source: engine/trace/path_tracer.h. All paths are found, none twice; many thread
            trace_links,
            py::arg("tx"),
            py::arg("rx"),
-           "Of every pair, [tx][rx], on all cores and without the lock of Python.")
+           "The Paths of every pair, [tx][rx], on all cores and without the lock of Python.")
       .def(
           "at",
           [](const TracerHandle& handle, const Receiver& receiver) {
@@ -227,14 +228,14 @@ Source: engine/trace/path_tracer.h. All paths are found, none twice; many thread
   module.def("parameter_names",
              parameter_names,
              py::arg("scene"),
-             R"(Everything that a link of the scene can be differentiated by.
+             R"(All parameters by which a link of the scene can be differentiated.
 
-`tx`, `rx`, `..._orientation`, `..._array_turn` and `object.NAME` stand for three numbers, of which
-".0", ".1" or ".2" behind the name is one; `offset.NAME` for one of each surface of the object. Of
-paths that were traced with diffuse_reflection there is `scattering.NAME` of a rough material, too.
+`tx`, `rx`, `..._orientation`, `..._array_turn` and `object.NAME` have three numbers each: ".0", ".1"
+or ".2" behind the name selects one. `offset.NAME` has one for each surface of the object. Paths that
+were traced with diffuse_reflection have `scattering.NAME` of a rough material, too.
 
 Args:
-    scene: of load_scene.
+    scene: a scene of load_scene.
 
 Returns:
     Names for `Paths.derivatives`, `gradient` and `changed`.

@@ -1,4 +1,4 @@
-"""Keeps a table of where everything is, from what was last said on.
+"""Keeps a table of all positions, beginning with the snapshot.
 
 subscribe_async.py [ENDPOINT [SNAPSHOT]]"""
 

@@ -13,8 +13,8 @@ The engine is here as well, with arrays of numpy (python/README.md of the source
     h = rayloc.cfr(paths, rayloc.OfdmGrid.of(5.19e9))
 
 `Subscriber` is for ordinary code, `AsyncSubscriber` for asyncio; both take the arguments of
-`rayloc.connection.Connection` and know what was lost (`lost`), whether the daemon was restarted
-(`restarts`) and whether it is still heard (`stale`). The messages themselves are the classes of
+`rayloc.connection.Connection` and count lost messages (`lost`) and restarts of the daemon
+(`restarts`); `stale` is true once its heartbeats are missing. The messages themselves are the classes of
 `rayloc.v1`, generated from proto/rayloc/v1.
 """
 

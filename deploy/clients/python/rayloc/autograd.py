@@ -84,16 +84,16 @@ def channel(
     """The channel of a link of which some numbers are changed by a tensor.
 
     Args:
-        values: a real tensor of torch, what is added to each parameter; its gradient is filled by
+        values: a real tensor of torch, added to the parameters; its gradient is filled by
             backward().
-        link: what the values count from.
+        link: the link to whose parameters the values are added.
         parameters: names, as rayloc.gradient takes them; a group such as "tx" has several values.
         grid: the tones.
         max_depth: as of rayloc.trace.
         refraction: as of rayloc.trace.
         softness: as of rayloc.trace; above 0 the loss does not jump where a path appears.
         diffraction: as of rayloc.trace.
-        diffuse_reflection: as of rayloc.trace; what is scattered is no part of the channel.
+        diffuse_reflection: as of rayloc.trace; scattered echoes are no part of the channel.
 
     Returns:
         A complex tensor, the frequency response.

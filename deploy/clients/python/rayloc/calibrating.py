@@ -30,7 +30,7 @@ CHILD = """
 import json, sys
 from rayloc import _engine
 if not _engine.end_with_parent(int(sys.argv[2])):
-    sys.exit("nobody waits for this calibration any more")
+    sys.exit("the process that started this calibration has ended")
 try:
     answer = {"explains": _engine.run_calibration(json.loads(sys.stdin.read()))}
 except _engine.Error as error:
@@ -57,19 +57,19 @@ def calibrate(
     Args:
         site: a directory with site.toml, as surveyed.
         captures: recordings of the survey, "AP=FILE".
-        points: where the device stood, csv: t_start, t_end, x, y, z.
+        points: surveyed positions of the device, csv: t_start, t_end, x, y, z.
         out: folder to create: the calibrated site, with report.json and report.html.
         method: "joint", "paper" or "gains-only".
         holdout: share of the points kept for checking, 0 to 0.8.
         survey_error: standard deviation of the points along each axis [m]; None: the joint method
             finds it, the others assume 0.005.
-        seed: of the draw of those points.
-        resume: goes on with what was interrupted in `out`.
+        seed: seed of the draw of those points.
+        resume: continues the calibration that was interrupted in `out`.
         force: also into a folder that is not empty, and what is no success.
 
     Returns:
-        Whether the calibrated room explains the points that were held out; where it does not, the
-        site was written with `force` only, and report.json says why.
+        True if the calibrated room explains the points that were held out. If it does not, the site
+        was written with `force` only, and report.json states the reason.
 
     Ctrl-C ends it within a second and raises KeyboardInterrupt; `out` then holds the last good
     state, from which resume=True goes on. It ends as well, at once and with the same state, when

@@ -1,4 +1,4 @@
-"""Connection: the sockets of a subscriber, and what both kinds of subscribers can tell."""
+"""Connection: the sockets of a subscriber, and the state that both kinds of subscribers report."""
 
 from __future__ import annotations
 
@@ -17,19 +17,20 @@ LOOK = 0.5
 
 
 class NoSnapshot(Exception):
-    """The daemon is heard, but nobody answers at the snapshot's endpoint."""
+    """The daemon sends, but no answer comes from the snapshot's endpoint."""
 
 
 class Connection:
-    """`endpoint`: where raylocd publishes. `snapshot`: where it tells who comes late what was last
-    said of each topic; None: begin with what comes. `topics`: what the topics begin with.
-    `targets`: of the messages about a target only those about these (address, hashed address or
+    """`endpoint`: where raylocd publishes. `snapshot`: its endpoint with the last message of each
+    topic, for late subscribers; None: begin with the next message. `topics`: prefixes of the topics.
+    `targets`: messages about a target only if it is one of these (address, hashed address or
     "person-N"); empty: all. `stale_after`: seconds without a heartbeat, or by which the last one was
     longer on its way than the quickest, after which the daemon counts as gone; the clocks of the two
-    machines need not agree. `patience`: seconds to wait for the snapshot. `high_water_mark`: messages that may wait here for a slow program.
+    machines need not agree. `patience`: seconds to wait for the snapshot.
+    `high_water_mark`: messages that may wait here for a slow program.
 
-    Connecting succeeds whether or not somebody publishes: ZeroMQ connects, and connects again, by
-    itself. One thread, or one event loop."""
+    Connecting succeeds also without a publisher: ZeroMQ connects, and connects again,
+    by itself. One thread, or one event loop."""
 
     def __init__(
         self,
@@ -72,18 +73,18 @@ class Connection:
 
     @property
     def malformed(self) -> int:
-        """What came and was no message of raylocd."""
+        """Number of received messages that are no message of raylocd."""
         return self._stream.malformed
 
     @property
     def epoch(self) -> Optional[int]:
-        """Of the daemon heard last; None before the first message."""
+        """Epoch of the daemon that sent last; None before the first message."""
         return self._stream.epoch
 
     @property
     def stale(self) -> bool:
-        """No heartbeat for `stale_after` seconds, none yet, or the daemon said goodbye: what you
-        know is no longer, or not yet, how it is. What arrives is looked at in receive()."""
+        """No heartbeat for `stale_after` seconds, none yet, or the daemon sent its goodbye: the state
+        is no longer, or not yet, current. Messages are read in receive()."""
         return self._stream.stale(time.monotonic())
 
     @staticmethod

@@ -20,11 +20,11 @@ __all__ = ["LocationEstimate", "Localizer"]
 
 
 class Localizer:
-    """Where a device stands that sent a burst of frames, heard by any number of access points.
+    """Locates a device that sent a burst of frames, received by any number of access points.
 
     Args:
         site: a directory with site.toml; access points without calibration are left out.
-        cache: whether what is traced is kept for the next time, as raylocd does.
+        cache: keeps the traced paths for the next time, as raylocd does.
 
     Making one traces the room, which takes seconds; `locate` takes milliseconds.
 
@@ -42,7 +42,7 @@ class Localizer:
 
     @property
     def access_points(self) -> list[str]:
-        """Of the site, in its order."""
+        """Access points of the site, in its order."""
         return self._native.access_points
 
     def locate(
@@ -52,5 +52,5 @@ class Localizer:
         return self._native.locate(frames._table, likelihood_exponent)
 
     def log_likelihood(self, frames: Frames) -> NDArray[np.float64]:
-        """Of each cell, (x, y), against the device being nowhere in particular; not tempered."""
+        """Log-likelihood of each cell, (x, y), relative to the null model of a device anywhere; not tempered."""
         return self._native.log_likelihood(frames._table)

@@ -1,4 +1,4 @@
-"""What a subscriber hands out: a message, with what became known to be lost before it."""
+"""Message: the result of a subscriber, with the losses that were found before it."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ class Gap:
 
 @dataclass(frozen=True)
 class Message:
-    """One published message. `restarted`: the first one that is known of a new start of the
-    daemon. `from_snapshot`: it was said before this subscriber came."""
+    """One published message. `restarted`: the first one after a new start of the daemon.
+    `from_snapshot`: it was published before this subscriber connected."""
 
     topic: str
     envelope: Envelope
@@ -35,7 +35,7 @@ class Message:
     def kind(self) -> str:
         """ "location", "track", "zone", "source", "heartbeat", "csi", "goodbye" or "compared" (an
         estimate of a method that is compared with the site's own); "" when a later version of
-        raylocd said something that this one does not know."""
+        raylocd sent a message that this one cannot read."""
         return body_of(self.envelope)
 
     @property

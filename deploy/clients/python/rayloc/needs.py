@@ -25,7 +25,7 @@ def explained(error: ModuleNotFoundError) -> ModuleNotFoundError:
         package = PACKAGES[name.split(".")[0]]
         what = (
             f"install Debian's {package} (apt-get install {package}) and use /usr/bin/python3, "
-            "which finds it; deploy/clients/README.md says how with pip"
+            "which finds it; deploy/clients/README.md states how with pip"
         )
     else:
         return error

@@ -17,8 +17,8 @@ class Curve:
 
     @staticmethod
     def read(server_key: Union[str, Path], secret_key: Union[str, Path]) -> Curve:
-        """From files as `rayloc keygen` makes them: what it printed of the daemon, and the secret
-        key of this subscriber. OSError or ValueError when one cannot be used."""
+        """Reads files of `rayloc keygen`: the public key of the daemon, as it was printed, and the
+        secret key of this subscriber. OSError or ValueError when one cannot be used."""
         return Curve(_read_key(Path(server_key)), _read_key(Path(secret_key)))
 
 

@@ -29,10 +29,10 @@ class Frames:
     Shapes: `csi` and `mask` (frames, cores, tones), `headers` (frames,), `power_dbm` (frames,
         cores), `cores` (cores,), `tone_index` (tones,).
     Units: times datetime64[ns] in UTC, `tone_spacing` hertz, `power_dbm` dBm.
-    Frame: time factor exp(+j w t), tones ascending, rotations of 802.11 undone; of several spatial
-        streams the one that was asked for.
-    Errors: `of` raises KeyError for a transmitter that was not heard, `where` ValueError for what is
-        no mask of these frames.
+    Frame: time factor exp(+j w t), tones ascending, rotations of 802.11 undone; the requested one of
+        several spatial streams.
+    Errors: `of` raises KeyError for a transmitter without frames, `where` ValueError for an argument
+        that is no mask of these frames.
     Source: engine/channel/csi_frame.h, daemon/recordings/frame_arrays.h.
     """
 
@@ -54,12 +54,12 @@ class Frames:
 
     @property
     def notes(self) -> list[str]:
-        """What people should know of the recordings: gaps, clocks, what was rejected."""
+        """Notes on the recordings: gaps, clocks, rejected datagrams."""
         return self._table.notes
 
     @property
     def transmitters(self) -> list[str]:
-        """Addresses, the one heard most first."""
+        """Addresses, that of the most frames first."""
         names, counts = np.unique(self.headers["transmitter"], return_counts=True)
         return [names[i].decode() for i in np.argsort(-counts, kind="stable")]
 
@@ -79,7 +79,7 @@ class Frames:
         """The frames of one transmitter, by its address."""
         found = self.headers["transmitter"] == transmitter.lower().encode()
         if not found.any():
-            raise KeyError(f"{transmitter} was not heard; there are {', '.join(self.transmitters)}")
+            raise KeyError(f"{transmitter} has no frames; there are {', '.join(self.transmitters)}")
         return self.where(found)
 
     def __len__(self) -> int:
@@ -98,7 +98,7 @@ def read_frames(
         captures: a pcap or pcapng file (also .gz), several, or a mapping from the name of an access
             point to its file. A text "AP=FILE" is as on the command line.
         site: a directory with site.toml; its access points then count, as Localizer needs it.
-        format: a wire format, such as "axcsi-v4"; "" recognises it. Not with site, which says it.
+        format: a wire format, such as "axcsi-v4"; "" recognises it. Not with site, which states it.
         stream: the spatial stream whose values are wanted.
 
     Returns:

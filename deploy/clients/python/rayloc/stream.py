@@ -1,7 +1,7 @@
 """Stream: the rules of the messages, without a socket and without a clock of its own.
 
 Feed it what arrives and take from `ready`. It merges the snapshot, counts losses, notices restarts
-and knows when the daemon was last heard (proto/rayloc/v1/envelope.proto, snapshot.proto).
+and the time of the daemon's last heartbeat (proto/rayloc/v1/envelope.proto, snapshot.proto).
 """
 
 from __future__ import annotations
@@ -46,13 +46,13 @@ class Stream:
         self._least_delay: Optional[float] = None
 
     def subscriptions(self) -> list[bytes]:
-        """What to subscribe to, in this order: heartbeats last, so that the first one proves that
+        """Topics to subscribe to, in this order: heartbeats last, so that the first one proves that
         the publisher has all the others."""
         topics = [topic for topic in self._options.topics if topic != HEARTBEATS]
         return [topic.encode() for topic in [*topics, HEARTBEATS]]
 
     def feed(self, frames: list[bytes], monotonic: float) -> None:
-        """What one ZeroMQ message holds, and the time of its arrival [s]."""
+        """Takes the frames of one ZeroMQ message, and the time of its arrival [s]."""
         parsed = _parse(frames)
         if parsed is None:
             self.malformed += 1
@@ -73,8 +73,8 @@ class Stream:
         self._asking = self._asking or is_heartbeat
 
     def take_request(self) -> Optional[bytes]:
-        """What to ask for a snapshot with, when one is wanted now: once with each heartbeat until
-        an answer has come, for a question may go to a daemon that just ends."""
+        """The request for a snapshot, when one is due: once with each heartbeat until an answer has
+        come, for a request may go to a daemon that just ends."""
         if not self._asking:
             return None
         self._asking = False
@@ -84,7 +84,7 @@ class Stream:
         return request
 
     def feed_snapshot(self, data: bytes) -> None:
-        """The daemon's answer; discarded when it is not of the start that was heard last."""
+        """The daemon's answer; discarded when it is not of the daemon's last start."""
         try:
             reply = SnapshotReply.FromString(data)
         except DecodeError:
@@ -98,8 +98,8 @@ class Stream:
         self.go_live()
 
     def overdue(self, monotonic: float) -> bool:
-        """Messages wait for the snapshot for longer than patience allows, whether nobody answers or no
-        heartbeat came to ask at. Where nothing is heard, nothing is overdue."""
+        """Messages wait for the snapshot for longer than patience allows, because no answer or no
+        heartbeat came. Without messages, nothing is overdue."""
         since = self._joining_since
         return since is not None and monotonic - since > self._options.patience
 

@@ -25,7 +25,7 @@ __all__ = ["Evaluation", "StudiedCondition", "Study", "evaluate", "experiment"]
 
 
 class Evaluation(NamedTuple):
-    """What `evaluate` found: a row a point of the truth.
+    """Result of `evaluate`: a row a point of the truth.
 
     Shapes: `time`, `error`, `best_of_5`, `room_centre_error` (points,); `truth`, `position`
         (points, 3).
@@ -51,20 +51,20 @@ class Evaluation(NamedTuple):
     room_centre_error: NDArray[np.float64]
     """The error of always answering the room's centre; empty without a site."""
     version: str
-    """Of RayLoc."""
+    """Version of RayLoc."""
     calibration: str
-    """Of the site; empty: none was given, or it is not calibrated."""
+    """Calibration of the site; empty: none was given, or it is not calibrated."""
     seed: int
-    """Of the bootstrap of the intervals."""
+    """Seed of the bootstrap of the intervals."""
 
 
 class StudiedCondition(NamedTuple):
-    """One setting of a study, and what was found.
+    """One setting of a study, and its result.
 
     Shapes: `error` (points,), by layout, spot and repeat.
     Units: metres, horizontal; infinite where the point was missed.
     Frame: none.
-    Errors: none; a method that is out of its domain says so in `refusal`.
+    Errors: none; `refusal` is set for a method that is out of its domain.
     Source: daemon/experiment/condition.h.
     """
 
@@ -73,7 +73,7 @@ class StudiedCondition(NamedTuple):
     statistics: dict[str, Any]
     """The keys of `rayloc evaluate --json`."""
     error: NDArray[np.float64]
-    """Of every point."""
+    """Error of every point."""
     refusal: str
     """Why the method locates nothing here; empty: it does."""
 
@@ -88,13 +88,13 @@ class Study(NamedTuple):
     name: str
     """As the file has it."""
     claim: str
-    """What is to be seen, as the file has it."""
+    """Expected result, as the file states it."""
     conditions: list[StudiedCondition]
     """In the order of the file."""
     version: str
-    """Of RayLoc."""
+    """Version of RayLoc."""
     seed: int
-    """Of everything that is drawn."""
+    """Seed of all random draws."""
 
 
 def evaluate(
@@ -112,7 +112,7 @@ def evaluate(
     """Compares estimates with surveyed truth, as `rayloc evaluate` does.
 
     Args:
-        estimates: what `rayloc replay` or `rayloc sub` wrote: JSON lines or protobuf.
+        estimates: output of `rayloc replay` or `rayloc sub`: JSON lines or protobuf.
         truth: csv: t_start,t_end,x,y,z per spot or t,x,y,z per instant.
         kind: "device" or "person".
         estimate: "snapshot" or "filtered".
@@ -125,7 +125,7 @@ def evaluate(
     Shapes: as of Evaluation.
     Units: metres, seconds.
     Frame: the world of the site.
-    Errors: Error names the file and line, and what does not match.
+    Errors: Error names the file and line, and the mismatch.
     Source: daemon/evaluate/comparison.h.
     """
     if kind not in ("device", "person"):
@@ -171,7 +171,7 @@ def experiment(
         resume: a condition that is done in `out` is not run again.
         force: also into a folder that is not empty.
 
-    A terminal shows how far it is. Ctrl-C ends it at once; resume=True goes on.
+    A terminal shows its progress. Ctrl-C ends it at once; resume=True goes on.
 
     Shapes: as of StudiedCondition.
     Units: metres.
@@ -210,7 +210,7 @@ def experiment(
 
 
 def _program() -> str:
-    """Of the build that this package belongs to, else the one that is installed."""
+    """The program of the build that this package belongs to, else the installed one."""
     built = Path(_engine.__file__).resolve().parents[2] / "bin" / "rayloc"
     found = str(built) if os.access(built, os.X_OK) else shutil.which("rayloc")
     if found is None:

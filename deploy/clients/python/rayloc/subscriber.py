@@ -22,7 +22,7 @@ from rayloc.message import Message
 class Subscriber(Connection):
     def receive(self, timeout: Optional[float] = None) -> Optional[Message]:
         """The next message; None when none came for `timeout` seconds, None waits for ever.
-        NoSnapshot when one was asked for and nobody answers."""
+        NoSnapshot when one was requested and no answer comes."""
         ready = self._stream.ready
         deadline = None if timeout is None else time.monotonic() + timeout
         while not ready:

@@ -77,11 +77,11 @@ class Link(NamedTuple):
 
 
 class RadioMap(NamedTuple):
-    """How antennas are heard over a room, cell by cell.
+    """The received signal of antennas over a room, cell by cell.
 
     Path gain adds the powers of the paths, as Sionna RT's does: the mean over a wavelength or two,
-    not the fading within it. `strongest` is the number of the antenna that is heard loudest, -1
-    where none is.
+    not the fading within it. `strongest` is the number of the antenna with the highest path gain,
+    -1 where none has a path.
 
     Shapes: `path_gain`, `delay_spread` and `path_count` (tx, y, x), `strongest` (y, x),
         `cell_centers` (y, x, 3).
@@ -145,7 +145,7 @@ def trace(
     """All paths between antennas.
 
     Args:
-        scene: of load_scene.
+        scene: a scene of load_scene.
         tx: a Transmitter, or several.
         rx: a Receiver, or several.
         max_depth: most interactions of a path, 0 to 16.
@@ -153,7 +153,7 @@ def trace(
         softness: distance from its edge over which a face begins to act [m]; 0 is hard.
         diffraction: also round one edge, which counts (1 or True), or up to two in a row (2); not
             with softness.
-        diffuse_reflection: rough materials reflect less; what they scatter is Paths.diffuse().
+        diffuse_reflection: rough materials reflect less; Paths.diffuse() has the scattered echoes.
 
     Returns:
         The Paths of the link. With several of either a list [tx][rx] of them, traced on all cores
@@ -163,7 +163,7 @@ def trace(
     Frame: world of the scene, right-handed, z up.
     Errors: Error for an argument out of its range, where both ends are the same point, and for
         diffuse_reflection where no material of the scene scatters.
-    Source: engine/trace/path_tracer.h. Who traces many links of a receiver keeps a `Tracer`.
+    Source: engine/trace/path_tracer.h. Keep a `Tracer` for many links of a receiver.
     """
     tracer = Tracer(scene, max_depth, refraction, softness, diffraction, diffuse_reflection)
     if isinstance(tx, Transmitter) and isinstance(rx, Receiver):
@@ -183,14 +183,14 @@ def radio_map(
     refraction: bool = False,
     diffraction: int = 0,
 ) -> RadioMap:
-    """How antennas are heard over a room, as `rayloc scene map` has it.
+    """The received signal of antennas over a room, as `rayloc scene map` has it.
 
     Args:
-        scene: of load_scene.
+        scene: a scene of load_scene.
         tx: a Transmitter, or several that are compared.
         cell_size: side of a cell [m].
-        height: of the devices, world [m]; None: 1.2 m above the lowest point of the scene.
-        bounds: ((x, y), (x, y)), least and greatest corner [m]; None: of the scene.
+        height: height of the devices, world [m]; None: 1.2 m above the lowest point of the scene.
+        bounds: ((x, y), (x, y)), least and greatest corner [m]; None: those of the scene.
         max_depth: as of trace.
         refraction: as of trace.
         diffraction: as of trace.
@@ -215,7 +215,7 @@ def cfr(paths: Paths, grid: OfdmGrid) -> NDArray[np.complex128]:
     """The channel of a link: h(f) = sum a exp(-2j pi f tau), f absolute.
 
     Args:
-        paths: of trace.
+        paths: the Paths of trace.
         grid: the tones.
 
     Returns:
@@ -237,7 +237,7 @@ def gradient(
     """Derivatives of a real loss L of the channel by numbers of the link.
 
     Args:
-        paths: of trace.
+        paths: the Paths of trace.
         grid: the tones.
         csi_adjoint: g with dL = Re sum conj(g) dh; for L = sum |h|^2 it is 2 h.
         parameters: names of `parameter_names`.
@@ -246,7 +246,7 @@ def gradient(
         The name of each derivative ("rx" becomes "rx.0", "rx.1", "rx.2"), and the derivatives.
 
     Shapes: csi_adjoint (tones,); the derivatives (parameters,).
-    Units: of L per metre, radian, S/m, or 1 of gains and eps_r.
+    Units: unit of L per metre, radian, S/m, or 1 of gains and eps_r.
     Frame: world, right-handed, z up.
     Errors: Error for a name that the scene has not, for a parameter without derivative, and for an
         adjoint that is not one value a tone.
@@ -260,9 +260,9 @@ def changed(link: Link, parameters: Sequence[str], by: Sequence[float]) -> Link:
     """A link with some of its numbers changed, for the next step of a descent.
 
     Args:
-        link: what is changed; it stays as it is.
+        link: the link to change; it stays as it is.
         parameters: names of single numbers, as `gradient` returns them.
-        by: what is added to each.
+        by: number that is added to each.
 
     Returns:
         The changed link, to be traced anew.
@@ -270,7 +270,7 @@ def changed(link: Link, parameters: Sequence[str], by: Sequence[float]) -> Link:
     Shapes: by (parameters,). Units: metres, radians, S/m, or 1 of gains and eps_r.
     Frame: world; offsets along the normals of their surfaces.
     Errors: Error where there are not as many values as parameters, where one is not finite, and
-        where what results is no scene.
+        where the result is no scene.
     Source: engine/trace/link_change.h.
     """
     scene, tx, rx, gain = changed_link(

@@ -1,21 +1,21 @@
-"""What raylocd publishes in the form of Home Assistant's MQTT discovery: a pure mapping.
+"""Maps messages of raylocd to those of Home Assistant's MQTT discovery; a pure mapping.
 
 Each target becomes a device with a tracker, whose state is the zone it is in, else "home" while it is
 located and "not_home" afterwards, and sensors for that place and for x, y and accuracy in the site's own
-metres. Who is in a zone is what its last event states, as everywhere else. Only the tracker's estimates
+metres. The occupants of a zone are those of its last event, as in all clients. Only the tracker's estimates
 (FILTERED) are passed on, each target's at most once per `interval`, and only of confirmed tracks: a phone
 that passes by would leave its entities behind.
 A track has ended when raylocd states so, when raylocd was started again (one that was killed could not
 state it), and when nothing came of it for `silent`: the message was lost on the way.
 
 Everything is kept by the broker: Home Assistant subscribes to the state some time after the discovery
-message, and at each start of its own. What an earlier run of the bridge left there is adopted: announced
-as it is now when it is located, else ended after `silent` and taken back after `forget`, or a person at
+message, and at each start of its own. Targets that an earlier run of the bridge left there are adopted:
+announced anew when they are located, else ended after `silent` and taken back after `forget`, or a person at
 its end, since its number is never used again.
 
 Topics: PREFIX/COMPONENT/rayloc_SITE/TARGET_WHAT/config (discovery), BASE/SITE/TARGET (state, JSON),
 BASE/SITE/TARGET/place (the place alone: Home Assistant takes a tracker's zone from the payload as it is,
-whatever a template makes of it), BASE/SITE/status (raylocd), BASE/status (this bridge, as soon as it
+without a template), BASE/SITE/status (raylocd), BASE/status (this bridge, as soon as it
 received anything of raylocd).
 
 From Home Assistant 2027.1 on the state topic of a tracker is announced to be ignored, and `in_zones` in its
@@ -52,7 +52,7 @@ SENSORS = {"x": "X", "y": "Y", "accuracy_m": "Accuracy"}
 
 @dataclass(frozen=True)
 class Publication:
-    """What to publish; an empty payload takes back what was announced on that topic."""
+    """One message to publish; an empty payload removes the announcement on that topic."""
 
     topic: str
     payload: str
@@ -71,7 +71,7 @@ class Setting:
 
 @dataclass
 class _Known:
-    """A target that Home Assistant was told of."""
+    """A target that was announced to Home Assistant."""
 
     topic: str  # topic of its state
     node: str
@@ -157,7 +157,7 @@ class HomeAssistant:
         self._notices: list[str] = []
 
     def take_notices(self) -> list[str]:
-        """What the user should change; each once."""
+        """Changes that the user should make; each once."""
         notices, self._notices = self._notices, []
         return notices
 
@@ -182,7 +182,7 @@ class HomeAssistant:
         return out
 
     def on_time(self, now: float, stale: bool) -> list[Publication]:
-        """What is due without a message. `stale`: raylocd is not heard any more."""
+        """Messages that are due by time. `stale`: heartbeats of raylocd are missing."""
         status = OFFLINE if stale else ONLINE
         changed = [topic for topic, before in self._sites.items() if before != status]
         self._sites.update(dict.fromkeys(changed, status))
@@ -201,8 +201,8 @@ class HomeAssistant:
         return out
 
     def adopt(self, topic: str, payload: str, now: float) -> None:
-        """What the broker has kept of a discovery topic. Left alone is what others announced, or a
-        bridge of another site, base or choice of targets: they take it back themselves."""
+        """Takes over a discovery message that the broker has kept. Announcements of others, and of a
+        bridge of another site, base or choice of targets, are not changed: they remove them themselves."""
         try:
             configuration = json.loads(payload)
             state_topic = configuration["state_topic"]  # for a tracker it is the place
@@ -283,7 +283,7 @@ class HomeAssistant:
         return out
 
     def _place(self, known: _Known, now: float) -> list[Publication]:
-        """Says where it is by now."""
+        """The messages of its current place."""
         assert known.location is not None
         site, target = known.topic.rsplit("/", 2)[1:]
         zones = [zone for (of, zone), who in self._inside.items() if of == site and target in who]
@@ -366,7 +366,7 @@ def label_of(target: Target, identity: str) -> str:
 
 
 def object_id_of(text: str) -> str:
-    """Of the characters that a topic of discovery may have: "02:52" -> "02-52", "a b" -> "a_20b"."""
+    """The text in characters that a topic of discovery may have: "02:52" -> "02-52", "a b" -> "a_20b"."""
 
     def encode(match: re.Match[str]) -> str:
         return "".join(f"_{byte:02x}" for byte in match[0].encode())

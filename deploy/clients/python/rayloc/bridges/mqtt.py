@@ -136,7 +136,7 @@ def run(arguments: argparse.Namespace) -> None:
         try:
             carry(messages, bridge, broker, stopping)
         except NoSnapshot as error:
-            say(f"{error} Who is in a zone is known from its next event on.")
+            say(f"{error} The occupants of a zone are known from its next event on.")
             messages.close()
             messages = subscribe(arguments, TOPICS)
             carry(messages, bridge, broker, stopping)
@@ -174,7 +174,7 @@ def parse(words: Optional[list[str]] = None) -> argparse.Namespace:
     )
     add_source(parser)
     add = parser.add_argument
-    snapshot = "where raylocd tells what was last said; of the raylocd of this machine, as it is by default"
+    snapshot = "endpoint of raylocd's snapshots; default: that of the raylocd of this machine"
     add("--snapshot", help=snapshot)
     add("--mqtt", default="127.0.0.1:1883", metavar="HOST:PORT", help="the broker")
     add("--username", help="at the broker")

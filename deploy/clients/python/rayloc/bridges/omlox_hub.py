@@ -3,8 +3,8 @@
     ... | python3 -m rayloc.bridges.omlox_hub --hub http://HUB/v2
 
 Reads omlox Locations from standard input, one a line, and puts the newest of each provider to
-URL/providers/PROVIDER_ID/location, at most once per `--interval`. What the hub does not take now is
-tried again with what is newest then. Ends with its input; says what became of every line.
+URL/providers/PROVIDER_ID/location, at most once per `--interval`. A location that the hub does not
+accept is replaced by the newest one at the next attempt. Ends with its input; reports the result of each line.
 """
 
 from __future__ import annotations
@@ -91,7 +91,7 @@ def say(text: str) -> None:
 
 
 def send(newest: Newest, hub: Hub, before: Optional[str]) -> Optional[str]:
-    """Sends what waits. The last trouble, told when it is another one than `before`."""
+    """Sends the waiting locations. Returns the last error, and reports it if it differs from `before`."""
     trouble = None
     for provider, location in newest.take().items():
         refused = hub.put(provider, location)

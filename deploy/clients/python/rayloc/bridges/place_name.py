@@ -43,8 +43,8 @@ def renaming_of(zone: str) -> Optional[str]:
 
 
 def zone_of_state(state: str) -> str:
-    """What Home Assistant finds its own zone by: the entity id that it gave to a zone of that name, or the
-    name itself where that id cannot be derived (it transliterates other scripts)."""
+    """The key by which Home Assistant finds its own zone: the entity id that it gave to a zone of that name, or
+    the name itself where that id cannot be derived (it transliterates other scripts)."""
     decomposed = unicodedata.normalize("NFKD", state)
     letters = "".join(each for each in decomposed if not unicodedata.combining(each)).lower()
     if not letters.isascii():

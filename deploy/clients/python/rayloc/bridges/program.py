@@ -1,4 +1,4 @@
-"""What bridges that subscribe have in common as programs: what they read, and what ends them."""
+"""Common parts of bridges that subscribe: command line, subscription and signals."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ ENDPOINT, SNAPSHOT = "tcp://127.0.0.1:5560", "tcp://127.0.0.1:5561"  # raylocd's
 
 
 def add_source(parser: argparse.ArgumentParser) -> None:
-    """The arguments that say what is subscribed to; check_source() after they are parsed."""
+    """Adds the arguments of the subscription; call check_source() after they are parsed."""
     add = parser.add_argument
     add("--endpoint", default=ENDPOINT, help="where raylocd publishes")
     add("--target", action="append", default=[], help="only this target; may be repeated")
@@ -24,7 +24,7 @@ def add_source(parser: argparse.ArgumentParser) -> None:
 
 
 def usual_snapshot(arguments: argparse.Namespace) -> Optional[str]:
-    """Where the raylocd of this machine tells what was last said, if it is the one that is meant."""
+    """The snapshot endpoint of the raylocd of this machine, if --endpoint is its default."""
     return SNAPSHOT if arguments.endpoint == ENDPOINT else None
 
 

@@ -2,8 +2,8 @@
 
     python3 -m rayloc.bridges.ros2
 
-Prints one operation of the rosbridge protocol (v2.0) a line: `advertise` for each target when it
-is first heard, `publish` for each of its locations, `unadvertise` when its track is lost. A WebSocket
+Prints one operation of the rosbridge protocol (v2.0) a line: `advertise` for each target with its
+first location, `publish` for each of its locations, `unadvertise` when its track is lost. A WebSocket
 client sends each line as a message to rosbridge_server. ROS itself is neither needed nor used here.
 """
 
@@ -33,7 +33,7 @@ Operation = dict[str, Any]
 def pose_with_covariance_stamped(location: Location, frame_id: str) -> Optional[Operation]:
     """The message; None for a location without a position. Metres in the site's frame, z up, as
     REP 103 wants it. The covariance is over x, y, z and the angles about these axes, row by row;
-    what nothing is known of has the variance UNKNOWN."""
+    unknown entries have the variance UNKNOWN."""
     if not location.HasField("position"):
         return None
     covariance = [0.0] * 36
@@ -115,9 +115,9 @@ def parse(words: Optional[list[str]] = None) -> argparse.Namespace:
     )
     add_source(parser)
     add = parser.add_argument
-    add("--kind", choices=sorted(KINDS), default="filtered", help="of locations")
+    add("--kind", choices=sorted(KINDS), default="filtered", help="kind of locations")
     add("--frame", default="map", help="frame_id of the site's coordinates")
-    add("--base", default="/rayloc", help="what the topics begin with")
+    add("--base", default="/rayloc", help="prefix of the topics")
     arguments = parser.parse_args(words)
     if not re.fullmatch(r"(/[A-Za-z][A-Za-z0-9_]*)+", arguments.base):
         parser.error(f"--base: a name of ROS as /rayloc is needed, not {arguments.base!r}")
