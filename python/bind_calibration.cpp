@@ -5,8 +5,8 @@
 
 #include <pybind11/stl.h>
 
-#include "daemon/calibrate/calibrate.h"
-#include "daemon/machine/end_with_parent.h"
+#include "daemon/lab/calibrate/calibrate.h"
+#include "daemon/live/machine/end_with_parent.h"
 #include "python/bindings.h"
 #include "python/raising.h"
 

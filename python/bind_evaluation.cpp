@@ -7,11 +7,11 @@
 
 #include <pybind11/stl.h>
 
-#include "daemon/evaluate/comparison.h"
-#include "daemon/evaluate/comparison_plots.h"
-#include "daemon/evaluate/statistics_json.h"
-#include "daemon/site/calibration_file.h"
-#include "daemon/site/site_copy.h"
+#include "daemon/lab/evaluate/comparison.h"
+#include "daemon/lab/evaluate/comparison_plots.h"
+#include "daemon/lab/evaluate/statistics_json.h"
+#include "daemon/site/model/calibration_file.h"
+#include "daemon/site/model/site_copy.h"
 #include "python/arrays.h"
 #include "python/bindings.h"
 #include "python/raising.h"

@@ -8,9 +8,9 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
-#include "daemon/site/path_grid_files.h"
-#include "daemon/site/room_model.h"
-#include "daemon/site/site.h"
+#include "daemon/site/model/path_grid_files.h"
+#include "daemon/site/model/room_model.h"
+#include "daemon/site/model/site.h"
 #include "engine/localize/localizer.h"
 #include "python/arrays.h"
 #include "python/bindings.h"

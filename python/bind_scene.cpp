@@ -8,8 +8,8 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
-#include "daemon/scene/scene_source.h"
-#include "daemon/site/room_model.h"
+#include "daemon/site/model/room_model.h"
+#include "daemon/site/scene/scene_source.h"
 #include "python/arrays.h"
 #include "python/bindings.h"
 #include "python/raising.h"

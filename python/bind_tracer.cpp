@@ -6,7 +6,7 @@
 
 #include <pybind11/stl.h>
 
-#include "daemon/arguments/gradient_argument.h"
+#include "daemon/cli/arguments/gradient_argument.h"
 #include "engine/base/parallel.h"
 #include "engine/trace/diffuse/rough_materials.h"
 #include "engine/trace/link_change.h"

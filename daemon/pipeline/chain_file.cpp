@@ -8,7 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "daemon/site/site_copy.h"
+#include "daemon/site/model/site_copy.h"
 
 namespace rayloc {
 namespace {

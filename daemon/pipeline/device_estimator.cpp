@@ -5,12 +5,12 @@
 #include <string>
 #include <utility>
 
+#include "daemon/messages/topic.h"
 #include "daemon/pipeline/method_training.h"
 #include "daemon/pipeline/warm/carried.h"
 #include "daemon/pipeline/watch/stamp_check.h"
-#include "daemon/publish/topic.h"
-#include "daemon/site/reference_file.h"
-#include "daemon/site/room_model.h"
+#include "daemon/site/model/reference_file.h"
+#include "daemon/site/model/room_model.h"
 #include "engine/base/constants.h"
 #include "engine/chains/coarse_fix.h"
 

@@ -22,6 +22,8 @@
 #include <string>
 #include <vector>
 
+#include "daemon/messages/location.h"
+#include "daemon/messages/target_names.h"
 #include "daemon/methods/device_method.h"
 #include "daemon/methods/method_registry.h"
 #include "daemon/pipeline/chain_keeper.h"
@@ -30,9 +32,7 @@
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/pipeline/track_numbers.h"
 #include "daemon/pipeline/watch/dead_chains.h"
-#include "daemon/publish/location.h"
-#include "daemon/publish/target_names.h"
-#include "daemon/site/site.h"
+#include "daemon/site/model/site.h"
 #include "engine/base/expected.h"
 #include "engine/monitor/calibration_monitor.h"
 

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "daemon/publish/location.h"
-#include "daemon/publish/target_event.h"
+#include "daemon/messages/location.h"
+#include "daemon/messages/target_event.h"
 
 namespace rayloc {
 

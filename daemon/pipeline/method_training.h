@@ -5,8 +5,8 @@
 #include <string>
 
 #include "daemon/methods/method.h"
-#include "daemon/site/site.h"
-#include "daemon/site/training_file.h"
+#include "daemon/site/model/site.h"
+#include "daemon/site/model/training_file.h"
 #include "engine/base/expected.h"
 #include "engine/room/room_model.h"
 

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "daemon/publish/topic.h"
+#include "daemon/messages/topic.h"
 
 namespace rayloc {
 

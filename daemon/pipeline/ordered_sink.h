@@ -11,9 +11,9 @@
 #include <tuple>
 #include <utility>
 
+#include "daemon/messages/location.h"
+#include "daemon/messages/target_event.h"
 #include "daemon/pipeline/pipeline.h"
-#include "daemon/publish/location.h"
-#include "daemon/publish/target_event.h"
 #include "engine/base/timestamp.h"
 
 namespace rayloc {

@@ -7,8 +7,8 @@
 #include "daemon/pipeline/person_numbers.h"
 #include "daemon/pipeline/warm/carried.h"
 #include "daemon/pipeline/watch/stamp_check.h"
-#include "daemon/site/reference_file.h"
-#include "daemon/site/room_model.h"
+#include "daemon/site/model/reference_file.h"
+#include "daemon/site/model/room_model.h"
 
 namespace rayloc {
 namespace {

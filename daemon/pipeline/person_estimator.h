@@ -22,11 +22,11 @@
 #include <utility>
 #include <vector>
 
+#include "daemon/messages/location.h"
 #include "daemon/methods/method_registry.h"
 #include "daemon/methods/person_method.h"
 #include "daemon/pipeline/pipeline.h"
-#include "daemon/publish/location.h"
-#include "daemon/site/site.h"
+#include "daemon/site/model/site.h"
 #include "engine/base/expected.h"
 
 namespace rayloc {

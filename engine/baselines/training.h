@@ -1,5 +1,5 @@
 // Training: the parameters that a method learned at a site from the calibration survey (`rayloc
-// train`); a plain value. daemon/site/training_file stores it.
+// train`); a plain value. daemon/site/model/training_file stores it.
 #pragma once
 
 #include <cstddef>

@@ -2,7 +2,7 @@
 // stored from one start of a program to the next.
 //
 // The rays depend on the room only, so they are stored under a hash of it (METHODS B3). The engine
-// reads no files; a PathGridStore does (daemon/site/path_grid_files.h).
+// reads no files; a PathGridStore does (daemon/site/model/path_grid_files.h).
 //
 // Stored rays are accepted only after a sample of the cells has been traced again and is identical
 // to the bit. So neither a change of the program nor another type of processor can mix old rays

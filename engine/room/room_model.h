@@ -1,7 +1,8 @@
 // RoomModel: all properties of a site that do not depend on the target: the scene, the access
 // points as calibrated, the carrier and the model of the target device.
 //
-// A value that is built once (load_room_model() of daemon/site, or a test) and then shared, const.
+// A value that is built once (load_room_model() of daemon/site/model, or a test) and then shared,
+// const.
 #pragma once
 
 #include <complex>

@@ -25,9 +25,9 @@
 #include <string>
 #include <vector>
 
-#include "daemon/arguments/capture_argument.h"
-#include "daemon/recordings/recorded_frames.h"
-#include "daemon/site/room_model.h"
+#include "daemon/lab/recordings/capture_argument.h"
+#include "daemon/lab/recordings/recorded_frames.h"
+#include "daemon/site/model/room_model.h"
 #include "engine/chains/chain_learner.h"
 
 namespace rayloc::bench {

@@ -23,11 +23,11 @@
 #include <thread>
 #include <vector>
 
-#include "daemon/cluster/batch_sender.h"
-#include "daemon/cluster/capture_role.h"
-#include "daemon/cluster/cluster_names.h"
-#include "daemon/cluster/sequencer.h"
-#include "daemon/cluster/stream_reader.h"
+#include "daemon/live/cluster/batch_sender.h"
+#include "daemon/live/cluster/capture_role.h"
+#include "daemon/live/cluster/cluster_names.h"
+#include "daemon/live/cluster/sequencer.h"
+#include "daemon/live/cluster/stream_reader.h"
 #include "tests/cluster/nats_server.h"
 
 namespace rayloc::bench {

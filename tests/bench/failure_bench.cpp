@@ -19,8 +19,8 @@
 #include <string>
 #include <vector>
 
-#include "daemon/calibrate/calibration_inputs.h"
-#include "daemon/site/room_model.h"
+#include "daemon/lab/calibrate/calibration_inputs.h"
+#include "daemon/site/model/room_model.h"
 #include "engine/chains/chain_learner.h"
 #include "engine/localize/localizer.h"
 #include "engine/posterior/credible_region.h"

@@ -13,11 +13,11 @@
 #include <string>
 #include <vector>
 
-#include "daemon/arguments/capture_argument.h"
-#include "daemon/recordings/fixed_frames.h"
-#include "daemon/site/reference_file.h"
-#include "daemon/site/room_model.h"
-#include "daemon/survey/points_csv.h"
+#include "daemon/lab/recordings/capture_argument.h"
+#include "daemon/lab/recordings/fixed_frames.h"
+#include "daemon/site/model/reference_file.h"
+#include "daemon/site/model/room_model.h"
+#include "daemon/site/survey/points_csv.h"
 #include "engine/observe/alignment.h"
 #include "engine/person/people.h"
 #include "engine/room/hear_burst.h"

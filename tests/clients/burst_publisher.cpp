@@ -13,9 +13,9 @@
 #include <string>
 #include <thread>
 
-#include "daemon/publish/last_messages.h"
-#include "daemon/publish/publisher.h"
-#include "daemon/publish/snapshot_server.h"
+#include "daemon/live/publish/publisher.h"
+#include "daemon/live/publish/snapshot_server.h"
+#include "daemon/messages/last_messages.h"
 #include "rayloc/v1/heartbeat.pb.h"
 #include "rayloc/v1/location.pb.h"
 

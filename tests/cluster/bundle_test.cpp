@@ -9,8 +9,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "daemon/cluster/cluster_view.h"
-#include "daemon/cluster/operate/site_bundle.h"
+#include "daemon/live/cluster/cluster_view.h"
+#include "daemon/live/cluster/operate/site_bundle.h"
 #include "tests/cluster/nats_server.h"
 #include "tests/e2e/live_daemon.h"
 #include "tests/support/patience.h"

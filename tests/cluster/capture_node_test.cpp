@@ -9,11 +9,11 @@
 #include <gtest/gtest.h>
 #include <sys/socket.h>
 
-#include "daemon/cluster/batch.h"
-#include "daemon/cluster/broker.h"
-#include "daemon/cluster/cluster_names.h"
+#include "daemon/live/cluster/batch.h"
+#include "daemon/live/cluster/broker.h"
+#include "daemon/live/cluster/cluster_names.h"
 #include "tests/cluster/nats_server.h"
-#include "tests/daemon/http/http_client.h"
+#include "tests/daemon/live/http/http_client.h"
 #include "tests/e2e/live_daemon.h"
 #include "tests/e2e/numbered_sender.h"
 

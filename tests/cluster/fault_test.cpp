@@ -15,9 +15,9 @@
 
 #include <gtest/gtest.h>
 
-#include "daemon/cluster/cluster_names.h"
-#include "daemon/cluster/sealed_message.h"
-#include "daemon/cluster/site_start.h"
+#include "daemon/live/cluster/cluster_names.h"
+#include "daemon/live/cluster/sealed_message.h"
+#include "daemon/live/cluster/site_start.h"
 #include "daemon/pipeline/record/system_now.h"
 #include "tests/cluster/nats_server.h"
 #include "tests/cluster/one_site.h"

@@ -5,14 +5,14 @@
 
 #include <gtest/gtest.h>
 
-#include "daemon/cluster/capture_role.h"
-#include "daemon/cluster/cluster_names.h"
-#include "daemon/cluster/cluster_view.h"
-#include "daemon/cluster/ownership/claim_keeper.h"
-#include "daemon/cluster/ownership/owner_log.h"
-#include "daemon/cluster/sealed_message.h"
+#include "daemon/live/cluster/capture_role.h"
+#include "daemon/live/cluster/cluster_names.h"
+#include "daemon/live/cluster/cluster_view.h"
+#include "daemon/live/cluster/ownership/claim_keeper.h"
+#include "daemon/live/cluster/ownership/owner_log.h"
+#include "daemon/live/cluster/sealed_message.h"
 #include "tests/cluster/nats_server.h"
-#include "tests/daemon/http/http_client.h"
+#include "tests/daemon/live/http/http_client.h"
 #include "tests/e2e/live_daemon.h"
 #include "tests/support/patience.h"
 

@@ -13,17 +13,17 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "daemon/cluster/batch_sender.h"
-#include "daemon/cluster/broker.h"
-#include "daemon/cluster/capture_role.h"
-#include "daemon/cluster/cluster_names.h"
-#include "daemon/cluster/history/fill_replay.h"
-#include "daemon/cluster/sealed_message.h"
-#include "daemon/cluster/sequencer.h"
-#include "daemon/cluster/stream_reader.h"
+#include "daemon/live/cluster/batch_sender.h"
+#include "daemon/live/cluster/broker.h"
+#include "daemon/live/cluster/capture_role.h"
+#include "daemon/live/cluster/cluster_names.h"
+#include "daemon/live/cluster/history/fill_replay.h"
+#include "daemon/live/cluster/sealed_message.h"
+#include "daemon/live/cluster/sequencer.h"
+#include "daemon/live/cluster/stream_reader.h"
 #include "rayloc/v1/cluster.pb.h"
 #include "tests/cluster/nats_server.h"
-#include "tests/daemon/cluster/some_batch.h"
+#include "tests/daemon/live/cluster/some_batch.h"
 #include "tests/support/eventually.h"
 
 namespace rayloc::cluster::nats_broker_test {

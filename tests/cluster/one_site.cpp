@@ -7,13 +7,13 @@
 #include <set>
 #include <utility>
 
-#include "daemon/cluster/batch.h"
-#include "daemon/cluster/cluster_names.h"
-#include "daemon/cluster/cluster_view.h"
-#include "daemon/cluster/history/story.h"
-#include "daemon/cluster/sealed_message.h"
+#include "daemon/live/cluster/batch.h"
+#include "daemon/live/cluster/cluster_names.h"
+#include "daemon/live/cluster/cluster_view.h"
+#include "daemon/live/cluster/history/story.h"
+#include "daemon/live/cluster/sealed_message.h"
 #include "daemon/pipeline/record/system_now.h"
-#include "tests/daemon/http/http_client.h"
+#include "tests/daemon/live/http/http_client.h"
 #include "tests/support/patience.h"
 
 namespace rayloc::cluster {

@@ -13,8 +13,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "daemon/cluster/broker.h"
-#include "daemon/cluster/sequencer.h"
+#include "daemon/live/cluster/broker.h"
+#include "daemon/live/cluster/sequencer.h"
 #include "rayloc/v1/cluster.pb.h"
 #include "tests/e2e/live_daemon.h"
 

@@ -11,13 +11,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "daemon/cluster/broker.h"
-#include "daemon/cluster/capture_role.h"
-#include "daemon/cluster/cluster_names.h"
-#include "daemon/cluster/cluster_view.h"
-#include "daemon/cluster/operate/nkey.h"
-#include "daemon/cluster/ownership/claim_keeper.h"
-#include "daemon/publish/socket/secret_file.h"
+#include "daemon/base/secret_file.h"
+#include "daemon/live/cluster/broker.h"
+#include "daemon/live/cluster/capture_role.h"
+#include "daemon/live/cluster/cluster_names.h"
+#include "daemon/live/cluster/cluster_view.h"
+#include "daemon/live/cluster/operate/nkey.h"
+#include "daemon/live/cluster/ownership/claim_keeper.h"
 #include "tests/cluster/nats_server.h"
 #include "tests/e2e/live_daemon.h"
 #include "tests/support/patience.h"

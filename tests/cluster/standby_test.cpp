@@ -10,18 +10,18 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "daemon/cluster/broker.h"
-#include "daemon/cluster/capture_role.h"
-#include "daemon/cluster/cluster_names.h"
-#include "daemon/cluster/cluster_view.h"
-#include "daemon/cluster/history/story.h"
-#include "daemon/cluster/ownership/claim_keeper.h"
-#include "daemon/cluster/ownership/owner_log.h"
-#include "daemon/cluster/sealed_message.h"
-#include "daemon/cluster/site_start.h"
+#include "daemon/live/cluster/broker.h"
+#include "daemon/live/cluster/capture_role.h"
+#include "daemon/live/cluster/cluster_names.h"
+#include "daemon/live/cluster/cluster_view.h"
+#include "daemon/live/cluster/history/story.h"
+#include "daemon/live/cluster/ownership/claim_keeper.h"
+#include "daemon/live/cluster/ownership/owner_log.h"
+#include "daemon/live/cluster/sealed_message.h"
+#include "daemon/live/cluster/site_start.h"
 #include "daemon/pipeline/record/system_now.h"
 #include "tests/cluster/nats_server.h"
-#include "tests/daemon/http/http_client.h"
+#include "tests/daemon/live/http/http_client.h"
 #include "tests/e2e/live_daemon.h"
 #include "tests/support/patience.h"
 

@@ -18,7 +18,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "daemon/cluster/cluster_names.h"
+#include "daemon/live/cluster/cluster_names.h"
 #include "tests/cluster/nats_servers.h"
 #include "tests/cluster/one_site.h"
 

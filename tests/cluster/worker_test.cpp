@@ -5,14 +5,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "daemon/cluster/broker.h"
-#include "daemon/cluster/cluster_names.h"
-#include "daemon/cluster/sealed_message.h"
-#include "daemon/cluster/site_start.h"
+#include "daemon/live/cluster/broker.h"
+#include "daemon/live/cluster/cluster_names.h"
+#include "daemon/live/cluster/sealed_message.h"
+#include "daemon/live/cluster/site_start.h"
 #include "daemon/pipeline/record/system_now.h"
 #include "rayloc/v1/cluster.pb.h"
 #include "tests/cluster/nats_server.h"
-#include "tests/daemon/http/http_client.h"
+#include "tests/daemon/live/http/http_client.h"
 #include "tests/e2e/listener.h"
 #include "tests/e2e/live_daemon.h"
 

@@ -4,8 +4,8 @@
 #include <chrono>
 #include <utility>
 
-#include "daemon/publish/gap_detector.h"
-#include "daemon/publish/proto_time.h"
+#include "daemon/messages/gap_detector.h"
+#include "daemon/messages/proto_time.h"
 #include "rayloc/v1/envelope.pb.h"
 
 namespace rayloc::e2e {

@@ -10,7 +10,7 @@
 #include <thread>
 #include <vector>
 
-#include "daemon/publish/subscriber.h"
+#include "daemon/live/publish/subscriber.h"
 
 namespace rayloc::e2e {
 

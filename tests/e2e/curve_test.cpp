@@ -6,9 +6,9 @@
 #include <gtest/gtest.h>
 #include <zmq.hpp>
 
-#include "daemon/publish/socket/curve_client.h"
+#include "daemon/live/publish/socket/curve_client.h"
 #include "rayloc/v1/snapshot.pb.h"
-#include "tests/daemon/http/http_client.h"
+#include "tests/daemon/live/http/http_client.h"
 #include "tests/e2e/live_daemon.h"
 #include "tests/support/patience.h"
 

@@ -10,7 +10,7 @@
 
 #include "capture/assemble/csi_receiver.h"
 #include "capture/source/pcap_source.h"
-#include "daemon/publish/csi_message.h"
+#include "daemon/messages/csi_message.h"
 #include "rayloc/v1/csi.pb.h"
 #include "tests/e2e/live_daemon.h"
 

@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "daemon/publish/gap_detector.h"
-#include "daemon/publish/late_subscriber.h"
+#include "daemon/live/publish/late_subscriber.h"
+#include "daemon/messages/gap_detector.h"
 #include "rayloc/v1/envelope.pb.h"
 #include "tests/e2e/device_recording.h"
 #include "tests/e2e/live_daemon.h"

@@ -11,8 +11,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "daemon/publish/subscriber.h"
-#include "tests/daemon/http/http_client.h"
+#include "daemon/live/publish/subscriber.h"
+#include "tests/daemon/live/http/http_client.h"
 #include "tests/e2e/live_daemon.h"
 #include "tests/e2e/load_tally.h"
 #include "tests/e2e/shifted_clock.h"

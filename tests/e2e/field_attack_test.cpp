@@ -13,7 +13,7 @@
 #include <gtest/gtest.h>
 #include <zmq.hpp>
 
-#include "tests/daemon/http/http_client.h"
+#include "tests/daemon/live/http/http_client.h"
 #include "tests/e2e/live_daemon.h"
 #include "tests/support/endless_message.h"
 #include "tests/support/hostile_client.h"

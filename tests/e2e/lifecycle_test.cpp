@@ -15,7 +15,7 @@
 #include <gtest/gtest.h>
 
 #include "capture/source/pcap_source.h"
-#include "tests/daemon/http/http_client.h"
+#include "tests/daemon/live/http/http_client.h"
 #include "tests/e2e/live_daemon.h"
 #include "tests/e2e/notify_socket.h"
 #include "tests/e2e/unit_filters.h"

@@ -8,7 +8,7 @@
 #include <thread>
 #include <vector>
 
-#include "daemon/publish/subscriber.h"
+#include "daemon/live/publish/subscriber.h"
 
 namespace rayloc::v1 {
 class Location;

@@ -13,9 +13,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "daemon/publish/subscriber.h"
+#include "daemon/live/publish/subscriber.h"
 #include "rayloc/v1/envelope.pb.h"
-#include "tests/daemon/http/http_client.h"
+#include "tests/daemon/live/http/http_client.h"
 #include "tests/e2e/live_daemon.h"
 #include "tests/support/patience.h"
 

@@ -45,7 +45,7 @@ CONNECTION = "document.querySelector('#connection').textContent"
 EMPTY = "document.querySelector('#empty').checkVisibility() && document.querySelector('#empty').textContent"
 STALE = f"{CELLS}[1].textContent.includes('stale since')"
 PIXELS = 3.0
-# daemon/http/map/map.css: the first target, and one without a newer estimate.
+# daemon/live/http/map/map.css: the first target, and one without a newer estimate.
 LIVE_COLOUR = (0x00, 0x67, 0xB8)
 STALE_COLOUR = (0x66, 0x71, 0x7C)
 OTHER_COLOUR = (0xB8, 0x47, 0x00)  # the first of the methods that are compared

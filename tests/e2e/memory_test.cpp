@@ -15,9 +15,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "daemon/publish/late_subscriber.h"
+#include "daemon/live/publish/late_subscriber.h"
 #include "engine/base/median.h"
-#include "tests/daemon/http/http_client.h"
+#include "tests/daemon/live/http/http_client.h"
 #include "tests/e2e/device_recording.h"
 #include "tests/e2e/live_daemon.h"
 #include "tests/e2e/stated.h"

@@ -7,9 +7,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "daemon/publish/late_subscriber.h"
-#include "daemon/publish/subscriber.h"
-#include "tests/daemon/http/http_client.h"
+#include "daemon/live/publish/late_subscriber.h"
+#include "daemon/live/publish/subscriber.h"
+#include "tests/daemon/live/http/http_client.h"
 #include "tests/e2e/live_daemon.h"
 #include "tests/support/patience.h"
 

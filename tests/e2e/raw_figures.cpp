@@ -15,7 +15,7 @@
 
 #include <gtest/gtest.h>
 
-#include "daemon/publish/publisher.h"
+#include "daemon/live/publish/publisher.h"
 #include "rayloc/v1/envelope.pb.h"
 #include "tests/e2e/csi_reader.h"
 #include "tests/support/eventually.h"

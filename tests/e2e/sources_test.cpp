@@ -19,7 +19,7 @@
 #include <google/protobuf/util/delimited_message_util.h>
 #include <gtest/gtest.h>
 
-#include "daemon/publish/topic.h"
+#include "daemon/messages/topic.h"
 #include "rayloc/v1/location.pb.h"
 #include "tests/e2e/decoded_recording.h"
 #include "tests/e2e/listener.h"

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "capture/transport/file_descriptor.h"
-#include "tests/daemon/http/http_client.h"
+#include "tests/daemon/live/http/http_client.h"
 #include "tests/e2e/live_daemon.h"
 #include "tests/e2e/notify_socket.h"
 

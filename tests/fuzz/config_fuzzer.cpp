@@ -3,8 +3,8 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "daemon/config/config.h"
-#include "daemon/config/endpoint.h"
+#include "daemon/live/config/config.h"
+#include "daemon/live/config/endpoint.h"
 
 namespace {
 

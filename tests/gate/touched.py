@@ -2,6 +2,8 @@
 import pathlib
 import subprocess
 
+WINGS = ("base", "site", "lab", "live", "cli")  # the folders of daemon/ that hold rooms
+
 
 def git(root, *arguments):
     done = subprocess.run(["git", "-C", str(root), *arguments], capture_output=True, text=True)
@@ -30,7 +32,7 @@ def rooms(names):
         if len(parts) > 1 and parts[0] in ("engine", "capture", "clients", "python", "cluster"):
             labels.add(parts[0])
         elif len(parts) > 2 and parts[0] == "daemon":
-            labels.add(f"daemon/{parts[1]}")
+            labels.add("/".join(parts[:3] if parts[1] in WINGS and len(parts) > 3 else parts[:2]))
         elif name.endswith(".md"):
             continue
         else:
@@ -39,8 +41,10 @@ def rooms(names):
 
 
 def filters(root):
-    """The ctest options for what the change touches; none where that is everything or nothing."""
-    labels = rooms(files(root))
+    """The ctest options for what the change touches; none where that is everything or nothing. The tests of a room
+    without a folder of its own are in other rooms of its wing."""
+    labels = {label if (root / "tests" / label).is_dir() else label.rpartition("/")[0] + "/.*"
+              for label in rooms(files(root)) or ()}
     return ["-L", "^(" + "|".join(sorted(labels)) + ")$"] if labels else []
 
 

@@ -32,22 +32,24 @@ passes() {
 
 caught engine/em/a.h '#include "engine/scene/scene.h"' 'engine/em may include'
 caught engine/base/a.cpp '#include "capture/transport/datagram.h"' 'engine/base may include'
-caught engine/localize/a.h '#include "daemon/site/site.h"' 'engine/localize may include'
+caught engine/localize/a.h '#include "daemon/site/model/site.h"' 'engine/localize may include'
 caught engine/trace/a.h '  #  include "engine/track/track.h"' 'engine/trace may include'
 caught capture/source/a.cpp '#include "engine/scene/scene.h"' 'capture/source may include'
-caught capture/source/a.cpp '#include "daemon/site/site.h"' 'capture/source may include'
-caught daemon/site/a.cpp '#include "daemon/pipeline/pipeline.h"' 'daemon/site may include'
-caught daemon/publish/a.cpp '#include "capture/transport/datagram.h"' 'daemon/publish may include'
-caught daemon/pipeline/a.cpp '#include "daemon/command/verb.h"' 'daemon/pipeline may include'
+caught capture/source/a.cpp '#include "daemon/site/model/site.h"' 'capture/source may include'
+caught daemon/site/model/a.cpp '#include "daemon/pipeline/pipeline.h"' 'daemon/site/model may include'
+caught daemon/live/publish/a.cpp '#include "capture/transport/datagram.h"' 'daemon/live/publish may include'
+caught daemon/pipeline/a.cpp '#include "daemon/cli/command/verb.h"' 'daemon/pipeline may include'
 caught daemon/pipeline/a.cpp '#include "rayloc/v1/location.pb.h"' 'only output'
-caught daemon/pipeline/a.h '#include "daemon/publish/location_message.h"' 'only output'
-caught daemon/pipeline/output/publisher_stage.cpp '#include "rayloc/v1/location.pb.h"' 'location.h travels'
+caught daemon/pipeline/a.h '#include "daemon/messages/location_message.h"' 'only output'
+caught daemon/pipeline/output/carried_message.cpp '#include "rayloc/v1/location.pb.h"' 'location.h travels'
+caught daemon/lab/draw/a.cpp '#include "daemon/live/http/map_files.h"' 'daemon/lab may include'
+caught daemon/site/plan/a.h '#include "daemon/site/import/dxf.h"' 'daemon/site/plan may include'
 caught engine/em/a.cpp '#include "../scene/scene.h"' 'quoted includes'
 caught engine/scene/a.cpp '#include <embree3/rtcore.h>' 'Embree'
 caught engine/localize/a.cpp '#include <hwy/highway.h>' 'Highway'
 caught daemon/pipeline/a.cpp '#include <zmq.hpp>' 'ZeroMQ'
-caught daemon/cluster/a.cpp '#include <nats/nats.h>' 'libnats'
-caught daemon/cli/a.cpp '#include <CLI/CLI.hpp>' 'CLI11'
+caught daemon/live/cluster/a.cpp '#include <nats/nats.h>' 'libnats'
+caught daemon/cli/verbs/a.cpp '#include <CLI/CLI.hpp>' 'CLI11'
 caught engine/trace/a.cpp '#include <tbb/parallel_for.h>' 'parallel.h'
 caught engine/trace/a.cpp '#include <fstream>' 'files'
 caught engine/trace/a.cpp '#include <iostream>' 'prints'
@@ -62,12 +64,12 @@ passes engine/scene/bvh.cpp '#include <embree3/rtcore.h>' \
   engine/scene/read/load_scene.cpp '#include <fstream>' \
   engine/localize/grid.cpp '#include "engine/trace/path.h"' \
   capture/source/udp_source.cpp '#include <sys/socket.h>' \
-  daemon/publish/publisher.cpp '#include <zmq.hpp>' \
-  daemon/cluster/nats/nats_broker.cpp '#include <nats/nats.h>' \
-  daemon/publish/publisher.cpp '#include "rayloc/v1/location.pb.h"' \
-  daemon/pipeline/output/publisher_stage.h '#include "rayloc/v1/heartbeat.pb.h"' \
-  daemon/pipeline/output/publisher_stage.cpp '#include "daemon/publish/location_message.h"' \
-  daemon/cli/sub.cpp '#include "daemon/publish/subscriber.h"'
+  daemon/live/publish/publisher.cpp '#include <zmq.hpp>' \
+  daemon/live/cluster/nats/nats_broker.cpp '#include <nats/nats.h>' \
+  daemon/live/publish/publisher.cpp '#include "rayloc/v1/location.pb.h"' \
+  daemon/live/output/publisher_stage.h '#include "rayloc/v1/heartbeat.pb.h"' \
+  daemon/live/output/publisher_stage.cpp '#include "daemon/messages/location_message.h"' \
+  daemon/cli/verbs/sub.cpp '#include "daemon/live/publish/subscriber.h"'
 
 # A new folder must get its row.
 rm -rf "${root:?}"/*

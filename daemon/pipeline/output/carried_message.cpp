@@ -5,8 +5,8 @@
 #include <string>
 #include <utility>
 
-#include "daemon/publish/location_message.h"
-#include "daemon/publish/proto_time.h"
+#include "daemon/messages/location_message.h"
+#include "daemon/messages/proto_time.h"
 
 namespace rayloc {
 namespace {

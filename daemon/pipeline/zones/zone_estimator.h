@@ -8,7 +8,7 @@
 
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/pipeline/zones/zone_watch.h"
-#include "daemon/site/site.h"
+#include "daemon/site/model/site.h"
 
 namespace rayloc {
 

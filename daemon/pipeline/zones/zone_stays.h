@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "daemon/publish/location.h"
+#include "daemon/messages/location.h"
 #include "engine/base/timestamp.h"
 
 namespace rayloc {

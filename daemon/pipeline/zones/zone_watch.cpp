@@ -5,7 +5,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include "daemon/publish/topic.h"
+#include "daemon/messages/topic.h"
 #include "engine/base/check.h"
 #include "engine/base/gaussian_in_polygon.h"
 

@@ -17,10 +17,10 @@
 #include <utility>
 #include <vector>
 
+#include "daemon/messages/location.h"
+#include "daemon/messages/target_event.h"
 #include "daemon/pipeline/zones/zone_stays.h"
-#include "daemon/publish/location.h"
-#include "daemon/publish/target_event.h"
-#include "daemon/site/site.h"
+#include "daemon/site/model/site.h"
 #include "engine/base/timestamp.h"
 
 namespace rayloc {

@@ -2,11 +2,11 @@
 #include <stdexcept>
 #include <utility>
 
-#include "daemon/publish/gap_detector.h"
-#include "daemon/publish/late_subscriber.h"
-#include "daemon/publish/socket/curve_keys.h"
-#include "daemon/publish/subscriber.h"
-#include "daemon/publish/topic.h"
+#include "daemon/live/publish/late_subscriber.h"
+#include "daemon/live/publish/socket/curve_keys.h"
+#include "daemon/live/publish/subscriber.h"
+#include "daemon/messages/gap_detector.h"
+#include "daemon/messages/topic.h"
 #include "deploy/clients/cpp/rayloc/client.h"
 
 namespace rayloc::client {

@@ -28,7 +28,7 @@
 #include <thread>
 #include <vector>
 
-#include "daemon/publish/subscriber.h"
+#include "daemon/live/publish/subscriber.h"
 #include "rayloc/v1/envelope.pb.h"
 #include "tests/bench/crowd/crowd_sender.h"
 #include "tests/e2e/live_daemon.h"

@@ -20,9 +20,9 @@
 #include <string>
 #include <vector>
 
-#include "daemon/calibrate/calibration_inputs.h"
-#include "daemon/calibrate/calibration_points.h"
-#include "daemon/site/room_model.h"
+#include "daemon/lab/calibrate/calibration_inputs.h"
+#include "daemon/lab/calibrate/calibration_points.h"
+#include "daemon/site/model/room_model.h"
 #include "engine/base/median.h"
 #include "engine/base/parallel.h"
 #include "engine/calibrate/model_error_fit.h"

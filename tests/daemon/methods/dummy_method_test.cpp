@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "tests/daemon/experiment/small_room.h"
+#include "tests/daemon/lab/experiment/small_room.h"
 #include "tests/e2e/live_daemon.h"
 #include "tests/support/eventually.h"
 #include "tests/support/rayloc_process.h"

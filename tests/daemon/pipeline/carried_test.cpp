@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "daemon/messages/json.h"
 #include "daemon/pipeline/output/carried_message.h"
-#include "daemon/publish/json.h"
 
 namespace rayloc::carried_test {
 namespace {

@@ -13,11 +13,11 @@
 #include <gtest/gtest.h>
 
 #include "capture/source/pcap_source.h"
+#include "daemon/live/output/site_output.h"
+#include "daemon/messages/location_message.h"
 #include "daemon/pipeline/compare/compared_estimator.h"
 #include "daemon/pipeline/estimates.h"
 #include "daemon/pipeline/ordered_sink.h"
-#include "daemon/pipeline/output/site_output.h"
-#include "daemon/publish/location_message.h"
 #include "tests/support/eventually.h"
 #include "tests/support/test_paths.h"
 

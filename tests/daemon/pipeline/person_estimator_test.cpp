@@ -16,10 +16,10 @@
 #include <gtest/gtest.h>
 
 #include "capture/source/pcap_source.h"
+#include "daemon/messages/location_message.h"
+#include "daemon/messages/proto_time.h"
 #include "daemon/pipeline/ordered_sink.h"
 #include "daemon/pipeline/playback/paced_source.h"
-#include "daemon/publish/location_message.h"
-#include "daemon/publish/proto_time.h"
 #include "tests/support/closet_plan.h"
 #include "tests/support/rayloc_process.h"
 

@@ -9,10 +9,10 @@
 #include <thread>
 
 #include "capture/source/pcap_source.h"
+#include "daemon/messages/location_message.h"
 #include "daemon/pipeline/estimates.h"
 #include "daemon/pipeline/ordered_sink.h"
 #include "daemon/pipeline/playback/paced_source.h"
-#include "daemon/publish/location_message.h"
 #include "tests/support/test_paths.h"
 
 namespace rayloc::pipeline_test {

@@ -7,9 +7,9 @@
 #include <gtest/gtest.h>
 
 #include "capture/source/recorded_source.h"
+#include "daemon/messages/proto_time.h"
 #include "daemon/pipeline/estimates.h"
 #include "daemon/pipeline/pipeline.h"
-#include "daemon/publish/proto_time.h"
 #include "tests/support/eventually.h"
 #include "tests/support/test_paths.h"
 

@@ -8,12 +8,12 @@
 #include <gtest/gtest.h>
 
 #include "capture/source/pcap_source.h"
+#include "daemon/messages/location_message.h"
 #include "daemon/pipeline/estimates.h"
 #include "daemon/pipeline/ordered_sink.h"
 #include "daemon/pipeline/output/carried_message.h"
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/pipeline/playback/later_source.h"
-#include "daemon/publish/location_message.h"
 #include "tests/support/test_paths.h"
 
 namespace rayloc::warm_start_test {

@@ -77,7 +77,7 @@ def calibrate(
 
     Shapes: none. Units: metres, seconds. Frame: the world of the site.
     Errors: Error names the row of the points or the access point.
-    Source: daemon/calibrate/calibrate.h; METHODS B4.
+    Source: daemon/lab/calibrate/calibrate.h; METHODS B4.
     """
     if not 0.0 <= holdout <= 0.8:
         raise ValueError("holdout is a share of the points from 0 to 0.8")

@@ -33,7 +33,7 @@ class Frames:
         several spatial streams.
     Errors: `of` raises KeyError for a transmitter without frames, `where` ValueError for an argument
         that is no mask of these frames.
-    Source: engine/channel/csi_frame.h, daemon/recordings/frame_arrays.h.
+    Source: engine/channel/csi_frame.h, daemon/lab/recordings/frame_arrays.h.
     """
 
     def __init__(self, table: FrameTable, stream: int) -> None:

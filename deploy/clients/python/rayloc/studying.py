@@ -33,7 +33,7 @@ class Evaluation(NamedTuple):
         was missed; `position` is NaN there.
     Frame: the world of the site.
     Errors: none.
-    Source: daemon/evaluate/comparison.h.
+    Source: daemon/lab/evaluate/comparison.h.
     """
 
     statistics: dict[str, Any]
@@ -65,7 +65,7 @@ class StudiedCondition(NamedTuple):
     Units: metres, horizontal; infinite where the point was missed.
     Frame: none.
     Errors: none; `refusal` is set for a method that is out of its domain.
-    Source: daemon/experiment/condition.h.
+    Source: daemon/lab/experiment/condition.h.
     """
 
     values: dict[str, str]
@@ -82,7 +82,7 @@ class Study(NamedTuple):
     """One study of an experiment.
 
     Shapes: none. Units: metres. Frame: none. Errors: none.
-    Source: daemon/experiment/experiment_file.h.
+    Source: daemon/lab/experiment/experiment_file.h.
     """
 
     name: str
@@ -126,7 +126,7 @@ def evaluate(
     Units: metres, seconds.
     Frame: the world of the site.
     Errors: Error names the file and line, and the mismatch.
-    Source: daemon/evaluate/comparison.h.
+    Source: daemon/lab/evaluate/comparison.h.
     """
     if kind not in ("device", "person"):
         raise ValueError(f"there is no kind {kind!r}: device or person")
@@ -177,7 +177,7 @@ def experiment(
     Units: metres.
     Frame: none.
     Errors: Error has the words of the program; FileNotFoundError names the package.
-    Source: daemon/experiment/run_experiment.h.
+    Source: daemon/lab/experiment/run_experiment.h.
     """
     words = [_program(), "experiment", os.fspath(file), "--out", os.fspath(out)]
     for name in studies:

@@ -1,0 +1,135 @@
+// `rayloc cluster remove`: removes a decommissioned site from the cluster.
+//
+// The verb first notifies the processes that fetch applied sites. Once no worker has the site, its
+// stream is deleted. Its published messages stay for as long as results are kept, and so does the
+// generation of its last claim, for a later site of that name.
+#include <chrono>
+#include <string>
+#include <thread>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "daemon/cli/verbs/cluster_verbs.h"
+#include "daemon/live/cluster/cluster_names.h"
+#include "daemon/live/cluster/cluster_view.h"
+#include "daemon/live/cluster/operate/site_bundle.h"
+#include "daemon/live/cluster/operate/stream_admin.h"
+#include "daemon/live/cluster/sealed_message.h"
+#include "engine/base/printable.h"
+
+namespace rayloc::cli {
+namespace {
+
+constexpr std::chrono::milliseconds kRemovalStep{200};
+constexpr std::chrono::seconds kRemovalTimeout{30};  // fetching processes poll every 10 seconds
+
+// Returns true if the site had been applied.
+Expected<bool> retract(Broker& broker, const std::string& site) {
+  const auto bundles = stored_bundles(broker);
+  if (!bundles) {
+    return tl::make_unexpected(bundles.error());
+  }
+  const auto bundle = bundles->find(site);
+  if (bundle == bundles->end() || bundle->second.empty()) {
+    return false;
+  }
+  const Expected<void> retracted = retract_bundle(broker, site);
+  return retracted ? Expected<bool>(true) : tl::make_unexpected(retracted.error());
+}
+
+// Returns empty if the site has no claim, and an Error if a worker keeps it.
+Expected<std::optional<v1::SiteClaim>> last_claim(Broker& broker, const std::string& site) {
+  const auto deadline = std::chrono::steady_clock::now() + kRemovalTimeout;
+  for (;;) {
+    const auto view = look_at_cluster(broker);
+    if (!view) {
+      return tl::make_unexpected(view.error());
+    }
+    const auto found = view->sites.find(site);
+    if (found == view->sites.end()) {
+      return std::nullopt;
+    }
+    if (!view->has_owner(found->second.claim)) {
+      return found->second.claim;
+    }
+    if (std::chrono::steady_clock::now() > deadline) {
+      return make_error(ErrorKind::kUnavailable,
+                        "worker '" + found->second.claim.worker() + "' goes on with site '" + site +
+                            "': take it out of its configuration, have it reload, and try again");
+    }
+    std::this_thread::sleep_for(kRemovalStep);
+  }
+}
+
+// Returns false if a worker has claimed the site meanwhile.
+Expected<bool> close_claim(Broker& broker, const std::string& site, std::uint64_t generation) {
+  const auto last = broker.last_of(std::string(kClaimStream), claim_subject(site));
+  if (!last) {
+    return tl::make_unexpected(last.error());
+  }
+  v1::SiteClaim now;
+  if (!*last || !unseal((*last)->data, now) || now.generation() != generation) {
+    return false;
+  }
+  v1::SiteClaim removed;
+  removed.set_generation(generation);
+  removed.set_removed(true);
+  const auto said = broker.publish_behind(claim_subject(site), seal(removed), (*last)->sequence);
+  return said ? Expected<bool>(said->is_last) : tl::make_unexpected(said.error());
+}
+
+}  // namespace
+
+// Allows a new claim: workers claim no site that was recently removed.
+Expected<void> reopen_claim(Broker& broker, const std::string& site) {
+  if (!broker.stream_state(std::string(kClaimStream))) {
+    return {};  // no worker has ever claimed a site
+  }
+  const auto last = broker.last_of(std::string(kClaimStream), claim_subject(site));
+  v1::SiteClaim claim;
+  if (!last || !*last || !unseal((*last)->data, claim) || !claim.removed()) {
+    return last ? Expected<void>() : tl::make_unexpected(last.error());
+  }
+  v1::SiteClaim nobody;
+  nobody.set_generation(claim.generation());
+  const auto said = broker.publish_behind(claim_subject(site), seal(nobody), (*last)->sequence);
+  return said ? Expected<void>() : tl::make_unexpected(said.error());
+}
+
+Expected<void> run_cluster_remove(const BrokerOptions& options, const std::string& site) {
+  const auto broker = connect(options);
+  if (!broker) {
+    return tl::make_unexpected(broker.error());
+  }
+  const auto retracted = retract(**broker, site);
+  if (!retracted) {
+    return tl::make_unexpected(retracted.error());
+  }
+  const auto claim = last_claim(**broker, site);
+  if (!claim) {
+    return tl::make_unexpected(claim.error());
+  }
+  // A stream without a claim is left over from an earlier attempt that failed to delete it.
+  if (!*claim && !*retracted && !(*broker)->stream_state(csi_stream(site))) {
+    return make_error(ErrorKind::kUnavailable,
+                      "no site '" + site +
+                          "' was applied or claimed; `rayloc cluster sites` lists "
+                          "those that were");
+  }
+  if (*claim) {
+    const auto closed = close_claim(**broker, site, (*claim)->generation());
+    if (!closed || !*closed) {
+      return closed ? make_error(ErrorKind::kUnavailable,
+                                 "site '" + site + "' was claimed meanwhile; try again")
+                    : tl::make_unexpected(closed.error());
+    }
+  }
+  if (Expected<void> gone = forget_stream(**broker, csi_stream(site)); !gone) {
+    return gone;
+  }
+  fmt::print("site {} is taken out\n", printable(site));
+  return {};
+}
+
+}  // namespace rayloc::cli

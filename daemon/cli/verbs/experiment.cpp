@@ -1,0 +1,117 @@
+// `rayloc experiment`: studies on simulated captures, in one report.
+#include <unistd.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "daemon/cli/command/file_error.h"
+#include "daemon/cli/verbs/verbs.h"
+#include "daemon/lab/experiment/condition_store.h"
+#include "daemon/lab/experiment/experiment_file.h"
+#include "daemon/lab/experiment/experiment_report.h"
+#include "daemon/lab/experiment/run_experiment.h"
+#include "daemon/site/model/site_copy.h"
+
+namespace rayloc::cli {
+namespace {
+
+struct ExperimentArguments {
+  std::string file;
+  std::string out;
+  std::vector<std::string> studies;  // names; empty: all
+  bool resume = false;
+  bool force = false;
+  bool quiet = false;
+};
+
+void show_progress(const Study& study, std::size_t done, const ConditionResult& result) {
+  std::fprintf(stderr,
+               "\r\033[K%s: %zu of %zu, median %.3f m%s",
+               study.name.c_str(),
+               done,
+               study.conditions.size(),
+               result.statistics.median_m,
+               done == study.conditions.size() ? "\n" : "");
+}
+
+Expected<void> run_experiment_verb(const ExperimentArguments& arguments) {
+  auto experiment = load_experiment(arguments.file);
+  if (!experiment) {
+    return report_file_error(experiment.error());
+  }
+  if (auto kept = keep_studies(arguments.studies, *experiment); !kept) {
+    return kept;
+  }
+  const std::filesystem::path directory = arguments.out;
+  if (auto prepared = prepare_output(directory, arguments.force || arguments.resume); !prepared) {
+    return prepared;
+  }
+  const bool shown = !arguments.quiet && ::isatty(STDERR_FILENO) == 1;
+  const auto results = run_experiment(
+      *experiment,
+      [&](const Study& study, std::size_t done, const ConditionResult& result) {
+        if (shown) {
+          show_progress(study, done, result);
+        }
+      },
+      condition_store(directory, arguments.resume));
+  if (!results) {
+    return tl::make_unexpected(results.error());
+  }
+  if (auto written = write_experiment_report(directory, *experiment, *results); !written) {
+    return written;
+  }
+  if (!arguments.quiet) {
+    std::fprintf(stderr, "%s\n", (directory / "report.html").c_str());
+  }
+  return {};
+}
+
+RunVerb declare_experiment(OptionParser& app) {
+  const auto arguments = std::make_shared<ExperimentArguments>();
+  app.add_option("FILE", arguments->file, "The experiment, TOML")->required();
+  app.add_option("--out",
+                 arguments->out,
+                 "Directory for report.html, report.json, report.csv and errors.csv")
+      ->required();
+  app.add_option("--study", arguments->studies, "Run these studies of the file alone, by name");
+  app.add_flag(
+      "--resume",
+      arguments->resume,
+      "Continue the run that was interrupted in --out: a condition that is done is not run again");
+  app.add_flag("--force", arguments->force, "Write into a directory that is not empty");
+  app.add_flag("--quiet", arguments->quiet, "No words on standard error");
+  app.footer(app.get_footer() + R"(
+
+A file (the paper's studies are in deploy/experiments):
+  name = "Clutter"
+  seed = 1                        # seed of all random draws
+  [defaults]                      # keys of all studies, one value each
+  room = "rooms/office.toml"      # relative to this file
+  [[study]]
+  name = "boxes"
+  claim = "expected result"       # printed beside the figures
+  method = ["rayloc", "paper"]    # a list is an axis; all combinations are run
+  boxes = [2, 4, 6, 8, 10]
+  over = "boxes"                  # the axis that charts run over; else the first of numbers
+
+Keys and their defaults:
+)" + experiment_help());
+  return [arguments] { return run_experiment_verb(*arguments); };
+}
+
+}  // namespace
+
+extern const Verb kExperiment;
+const Verb kExperiment = {"experiment",
+                          "Run studies on simulated captures and report them",
+                          "rayloc experiment deploy/experiments/ablation.toml --out ablation\n\n"
+                          "The captures are made with the model that locates: they compare methods "
+                          "and conditions, and do not state the accuracy in a real room.",
+                          declare_experiment};
+
+}  // namespace rayloc::cli

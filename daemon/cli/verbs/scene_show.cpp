@@ -1,0 +1,219 @@
+// `rayloc scene show`: draws a scene, its antennas, and the paths of a link.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <spdlog/fmt/fmt.h>
+
+#include "daemon/cli/arguments/link_arguments.h"
+#include "daemon/cli/command/file_error.h"
+#include "daemon/cli/verbs/scene_verbs.h"
+#include "daemon/lab/draw/picture_bytes.h"
+#include "daemon/lab/draw/scene_picture.h"
+#include "daemon/site/model/site_copy.h"
+#include "daemon/site/scene/scene_notes.h"
+#include "engine/trace/path_tracer.h"
+
+namespace rayloc::cli {
+namespace {
+
+struct SceneShowArguments {
+  LinkArguments link;
+  std::string access_point;
+  double range = 40.0;  // [dB]
+  std::string out;
+  std::string view = "plan";
+};
+
+// Checked before anything is traced.
+Expected<void> check_ending(const std::string& file) {
+  if (!file.ends_with(".svg") && !file.ends_with(".png")) {
+    return make_error(ErrorKind::kUsage,
+                      "--out " + file + ": pictures are .svg or .png; choose one by the ending");
+  }
+  return {};
+}
+
+std::vector<draw::Mark> marks_of(const SceneSource& source) {
+  std::vector<draw::Mark> marks;
+  if (!source.site) {
+    return marks;
+  }
+  for (const SiteAccessPoint& ap : source.site->access_points) {
+    draw::Mark mark{ap.id, draw::MarkKind::kAccessPoint, {}, {}};
+    for (std::size_t i = 0; i < ap.array.element_offset.size(); ++i) {
+      mark.antennas.push_back(element_position(ap.array, i));
+    }
+    mark.heading = rotation(ap.array.pose.orientation) * Vec3d{1.0, 0.0, 0.0};
+    if (!mark.antennas.empty()) {
+      marks.push_back(std::move(mark));
+    }
+  }
+  return marks;
+}
+
+// The other end of a link if only one is given: the middle antenna of an access point.
+Expected<Vec3d> access_point_of(const SceneSource& source, const std::string& id) {
+  if (!source.site) {
+    return make_error(ErrorKind::kUsage,
+                      "give both --tx and --rx: the scene names no access point that could be the "
+                      "other end");
+  }
+  int index = 0;
+  if (!id.empty()) {
+    const auto found = find_access_point(*source.site, id);
+    if (!found) {
+      return make_error(ErrorKind::kUsage, "--ap: " + found.error().message);
+    }
+    index = *found;
+  }
+  const AntennaArray& array = source.site->access_points[static_cast<std::size_t>(index)].array;
+  return element_position(array, array.element_offset.size() / 2);
+}
+
+std::string text_of(const Vec3d& v) { return fmt::format("{},{},{}", v.x, v.y, v.z); }
+
+// The requested link; empty if only the scene is requested.
+Expected<std::optional<Link>> link_of(const SceneShowArguments& arguments,
+                                      const SceneSource& source) {
+  LinkArguments wanted = arguments.link;
+  if (wanted.tx.empty() && wanted.rx.empty()) {
+    return std::nullopt;
+  }
+  for (std::string* end : {&wanted.tx, &wanted.rx}) {
+    if (end->empty()) {
+      const auto position = access_point_of(source, arguments.access_point);
+      if (!position) {
+        return tl::make_unexpected(position.error());
+      }
+      *end = text_of(*position);
+    }
+  }
+  const auto link = parse_link(wanted);
+  if (!link) {
+    return tl::make_unexpected(link.error());
+  }
+  return *link;
+}
+
+std::vector<draw::DrawnPath> drawn_paths(const Paths& paths, const Link& link) {
+  std::vector<draw::DrawnPath> drawn;
+  for (const Path& path : paths) {
+    if (!(abs2(path.a) > 0.0)) {
+      continue;
+    }
+    draw::DrawnPath line{{link.transmitter.position}, 10.0 * std::log10(abs2(path.a))};
+    for (const Interaction& interaction : path.interactions) {
+      line.points.push_back(interaction.position);
+    }
+    line.points.push_back(link.receiver.position);
+    drawn.push_back(std::move(line));
+  }
+  return drawn;
+}
+
+// Keeps the paths within `range` of the strongest one and reports their number.
+void add_paths(const SceneShowArguments& arguments,
+               const Link& link,
+               const SceneSource& source,
+               draw::ScenePicture& picture) {
+  const Paths paths =
+      PathTracer(source.scene, arguments.link.options).trace(link.transmitter, link.receiver);
+  picture.paths = drawn_paths(paths, link);
+  for (const draw::DrawnPath& path : picture.paths) {
+    picture.strongest_db = &path == &picture.paths.front()
+                               ? path.power_db
+                               : std::max(picture.strongest_db, path.power_db);
+  }
+  picture.weakest_db = picture.strongest_db - arguments.range;
+  std::erase_if(picture.paths,
+                [&](const draw::DrawnPath& path) { return path.power_db < picture.weakest_db; });
+  picture.caption +=
+      fmt::format(", {} paths to depth {}", paths.size(), arguments.link.options.max_depth);
+  if (picture.paths.size() < paths.size()) {
+    picture.caption +=
+        fmt::format(", {} within {:g} dB are drawn", picture.paths.size(), arguments.range);
+  }
+  if (!arguments.link.tx.empty()) {
+    picture.marks.push_back({"tx", draw::MarkKind::kTransmitter, {link.transmitter.position}, {}});
+  }
+  if (!arguments.link.rx.empty()) {
+    picture.marks.push_back({"rx", draw::MarkKind::kReceiver, {link.receiver.position}, {}});
+  }
+}
+
+Expected<void> run_scene_show(const SceneShowArguments& arguments) {
+  if (auto checked = check_ending(arguments.out); !checked) {
+    return checked;
+  }
+  const auto source = load_scene_source(arguments.link.scene, arguments.link.frequency);
+  if (!source) {
+    return report_file_error(source.error());
+  }
+  const auto link = link_of(arguments, *source);
+  if (!link) {
+    return tl::make_unexpected(link.error());
+  }
+  const Scene& scene = *source->scene;
+  print_scene_notes(scene);
+  const Vec3d size = scene.bounds_max() - scene.bounds_min();
+  draw::ScenePicture picture;
+  picture.scene = &scene;
+  picture.title = source->name;
+  picture.caption = fmt::format("{:.2f} x {:.2f} x {:.2f} m, {} objects, {:.4g} GHz",
+                                size.x,
+                                size.y,
+                                size.z,
+                                scene.objects().size(),
+                                scene.carrier_hz() / 1e9);
+  picture.marks = marks_of(*source);
+  if (source->site) {
+    for (const SiteZone& zone : source->site->zones) {
+      picture.zones.push_back({zone.name, zone.polygon});
+    }
+  }
+  std::string note;
+  if (*link) {
+    add_paths(arguments, **link, *source, picture);
+    note = note_on_ends(scene, **link);
+    note += picture.paths.empty() ? (note.empty() ? "no path" : "; no path") : "";
+  }
+  if (!note.empty()) {
+    std::fprintf(stderr, "rayloc scene show: %s\n", note.c_str());
+  }
+  const auto view = arguments.view == "plan" ? draw::View::kPlan : draw::View::k3d;
+  const auto bytes = draw::picture_bytes(draw::draw_scene(picture, view), arguments.out);
+  return bytes ? write_file(arguments.out, *bytes) : tl::make_unexpected(bytes.error());
+}
+
+}  // namespace
+
+RunVerb declare_scene_show(OptionParser& app) {
+  const auto arguments = std::make_shared<SceneShowArguments>();
+  declare_link(app, arguments->link);
+  declare_antennas(app, arguments->link);
+  app.add_option("--ap",
+                 arguments->access_point,
+                 "The other end of the link where only --tx or only --rx is given; default: the "
+                 "site's first access point");
+  app.add_option("--range", arguments->range, "Draw the paths this much below the strongest [dB]")
+      ->check(in_range(1.0, 300.0))
+      ->capture_default_str();
+  app.add_option("--view", arguments->view, "From above, or isometric from the south-west")
+      ->check(one_of({"plan", "3d"}))
+      ->capture_default_str();
+  app.add_option("--out", arguments->out, "The picture, .svg or .png")->required();
+  app.footer(
+      "Example:\n"
+      "  rayloc scene show tests/data/sites/meeting_room --tx 0.6,0.3,1.2 --out room.svg\n"
+      "  rayloc scene show office/scene.xml --tx 1,1,1.2 --rx 4,3,2 --view 3d --out room.png");
+  return [arguments] { return run_scene_show(*arguments); };
+}
+
+}  // namespace rayloc::cli

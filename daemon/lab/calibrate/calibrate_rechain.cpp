@@ -1,0 +1,496 @@
+#include "daemon/lab/calibrate/calibrate_rechain.h"
+
+#include <algorithm>
+#include <chrono>
+#include <complex>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <spdlog/fmt/fmt.h>
+#include <nlohmann/json.hpp>
+
+#include "daemon/lab/calibrate/calibrated_site.h"
+#include "daemon/lab/calibrate/calibration_inputs.h"
+#include "daemon/lab/calibrate/learned_chains.h"
+#include "daemon/lab/calibrate/unsurveyed/plan_calibration.h"
+#include "daemon/lab/recordings/fixed_frames.h"
+#include "daemon/site/model/calibration_file.h"
+#include "daemon/site/model/reference_file.h"
+#include "daemon/site/model/room_model.h"
+#include "daemon/site/model/site_copy.h"
+#include "daemon/site/scene/scene_notes.h"
+#include "engine/base/content_hash.h"
+#include "engine/calibrate/chain_refit.h"
+#include "engine/chains/chain_progress.h"
+#include "engine/observe/burst.h"
+
+namespace rayloc::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+// Counts the uncertainty of the chain phases as power that the room does not explain, if it exceeds
+// the rest of the model error. The value of the calibration stays as `prior` for the next run; a
+// value that was not fitted has no sigma.
+void count_phases(const std::vector<double>& sigma, CalibratedAccessPoint& access_point) {
+  double variance = 0.0;
+  for (const double one : sigma) {
+    variance += one * one / static_cast<double>(sigma.size());
+  }
+  // A phase that all chains have in common carries no information.
+  variance *= 1.0 - 1.0 / static_cast<double>(sigma.size());
+  Fitted<double>& noise = access_point.noise;
+  const double calibrated = noise.sigma > 0.0 ? noise.value : noise.prior;
+  noise = {std::max(calibrated, std::min(variance, 1.0)), calibrated, 0.0};
+}
+
+// Frames of one transmitter at a known position, from all access points.
+struct SpotFrames {
+  Vec3d position;
+  DeviceModel device;
+  std::vector<CsiFrame> frames;
+  std::optional<MacAddress> fixed;  // address of a fixed transmitter
+};
+
+// Known positions and the frames received from them.
+struct Heard {
+  std::vector<SpotFrames> spots;
+  std::vector<bool> recorded;  // by access point
+  std::vector<RefusedInput> refused;
+  std::string content;             // hash of the content
+  std::vector<std::string> notes;  // from the recordings
+};
+
+struct RefitAccessPoint {
+  std::size_t index = 0;
+  ChainRefit refit;  // gains and sigma of the learned chains
+  std::optional<UsualFit> usual;
+  std::size_t learned_from = 0;  // bursts of devices; 0: refitted from known positions
+};
+
+Expected<Heard> hear_points(const Site& site,
+                            const RoomModel& room,
+                            const std::vector<CaptureArgument>& captures,
+                            const RechainArguments& arguments) {
+  auto inputs = read_calibration_inputs(
+      with_bounds(site, room), captures, arguments.points, arguments.time_offset);
+  if (!inputs) {
+    return tl::make_unexpected(std::move(inputs.error()));
+  }
+  Heard heard{{},
+              std::move(inputs->recorded),
+              std::move(inputs->refused),
+              inputs->content,
+              std::move(inputs->notes)};
+  for (SurveyedFrames& spot : inputs->points) {
+    heard.spots.push_back({spot.point.position, room.device, std::move(spot.frames), {}});
+  }
+  return heard;
+}
+
+// Frames of the fixed transmitters whose positions are stated.
+Expected<Heard> hear_fixed(const Site& site, const std::vector<CaptureArgument>& captures) {
+  const auto has_place = [](const SiteTransmitter& transmitter) {
+    return transmitter.role == TransmitterRole::kFixed && transmitter.position;
+  };
+  Heard heard;
+  auto frames = read_fixed_frames(site, captures, heard.notes);
+  if (!frames) {
+    return tl::make_unexpected(std::move(frames.error()));
+  }
+  for (const SiteTransmitter& transmitter : site.transmitters) {
+    if (has_place(transmitter)) {
+      heard.spots.push_back({*transmitter.position,
+                             device_model(transmitter),
+                             std::move((*frames)[transmitter.mac]),
+                             transmitter.mac});
+    }
+  }
+  heard.recorded.resize(site.access_points.size());
+  for (const CaptureArgument& capture : captures) {
+    heard.recorded[static_cast<std::size_t>(*find_access_point(site, capture.access_point))] = true;
+  }
+  return heard;
+}
+
+// `heldout` of the report beside the calibration; null if there is none.
+Json usual_fits(const Site& site) {
+  const auto text = read_file(site.calibration_file->parent_path() / "report.json");
+  const Json report = text ? Json::parse(*text, nullptr, false) : Json();
+  return report.is_object() && report.contains("heldout") ? report["heldout"] : Json();
+}
+
+std::optional<UsualFit> usual_fit(const Json& heldout, const std::string& access_point) {
+  if (!heldout.is_object() || !heldout.contains(access_point)) {
+    return std::nullopt;
+  }
+  // Fit with the rays of a chain refit; an older report has only those of its method.
+  const Json& one = heldout[access_point];
+  const std::string after =
+      one.contains("quartiles_after_as_located") ? "after_as_located" : "after";
+  const Json median = one.value(after, Json());
+  const Json quartiles = one.value("quartiles_" + after, Json());
+  if (!median.is_number() || !quartiles.is_array() || quartiles.size() != 2 ||
+      !quartiles[0].is_number() || !quartiles[1].is_number()) {
+    return std::nullopt;
+  }
+  return UsualFit{median, quartiles[0], quartiles[1]};
+}
+
+// Channel of the transmitter at the access point in the empty room; empty without a reference.
+std::vector<std::complex<double>> empty_room(const std::vector<PersonReference>& references,
+                                             const std::optional<MacAddress>& transmitter,
+                                             std::size_t access_point) {
+  for (const PersonReference& reference : references) {
+    for (const PersonLink& link : reference.links) {
+      if (reference.mac == transmitter && link.access_point == access_point) {
+        return link.empty;
+      }
+    }
+  }
+  return {};
+}
+
+// One run of the verb.
+class Rechain {
+ public:
+  explicit Rechain(const RechainArguments& arguments) : arguments_(arguments) {}
+  Expected<void> run();
+
+ private:
+  Expected<void> read();
+  Expected<void> read_calibration();
+  Expected<void> refit();
+  Expected<void> write();
+  std::vector<KnownSpot> spots_of(std::size_t access_point, ContentHash& content);
+  Expected<RefitAccessPoint> refit(std::size_t access_point, ContentHash& content);
+  const ChainState* learned(std::size_t access_point) const;
+  std::string why_not_learned(std::size_t access_point) const;
+  Json report() const;
+  Json chains_json(const RefitAccessPoint& result) const;
+  void print() const;
+
+  const RechainArguments& arguments_;
+  const std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+  Site site_;
+  RoomModel room_;
+  std::vector<PersonReference> references_;
+  CalibrationFile before_;
+  CalibrationFile after_;
+  Heard heard_;
+  Json heldout_;
+  std::vector<ChainState> states_;  // learned from devices; empty with --points
+  std::vector<RefitAccessPoint> results_;
+};
+
+// Reads the known chains and model; for a plan, the usual errors of plans.
+Expected<void> Rechain::read_calibration() {
+  if (arguments_.unsurveyed) {
+    before_ = plan_calibration(room_);
+    for (std::size_t a = 0; a < room_.access_points.size(); ++a) {
+      room_.access_points[a].gains = before_.access_points[a].gains;
+    }
+  } else {
+    auto calibration = load_calibration_file(*site_.calibration_file);
+    if (!calibration) {
+      return tl::make_unexpected(std::move(calibration.error()));
+    }
+    before_ = *std::move(calibration);
+    heldout_ = usual_fits(site_);
+  }
+  return {};
+}
+
+Expected<void> Rechain::read() {
+  auto site = arguments_.unsurveyed
+                  ? load_uncalibrated_site(arguments_.site, arguments_.out, arguments_.force)
+                  : load_calibrated_site(
+                        arguments_.site,
+                        "; --rechain only renews the chain gains of a calibrated site: run "
+                        "`rayloc calibrate` with a survey first, or with --unsurveyed",
+                        arguments_.out,
+                        arguments_.force);
+  if (!site) {
+    return tl::make_unexpected(std::move(site.error()));
+  }
+  site_ = *std::move(site);
+  auto room = load_room_model(site_);
+  if (!room) {
+    return tl::make_unexpected(std::move(room.error()));
+  }
+  room_ = *std::move(room);
+  if (!arguments_.quiet) {
+    print_scene_notes(*room_.scene);
+  }
+  auto references = load_references(site_, room_);
+  if (!references) {
+    return tl::make_unexpected(std::move(references.error()));
+  }
+  references_ = *std::move(references);
+  if (auto known = read_calibration(); !known) {
+    return known;
+  }
+  const auto captures =
+      resolve_captures(arguments_.captures, access_point_ids(site_), PerAccessPoint::kSeveral);
+  if (!captures) {
+    return tl::make_unexpected(captures.error());
+  }
+  auto heard = arguments_.points.empty() ? hear_fixed(site_, *captures)
+                                         : hear_points(site_, room_, *captures, arguments_);
+  if (!heard) {
+    return tl::make_unexpected(std::move(heard.error()));
+  }
+  heard_ = *std::move(heard);
+  if (arguments_.points.empty()) {
+    std::vector<std::string> told_before;
+    auto states = learn_chains(site_, room_, *captures, told_before);
+    if (!states) {
+      return tl::make_unexpected(std::move(states.error()));
+    }
+    states_ = *std::move(states);
+  }
+  for (const std::string& note : heard_.notes) {
+    if (!arguments_.quiet) {
+      std::fprintf(stderr, "%s\n", note.c_str());
+    }
+  }
+  return {};
+}
+
+std::vector<KnownSpot> Rechain::spots_of(std::size_t access_point, ContentHash& content) {
+  const RoomAccessPoint& ap = room_.access_points[access_point];
+  std::vector<KnownSpot> spots;
+  for (const SpotFrames& spot : heard_.spots) {
+    auto burst =
+        combine_burst(spot.frames, {static_cast<int>(access_point), room_.grid, ap.cores, {}});
+    if (!burst) {
+      heard_.refused.push_back({fmt::format("{} at ({:g}, {:g}, {:g})",
+                                            ap.id,
+                                            spot.position.x,
+                                            spot.position.y,
+                                            spot.position.z),
+                                burst.error().message});
+      continue;
+    }
+    for (const auto& value : burst->h) {
+      content.add(value.real());
+      content.add(value.imag());
+    }
+    spots.push_back({spot.position,
+                     spot.device,
+                     std::move(burst->h),
+                     empty_room(references_, spot.fixed, access_point)});
+  }
+  return spots;
+}
+
+const ChainState* Rechain::learned(std::size_t access_point) const {
+  const auto found = std::find_if(states_.begin(), states_.end(), [&](const ChainState& state) {
+    return state.access_point == access_point && state.knowledge == ChainKnowledge::kLearned;
+  });
+  return found == states_.end() ? nullptr : &*found;
+}
+
+std::string Rechain::why_not_learned(std::size_t access_point) const {
+  for (const ChainState& state : states_) {
+    if (state.access_point == access_point) {
+      return fmt::format(
+          "the frames of devices are too few to learn its chains ({}); record a device that is "
+          "carried through the room for a minute",
+          progress_text(state));
+    }
+  }
+  return "its recording holds no frame of a device or of a fixed transmitter of the site";
+}
+
+Expected<RefitAccessPoint> Rechain::refit(std::size_t access_point, ContentHash& content) {
+  const RoomAccessPoint& ap = room_.access_points[access_point];
+  if (const ChainState* state = learned(access_point)) {
+    for (const std::complex<double>& factor : state->factors.factor) {
+      content.add(factor.real());
+      content.add(factor.imag());
+    }
+    RefitAccessPoint result{access_point, {}, std::nullopt, state->bursts};
+    result.refit.gains = multiplied(ap.gains, state->factors);
+    result.refit.sigma = state->factors.sigma;
+    return result;
+  }
+  const auto spots = spots_of(access_point, content);
+  if (spots.empty()) {
+    return bad_input(
+        "access point " + ap.id + ": " +
+        (arguments_.points.empty() ? why_not_learned(access_point) : "no known place has frames"));
+  }
+  ChainRefitOptions options;
+  options.usual = usual_fit(heldout_, ap.id);
+  auto refit = refit_chains(room_, access_point, spots, options);
+  if (!refit) {
+    return tl::make_unexpected(std::move(refit.error()));
+  }
+  return RefitAccessPoint{access_point, *std::move(refit), options.usual, 0};
+}
+
+Expected<void> Rechain::refit() {
+  after_ = before_;
+  ContentHash content;
+  content.add(before_.id);
+  content.add("rechain");
+  for (std::size_t a = 0; a < room_.access_points.size(); ++a) {
+    const RoomAccessPoint& ap = room_.access_points[a];
+    if (!heard_.recorded[a] || ap.gains.empty()) {
+      heard_.refused.push_back(
+          {ap.id, heard_.recorded[a] ? "was not calibrated" : "no recording: keeps its gains"});
+      continue;
+    }
+    if (arguments_.unsurveyed && learned(a) == nullptr) {
+      heard_.refused.push_back({ap.id, why_not_learned(a)});  // raylocd may learn them later
+      continue;
+    }
+    auto result = refit(a, content);
+    if (!result) {
+      return tl::make_unexpected(std::move(result.error()));
+    }
+    for (CalibratedAccessPoint& stated : after_.access_points) {
+      if (stated.id == ap.id) {
+        stated.gains = result->refit.gains;
+        stated.gain_sigma = result->refit.sigma;
+        count_phases(result->refit.sigma, stated);
+      }
+    }
+    results_.push_back(*std::move(result));
+  }
+  after_.id = content.text();
+  if (arguments_.unsurveyed && results_.empty()) {
+    const RefusedInput& first = heard_.refused.front();
+    return bad_input("access point " + first.what + ": " + first.reason);
+  }
+  return {};
+}
+
+// Mean phase and gain of every chain against the first.
+Json Rechain::chains_json(const RefitAccessPoint& result) const {
+  const std::string& id = room_.access_points[result.index].id;
+  const auto parameters_of = [&](const CalibrationFile& file) {
+    for (const CalibratedAccessPoint& ap : file.access_points) {
+      if (ap.id == id) {
+        return chain_parameters(ap);  // gain and phase of each rx chain but the first
+      }
+    }
+    return std::vector<RoomParameter>();
+  };
+  const auto before = parameters_of(before_);
+  const auto after = parameters_of(after_);
+  const auto& cores = result.refit.gains.cores;
+  Json chains = Json::array();
+  for (std::size_t i = 0; i + 1 < after.size(); i += 2) {
+    chains.push_back(
+        {{"core", cores[1 + i / 2]},
+         {"against", cores[0]},
+         {"before", {{"gain_db", before[i].value}, {"phase_deg", before[i + 1].value}}},
+         {"after", {{"gain_db", after[i].value}, {"phase_deg", after[i + 1].value}}},
+         {"sigma", {{"gain_db", after[i].sigma}, {"phase_deg", after[i + 1].sigma}}}});
+  }
+  return chains;
+}
+
+Json Rechain::report() const {
+  Json access_points = Json::array();
+  for (const RefitAccessPoint& result : results_) {
+    access_points.push_back({{"id", room_.access_points[result.index].id},
+                             {"learned_from_bursts", result.learned_from},
+                             {"spots", result.refit.spots},
+                             {"ripple", result.refit.ripple},
+                             {"fit", result.learned_from > 0 ? Json() : Json(result.refit.fit)},
+                             {"usual_fit", result.usual ? Json(result.usual->median) : Json()},
+                             {"chains", chains_json(result)}});
+  }
+  Json refused = Json::array();
+  for (const RefusedInput& one : heard_.refused) {
+    refused.push_back({{"what", one.what}, {"reason", one.reason}});
+  }
+  const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin_;
+  return {{"method", "rechain"},
+          {"site", site_.name},
+          {"calibration_id", after_.id},
+          {"room_calibration_id", before_.id},
+          {"source", arguments_.points.empty() ? "transmitters" : "points"},
+          {"seconds", taken.count()},
+          {"access_points", std::move(access_points)},
+          {"heldout", heldout_},
+          {"refused", std::move(refused)}};
+}
+
+void Rechain::print() const {
+  if (arguments_.unsurveyed) {
+    for (const RefusedInput& one : heard_.refused) {
+      std::fprintf(stderr, "%s: %s\n", one.what.c_str(), one.reason.c_str());
+    }
+  }
+  for (const RefitAccessPoint& result : results_) {
+    const std::string& id = room_.access_points[result.index].id;
+    const std::string text =
+        result.learned_from > 0
+            ? fmt::format("learned from {} bursts of devices", result.learned_from)
+            : fmt::format("{} known places, fit {:.3f}{}",
+                          result.refit.spots,
+                          result.refit.fit,
+                          result.usual
+                              ? fmt::format(" ({:.3f} when calibrated)", result.usual->median)
+                              : "; no report of the calibration to compare with");
+    std::fprintf(stderr, "%s: %s\n", id.c_str(), text.c_str());
+    for (const Json& chain : chains_json(result)) {
+      std::fprintf(stderr,
+                   "  core %d against %d: phase %.1f -> %.1f deg (sigma %.1f), gain %.2f -> %.2f "
+                   "dB\n",
+                   chain["core"].get<int>(),
+                   chain["against"].get<int>(),
+                   chain["before"]["phase_deg"].get<double>(),
+                   chain["after"]["phase_deg"].get<double>(),
+                   chain["sigma"]["phase_deg"].get<double>(),
+                   chain["before"]["gain_db"].get<double>(),
+                   chain["after"]["gain_db"].get<double>());
+    }
+  }
+}
+
+Expected<void> Rechain::write() {
+  const fs::path out = arguments_.out;
+  if (auto prepared = prepare_output(out, arguments_.force); !prepared) {
+    return prepared;
+  }
+  if (auto written = write_site(site_, to_toml(after_), out); !written) {
+    return written;
+  }
+  if (site_.reference_file) {
+    const auto reference = read_file(*site_.reference_file);
+    if (!reference) {
+      return tl::make_unexpected(reference.error());
+    }
+    if (auto written =
+            write_file(out / "reference.toml", reference_of_calibration(*reference, after_.id));
+        !written) {
+      return written;
+    }
+  }
+  return write_file(out / "report.json", report().dump(2) + "\n");
+}
+
+Expected<void> Rechain::run() {
+  Expected<void> done = read().and_then([&] { return refit(); }).and_then([&] { return write(); });
+  if (done && !arguments_.quiet) {
+    print();
+  }
+  return done;
+}
+
+}  // namespace
+
+Expected<void> run_rechain(const RechainArguments& arguments) { return Rechain(arguments).run(); }
+
+}  // namespace rayloc::cli

@@ -1,0 +1,394 @@
+#include "daemon/lab/calibrate/calibration_run.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <cstdio>
+#include <memory>
+#include <utility>
+
+#include "daemon/cli/terminal/stop_signal.h"
+#include "daemon/lab/calibrate/calibrated_site.h"
+#include "daemon/lab/calibrate/calibration_points.h"
+#include "daemon/lab/calibrate/dead_chain_check.h"
+#include "daemon/lab/calibrate/holdout.h"
+#include "daemon/lab/calibrate/inputs_hash.h"
+#include "daemon/lab/calibrate/level_stage.h"
+#include "daemon/site/model/room_match.h"
+#include "daemon/site/model/room_model.h"
+#include "daemon/site/model/site_copy.h"
+#include "daemon/site/scene/scene_notes.h"
+#include "engine/calibrate/check/input_check.h"
+#include "engine/calibrate/joint/joint_calibration.h"
+#include "engine/calibrate/joint/multi_start.h"
+#include "engine/paper/paper_calibration.h"
+
+namespace rayloc::cli {
+namespace {
+
+constexpr const char* kOldReference =
+    "is of another calibration and left out: record the empty room again (rayloc reference)";
+
+}  // namespace
+
+// Checks what would otherwise fail after minutes.
+Expected<void> Calibration::check_site() {
+  if (site_.calibration_file) {
+    return make_error(ErrorKind::kConfiguration,
+                      options_.site +
+                          ": is calibrated already; give the site as it was surveyed, from which "
+                          "the priors count. After a power cycle --rechain is enough. To start "
+                          "from the scene of this one all the same, take [calibration] and "
+                          "[reference] out of a copy of its site.toml");
+  }
+  return check_output(options_.out, site_.directory, may_replace());
+}
+
+Expected<void> Calibration::measure() {
+  auto site = load_site(options_.site);
+  if (!site) {
+    return tl::make_unexpected(std::move(site.error()));
+  }
+  site_ = *std::move(site);
+  if (auto checked = check_site(); !checked) {
+    return checked;
+  }
+  const auto captures =
+      resolve_captures(options_.captures, access_point_ids(site_), PerAccessPoint::kSeveral);
+  if (!captures) {
+    return tl::make_unexpected(captures.error());
+  }
+  auto room = load_room_model(site_);
+  if (!room) {
+    return tl::make_unexpected(std::move(room.error()));
+  }
+  plan_ = *std::move(room);
+  for (const std::string& warning : room_warnings(*plan_.scene, site_)) {
+    std::fprintf(stderr, "%s\n", warning.c_str());
+  }
+  if (!options_.quiet) {
+    print_scene_notes(*plan_.scene);
+  }
+  auto inputs = read_calibration_inputs(
+      with_bounds(site_, plan_), *captures, options_.points, options_.time_offset);
+  if (!inputs) {
+    return tl::make_unexpected(std::move(inputs.error()));
+  }
+  inputs_ = *std::move(inputs);
+  for (const std::string& note : inputs_.notes) {
+    if (!options_.quiet) {
+      std::fprintf(stderr, "%s\n", note.c_str());
+    }
+  }
+  if (site_.reference_file) {  // it holds the phases of another calibration
+    inputs_.refused.push_back({site_.reference_file->filename().string(), kOldReference});
+    site_.reference_file.reset();
+    if (!options_.quiet) {
+      std::fprintf(stderr, "%s: [reference] %s\n", options_.site.c_str(), kOldReference);
+    }
+  }
+  const CalibrationRequest request{
+      options_.method, options_.holdout, options_.seed, options_.survey_error.value_or(0.0)};
+  id_ = inputs_hash(site_, plan_, request, inputs_.content);
+  return {};
+}
+
+// Checks for errors of survey and site, and for points that fit no position. A survey made
+// otherwise than stated is bad data. A site that differs from the real installation leads to a
+// report, and with --force the run continues.
+Expected<void> Calibration::check_inputs() {
+  const InputCheck check = check_calibration_inputs(plan_, points_);
+  verdict_ = verdict_of_inputs(check);
+  const bool of_survey =
+      !check.found.empty() && check.found.front().kind != TriedMistake::Kind::kArray;
+  if (of_survey && !options_.force) {
+    return bad_input(options_.points + ": " + check.found.front().message);
+  }
+  if (!verdict_.is_success() && options_.force) {
+    line_.clear();
+    say_verdict();
+  }
+  refuse_misfits(check);
+  return {};
+}
+
+void Calibration::refuse_misfits(const InputCheck& check) {
+  for (const PointRefusal& refusal : check.misfits) {
+    inputs_.refused.push_back({place_of(refusal.point), refusal.reason});
+    for (auto& h : points_[refusal.point].h) {
+      h.clear();
+    }
+  }
+}
+
+Expected<void> Calibration::fit_gains(const std::vector<std::string>& first_refusal) {
+  start_ = plan_;
+  for (std::size_t a = 0; a < plan_.access_points.size(); ++a) {
+    if (!inputs_.recorded[a]) {
+      inputs_.refused.push_back({plan_.access_points[a].id, "no recording: stays uncalibrated"});
+      continue;
+    }
+    auto result = fit_access_point(plan_, a, points_, kExactSurvey, ArrayFit::kFitted);
+    if (!result) {
+      if (!first_refusal[a].empty()) {  // bandwidth or chains differ from the site
+        result.error().message += "; the first that cannot: " + first_refusal[a];
+      }
+      return tl::make_unexpected(std::move(result.error()));
+    }
+    apply(result->train, start_.access_points[a]);
+    gains_.push_back(*std::move(result));
+  }
+  return {};
+}
+
+// Saves the state from which --resume continues; a failure is reported once and ends nothing.
+void Calibration::keep(const StoredCheckpoint& state) {
+  const auto written = write_file(checkpoint(), to_json_text(state, id_));
+  if (!written && !unkept_) {
+    line_.clear();
+    std::fprintf(stderr,
+                 "warning: %s; after an interruption --resume cannot go on\n",
+                 written.error().message.c_str());
+  }
+  unkept_ = !written;
+}
+
+Expected<RoomCalibration> Calibration::jointly(const CalibrationObserver& observer,
+                                               double& seconds) {
+  const auto begin = std::chrono::steady_clock::now();
+  const auto since = [&] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  };
+  JointCalibrationOptions joint;
+  joint.seed = options_.seed;
+  joint.finds_survey = !options_.survey_error;
+  joint.priors.survey = options_.survey_error.value_or(joint.priors.survey);
+  StoredCheckpoint from;
+  if (options_.resume) {
+    auto loaded = load_checkpoint(checkpoint(), id_, start_, points_.size());
+    if (!loaded) {
+      return tl::make_unexpected(std::move(loaded.error()));
+    }
+    from = *std::move(loaded);
+    joint.resume = &from.reached;
+  }
+  if (can_resume()) {
+    joint.on_checkpoint = [&](const JointCheckpoint& state) {
+      keep({state, from.seconds + since()});
+    };
+  }
+  auto calibration = calibrate_from_draws(start_, points_, joint, usual_draws(points_), observer);
+  seconds = from.seconds + since();
+  return calibration;
+}
+
+bool Calibration::go_on() {
+  if (StopSignal::requested() && !told_to_stop_) {
+    told_to_stop_ = true;
+    line_.clear();
+    if (!options_.quiet) {
+      std::fputs("interrupted: finishing with the last good state; once more ends at once\n",
+                 stderr);
+    }
+    line_.begin("finishing");
+  }
+  return !told_to_stop_;
+}
+
+CalibrationMethodResult Calibration::gains_only() const {
+  CalibrationMethodResult result{"gains-only", {}, 0.0, plan_.trace};
+  result.calibration.room = plan_;
+  for (const AccessPointResult& one : gains_) {
+    result.calibration.points.insert(
+        result.calibration.points.end(), one.fits.begin(), one.fits.end());
+  }
+  return result;
+}
+
+Expected<CalibrationMethodResult> Calibration::calibrate(const std::string& method) {
+  if (method == "gains-only") {
+    return gains_only();
+  }
+  CalibrationMethodResult result{method, {}, 0.0, plan_.trace};
+  const PaperCalibrationOptions paper;
+  result.rays = method == "paper"
+                    ? TraceOptions{.max_depth = paper.max_depth, .softness = paper.softness}
+                    : JointCalibrationOptions().trace;
+  line_.begin(method);
+  const auto observer = [&](const CalibrationProgress& progress) {
+    line_.show(progress);
+    return go_on();
+  };
+  const auto begin = std::chrono::steady_clock::now();
+  auto calibration = method == "paper" ? calibrate_by_paper(start_, points_, paper, observer)
+                                       : jointly(observer, result.seconds);
+  if (!calibration) {
+    return tl::make_unexpected(std::move(calibration.error()));
+  }
+  result.calibration = *std::move(calibration);
+  count_yaw_from_survey(plan_, start_, result.calibration.parameters);
+  if (method == "paper") {
+    result.seconds =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  }
+  return result;
+}
+
+// Fits the room model errors that the likelihood needs. The joint calibration estimates the arrays
+// better than this stage, which uses fewer measurements.
+Expected<void> Calibration::fit_errors(const CalibrationMethodResult& method) {
+  const RoomModel& room = method.calibration.room;
+  const ArrayFit array = method.method == "joint" ? ArrayFit::kHeld : ArrayFit::kFitted;
+  for (const AccessPointResult& gains : gains_) {
+    auto result = fit_access_point(room, gains.index, points_, survey_error_, array);
+    if (!result) {
+      return tl::make_unexpected(std::move(result.error()));
+    }
+    refuse_unreached(*result);
+    results_.push_back(*std::move(result));
+  }
+  return {};
+}
+
+// Refuses points that were observed and have no fit.
+void Calibration::refuse_unreached(const AccessPointResult& result) {
+  for (std::size_t p = 0; p < points_.size(); ++p) {
+    const bool fits = std::any_of(
+        result.fits.begin(), result.fits.end(), [&](const auto& fit) { return fit.point == p; });
+    if (!fits && !points_[p].h[result.index].empty()) {
+      inputs_.refused.push_back({place_of(p) + " " + plan_.access_points[result.index].id,
+                                 "no ray of the calibrated room reaches it"});
+    }
+  }
+}
+
+// Observations at the held-out points, or at all points that were not refused.
+std::vector<HeldOutSpot> Calibration::spots(bool all) const {
+  std::vector<HeldOutSpot> spots;
+  for (std::size_t p = 0; p < points_.size(); ++p) {
+    const auto& h = points_[p].h;
+    const bool used = std::any_of(h.begin(), h.end(), [](const auto& one) { return !one.empty(); });
+    if ((all ? used : points_[p].held_out) && !inputs_.points[p].frames.empty()) {
+      spots.push_back({points_[p].position, inputs_.points[p].frames});
+    }
+  }
+  return spots;
+}
+
+Expected<void> Calibration::fit_certainty(const RoomModel& room) {
+  auto trained = std::make_shared<RoomModel>(room);
+  for (AccessPointResult& result : results_) {
+    result.levels = fit_levels(site_, room, result, spots(true), inputs_.refused);
+    apply(result.train, trained->access_points[result.index]);
+    trained->access_points[result.index].levels = result.levels;
+  }
+  auto fixes = fit_certainty_of(std::move(trained), spots(false), survey_error_);
+  if (!fixes) {
+    return tl::make_unexpected(std::move(fixes.error()));
+  }
+  fixes_ = *std::move(fixes);
+  return {};
+}
+
+// The first result is the one that is written.
+Expected<std::vector<CalibrationMethodResult>> Calibration::calibrate_all() {
+  std::vector<CalibrationMethodResult> methods;
+  std::vector<std::string> names{options_.method};
+  if (options_.compare) {
+    names.emplace_back(options_.method == "paper" ? "joint" : "paper");
+  }
+  for (const std::string& name : names) {
+    auto result = calibrate(name);
+    if (!result) {
+      return tl::make_unexpected(std::move(result.error()));
+    }
+    methods.push_back(*std::move(result));
+    if (!go_on()) {
+      break;
+    }
+  }
+  return methods;
+}
+
+// Fits what the likelihood needs beside the room.
+Expected<void> Calibration::fit_what_is_left(const std::vector<CalibrationMethodResult>& methods) {
+  // In the calibrated room a wrongly surveyed point is an outlier; under the plan few are.
+  for (const PointRefusal& odd :
+       misfitting_points(plan_, methods.front().calibration.points, &PointFit::after)) {
+    inputs_.refused.push_back(
+        {place_of(odd.point), odd.reason + " (after the calibration; used all the same)"});
+  }
+  if (methods.front().calibration.survey_sigma > 0.0) {  // stated or estimated
+    survey_error_ = methods.front().calibration.survey_sigma;
+  }
+  line_.begin("fitting the errors of the model");
+  if (auto fitted = fit_errors(methods.front()); !fitted) {
+    return fitted;
+  }
+  line_.begin("locating the points held out");
+  return fit_certainty(methods.front().calibration.room);
+}
+
+// If the fit has failed and no error was found, other carriers than the site's are tried as well:
+// under the plan alone they are too inconclusive to be tried earlier.
+void Calibration::judge(CalibrationReport& report) {
+  judge_held_out(report, verdict_);
+  if (!verdict_.is_success() && verdict_.found.empty()) {
+    line_.begin("trying other channels");
+    add_carriers(try_carriers(plan_, points_), verdict_);
+    line_.clear();
+  }
+  report.verdict = verdict_;
+}
+
+Expected<CalibrationOutcome> Calibration::run() {
+  line_.begin("reading the recordings");
+  if (auto measured = measure(); !measured) {
+    return tl::make_unexpected(std::move(measured.error()));
+  }
+  const auto held = draw_holdout(inputs_.points.size(), options_.holdout, options_.seed);
+  CombinedSurvey survey = combine_survey(plan_, held, options_.points, inputs_);
+  points_ = std::move(survey.points);
+  if (const std::string dead = dead_chains_of(plan_, points_, inputs_); !dead.empty()) {
+    if (!options_.force) {
+      return bad_input(dead);
+    }
+    line_.clear();
+    std::fprintf(stderr, "%s\n", dead.c_str());
+  }
+  line_.begin("comparing points and recordings");
+  if (auto checked = check_inputs(); !checked) {
+    return tl::make_unexpected(std::move(checked.error()));
+  }
+  line_.begin("fitting chain gains");
+  if (auto fitted = fit_gains(survey.first_refusal); !fitted) {
+    return tl::make_unexpected(std::move(fitted.error()));
+  }
+  StopSignal::install_once();
+  if (auto prepared = prepare_output(options_.out, may_replace()); !prepared) {
+    return tl::make_unexpected(std::move(prepared.error()));
+  }
+  if (!verdict_.is_success() && !options_.force) {
+    line_.clear();
+    return write_refusal(report_of({gains_only()}));
+  }
+  const auto methods = calibrate_all();
+  if (!methods) {
+    return tl::make_unexpected(methods.error());
+  }
+  if (auto fitted = fit_what_is_left(*methods); !fitted) {
+    return tl::make_unexpected(std::move(fitted.error()));
+  }
+  line_.clear();
+  if (auto written = write_site_and_reports(*methods); !written) {
+    return tl::make_unexpected(std::move(written.error()));
+  }
+  end(*methods);
+  return outcome();
+}
+
+Expected<CalibrationOutcome> run_calibration(const CalibrateArguments& arguments) {
+  return Calibration(arguments).run();
+}
+
+}  // namespace rayloc::cli

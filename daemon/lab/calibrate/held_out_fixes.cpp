@@ -1,0 +1,119 @@
+#include "daemon/lab/calibrate/held_out_fixes.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <utility>
+
+#include "daemon/lab/evaluate/error_statistics.h"
+#include "engine/localize/localizer.h"
+#include "engine/posterior/judged_exponent.h"
+
+namespace rayloc {
+namespace {
+
+constexpr std::size_t kLeastFixes = 10;
+constexpr double kSameHeight = 0.05;  // [m]
+// Exponents are tried in order until the score has fallen this many times.
+constexpr std::size_t kFalls = 2;
+// Map errors are common to all access points, so the likelihoods
+// of several carry less information than their product.
+constexpr double kMostOfSeveral = 0.8;
+
+// A fix assumes the height: at other heights its error does not measure its certainty.
+std::vector<HeldOutSpot> at_height(std::span<const HeldOutSpot> spots, double height) {
+  std::vector<HeldOutSpot> there;
+  std::copy_if(spots.begin(), spots.end(), std::back_inserter(there), [&](const auto& spot) {
+    return std::abs(spot.position.z - height) <= kSameHeight;
+  });
+  return there;
+}
+
+struct Tried {
+  HeldOutFixes outcome;
+  JudgedExponent judged;
+};
+
+Tried fixes_with(const Localizer& localizer,
+                 std::span<const HeldOutSpot> spots,
+                 double likelihood_exponent,
+                 std::span<const double> sigmas,
+                 double survey_sigma) {
+  Tried tried;
+  HeldOutFixes& result = tried.outcome;
+  result.likelihood_exponent = likelihood_exponent;
+  result.points = spots.size();
+  std::vector<double> errors;
+  std::vector<LocationEstimate> estimates;
+  const RoomModel& room = localizer.room();
+  KnownSpots known{{}, survey_sigma, room.area()};
+  for (const HeldOutSpot& spot : spots) {
+    known.places.push_back(spot.position);
+    estimates.push_back(localizer.locate(spot.frames, likelihood_exponent));
+    const LocationEstimate& estimate = estimates.back();
+    if (!estimate.position) {
+      continue;
+    }
+    const double error =
+        std::hypot(estimate.position->x - spot.position.x, estimate.position->y - spot.position.y);
+    ++result.fixes;
+    result.within_accuracy += error <= estimate.accuracy_m ? 1U : 0U;
+    errors.push_back(error);
+  }
+  result.least_sigma = room.least_sigma;
+  if (!estimates.empty()) {
+    tried.judged = judge_exponent(likelihood_exponent, estimates, room.least_sigma, known, sigmas);
+    result.least_sigma = tried.judged.least_sigma;
+    result.log_score = tried.judged.score;
+    result.dishonesty = tried.judged.dishonesty;
+  }
+  if (!errors.empty()) {
+    result.median_error_m = percentile(std::move(errors), 0.5);
+  }
+  return tried;
+}
+
+}  // namespace
+
+Expected<std::vector<HeldOutFixes>> fit_certainty_of(std::shared_ptr<const RoomModel> room,
+                                                     std::span<const HeldOutSpot> all,
+                                                     double survey_sigma) {
+  const std::vector<HeldOutSpot> spots = at_height(all, room->device.height);
+  const double usual = room->likelihood_exponent;
+  const double most = room->access_points.size() > 1 ? kMostOfSeveral : kExponents.front();
+  const std::array usual_sigma{room->least_sigma};
+  const auto localizer = Localizer::create(std::move(room), {});
+  if (!localizer) {
+    return tl::make_unexpected(localizer.error());
+  }
+  if (spots.size() < kLeastFixes) {
+    return std::vector<HeldOutFixes>{
+        fixes_with(*localizer, spots, usual, usual_sigma, survey_sigma).outcome};
+  }
+  std::vector<HeldOutFixes> outcomes;
+  std::vector<JudgedExponent> judged;
+  std::size_t top = 0;
+  for (const double exponent : kExponents) {
+    if (exponent > most) {
+      continue;
+    }
+    auto [outcome, judgement] = fixes_with(*localizer, spots, exponent, kLeastSigmas, survey_sigma);
+    outcomes.push_back(outcome);
+    judged.push_back(std::move(judgement));
+    if (outcome.fixes < kLeastFixes) {
+      return std::vector<HeldOutFixes>{
+          fixes_with(*localizer, spots, usual, usual_sigma, survey_sigma).outcome};
+    }
+    if (judged.back().score > judged[top].score) {
+      top = judged.size() - 1;
+    } else if (judged.size() - 1 - top >= kFalls) {
+      break;
+    }
+  }
+  const auto best = outcomes.begin() + static_cast<std::ptrdiff_t>(best_exponent(judged));
+  std::rotate(best, best + 1, outcomes.end());
+  return outcomes;
+}
+
+}  // namespace rayloc

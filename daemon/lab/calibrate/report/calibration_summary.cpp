@@ -1,0 +1,50 @@
+#include "daemon/lab/calibrate/report/calibration_summary.h"
+
+#include <cstdio>
+
+#include <spdlog/fmt/fmt.h>
+
+#include "daemon/lab/calibrate/report/expectation.h"
+#include "daemon/lab/calibrate/report/fit_summary.h"
+
+namespace rayloc::cli {
+
+void print_summary(const CalibrationReport& report, std::span<const AccessPointUse> used) {
+  for (const CalibrationMethodResult& method : report.methods) {
+    for (const AccessPointUse& one : used) {
+      const FitSummary fit = summarize_fit(report, method.calibration, one.index);
+      if (!fit.before || !fit.after) {
+        std::fprintf(stderr,
+                     "%s: %s: %zu points, none of them held out\n",
+                     method.method.c_str(),
+                     report.access_points[one.index].c_str(),
+                     one.points);
+        continue;
+      }
+      const auto located = summarize_located(report, one.index);
+      const bool written = &method == &report.methods.front() && located;
+      std::fprintf(stderr,
+                   "%s: %s: %zu points; held-out correlation %.3f -> %.3f (median of %zu)%s\n",
+                   method.method.c_str(),
+                   report.access_points[one.index].c_str(),
+                   one.points,
+                   fit.before->median,
+                   fit.after->median,
+                   fit.points,
+                   written ? fmt::format(", {:.3f} as located", located->median).c_str() : "");
+    }
+  }
+  std::fprintf(stderr, "held-out fixes: %s\n", to_text(report.fixes.back()).c_str());
+  if (!report.refused.empty()) {
+    std::fprintf(stderr,
+                 "%zu inputs refused, the first: %s: %s; see report.json\n",
+                 report.refused.size(),
+                 report.refused.front().what.c_str(),
+                 report.refused.front().reason.c_str());
+  }
+  if (report.verdict.is_success()) {
+    std::fprintf(stderr, "%s\n", expectation(report).c_str());
+  }
+}
+
+}  // namespace rayloc::cli

@@ -1,0 +1,198 @@
+#include "daemon/lab/calibrate/unsurveyed/calibrate_unsurveyed.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <system_error>
+
+#include <spdlog/fmt/fmt.h>
+
+#include "daemon/lab/calibrate/calibrate.h"
+#include "daemon/lab/calibrate/calibrate_rechain.h"
+#include "daemon/lab/calibrate/unsurveyed/heard_places.h"
+#include "daemon/lab/calibrate/unsurveyed/plan_calibration.h"
+#include "daemon/site/model/room_model.h"
+#include "daemon/site/model/site_copy.h"
+
+namespace rayloc::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kFewestPoints = 24;  // count, chosen: two of the smallest usual survey
+constexpr double kLeastSigma = 0.005;      // [m], no position is surer than a tape measurement
+
+// A temporary folder of this run, removed at its end.
+class WorkFolder {
+ public:
+  WorkFolder() {
+    std::string name = (fs::temp_directory_path() / "rayloc-unsurveyed-XXXXXX").string();
+    if (::mkdtemp(name.data()) != nullptr) {
+      path_ = name;
+    }
+  }
+  ~WorkFolder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  WorkFolder(const WorkFolder&) = delete;
+  WorkFolder& operator=(const WorkFolder&) = delete;
+  WorkFolder(WorkFolder&&) = delete;
+  WorkFolder& operator=(WorkFolder&&) = delete;
+
+  std::string file(const char* name) const { return path_ / name; }
+  bool is_there() const { return !path_.empty(); }
+
+ private:
+  fs::path path_;
+};
+
+Expected<HeardPlaces> places_in(const std::string& site_folder,
+                                const std::vector<std::string>& stated) {
+  const auto site = load_site(site_folder);
+  if (!site) {
+    return tl::make_unexpected(site.error());
+  }
+  const auto room = load_room_model(*site);
+  if (!room) {
+    return tl::make_unexpected(room.error());
+  }
+  const auto captures = resolve_captures(stated, access_point_ids(*site), PerAccessPoint::kSeveral);
+  if (!captures) {
+    return tl::make_unexpected(captures.error());
+  }
+  std::vector<std::string> told_before;
+  return heard_places(*site, *room, *captures, told_before);
+}
+
+bool is_one_alone(const std::vector<std::string>& captures) {
+  const auto access_point = [](const std::string& capture) {
+    return capture.substr(0, capture.find('='));
+  };
+  return std::all_of(captures.begin(), captures.end(), [&](const std::string& one) {
+    return access_point(one) == access_point(captures.front());
+  });
+}
+
+// Writes the plan unchanged, with unknown chains.
+Expected<void> write_plan(const UnsurveyedArguments& arguments) {
+  const auto site = load_uncalibrated_site(arguments.site, arguments.out, arguments.force);
+  if (!site) {
+    return tl::make_unexpected(site.error());
+  }
+  const auto room = load_room_model(*site);
+  if (!room) {
+    return tl::make_unexpected(room.error());
+  }
+  if (auto prepared = prepare_output(arguments.out, arguments.force); !prepared) {
+    return prepared;
+  }
+  return write_site(*site, to_toml(plan_calibration(*room)), arguments.out);
+}
+
+// Writes the site of the plan with its learned chains. The report of a failed calibration stays;
+// that of the chains is beside it.
+Expected<void> keep_plan(const std::string& learned, const UnsurveyedArguments& arguments) {
+  if (auto prepared = prepare_output(arguments.out, true); !prepared) {
+    return prepared;
+  }
+  std::error_code failed;
+  fs::rename(fs::path(learned) / "report.json", fs::path(learned) / "chains.json", failed);
+  fs::copy(learned,
+           arguments.out,
+           fs::copy_options::recursive | fs::copy_options::overwrite_existing,
+           failed);
+  if (failed) {
+    return make_error(ErrorKind::kUnavailable, arguments.out + ": " + failed.message());
+  }
+  return {};
+}
+
+void say(const UnsurveyedArguments& arguments, const std::string& text) {
+  if (!arguments.quiet) {
+    std::fprintf(stderr, "%s\n", text.c_str());
+  }
+}
+
+// Fits walls, arrays and chains to the positions of the devices.
+Expected<void> fit_room(const std::string& learned,
+                        const std::string& points,
+                        const HeardPlaces& places,
+                        const UnsurveyedArguments& arguments) {
+  if (auto written = write_file(points, to_csv(places.points)); !written) {
+    return written;
+  }
+  CalibrateArguments calibrate;
+  calibrate.site = arguments.site;
+  calibrate.captures = arguments.captures;
+  calibrate.points = points;
+  calibrate.out = arguments.out;
+  calibrate.survey_error = std::max(places.sigma, kLeastSigma);
+  calibrate.seed = arguments.seed;
+  calibrate.force = arguments.force;
+  calibrate.quiet = arguments.quiet;
+  const auto outcome = run_calibration(calibrate);
+  if (!outcome) {
+    return tl::make_unexpected(outcome.error());
+  }
+  if (*outcome == CalibrationOutcome::kFails) {
+    say(arguments,
+        arguments.out + " has the walls of the plan, and the chains that were learned with them");
+    if (auto kept = keep_plan(learned, arguments); !kept) {
+      return kept;
+    }
+  }
+  return write_file(fs::path(arguments.out) / "places.csv", to_csv(places.points));
+}
+
+}  // namespace
+
+Expected<void> run_unsurveyed(const UnsurveyedArguments& arguments) {
+  if (arguments.captures.empty()) {
+    return write_plan(arguments);
+  }
+  const WorkFolder work;
+  if (!work.is_there()) {
+    return make_error(ErrorKind::kUnavailable,
+                      fs::temp_directory_path().string() + ": cannot be written");
+  }
+  if (auto checked = check_output(arguments.out, arguments.site, arguments.force); !checked) {
+    return checked;
+  }
+  const std::string learned = work.file("learned");
+  if (auto done = run_rechain(
+          {arguments.site, arguments.captures, "", {}, learned, true, arguments.quiet, true});
+      !done) {
+    return done;
+  }
+  if (is_one_alone(arguments.captures)) {
+    say(arguments,
+        "chains that were learned with one access point alone may be wrong although they fit: its "
+        "regions are wide; verify them with more access points or a survey");
+  }
+  const auto places = places_in(learned, arguments.captures);
+  if (!places) {
+    return tl::make_unexpected(places.error());
+  }
+  if (places->points.size() < kFewestPoints) {
+    say(arguments,
+        fmt::format("{} of {} bursts have a certain position, and walls need {}: the walls stay as "
+                    "in the plan; record a device that is carried through the whole room while all "
+                    "access points receive it",
+                    places->points.size(),
+                    places->bursts,
+                    kFewestPoints));
+    return keep_plan(learned, arguments);
+  }
+  say(arguments,
+      fmt::format(
+          "{} of {} bursts have a certain position, to {:.3f} m: they are the survey of the walls",
+          places->points.size(),
+          places->bursts,
+          places->sigma));
+  return fit_room(learned, work.file("places.csv"), *places, arguments);
+}
+
+}  // namespace rayloc::cli

@@ -1,0 +1,443 @@
+#include "daemon/lab/experiment/condition.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <optional>
+#include <vector>
+
+#include "daemon/lab/experiment/controls.h"
+#include "daemon/methods/method_registry.h"
+#include "daemon/site/model/toml_reader.h"
+#include "engine/base/check.h"
+#include "engine/likelihood/likelihood.h"
+#include "engine/paper/paper_settings.h"
+
+namespace rayloc {
+namespace {
+
+using C = Condition;
+
+constexpr std::array<std::string_view, 2> kKinds = {"device", "person"};
+constexpr std::array<std::string_view, 3> kSights = {"any", "los", "nlos"};
+constexpr std::array<std::string_view, 2> kMotions = {"still", "walk"};
+constexpr std::array<std::string_view, 2> kChains = {"known", "first_day"};
+
+// The methods of the registry, then the controls.
+std::span<const std::string_view> method_and_control_names() {
+  static const std::vector<std::string_view> kNames = [] {
+    std::vector<std::string_view> names(method_names().begin(), method_names().end());
+    for (const ControlName& one : control_names()) {
+      names.push_back(one.name);
+    }
+    return names;
+  }();
+  return kNames;
+}
+
+std::span<const std::string_view> likelihoods() {
+  static const std::vector<std::string_view> kNames = [] {
+    std::vector<std::string_view> names;
+    for (const LikelihoodName& one : likelihood_names()) {
+      names.push_back(one.name);
+    }
+    return names;
+  }();
+  return kNames;
+}
+
+std::string_view method_meaning() {
+  static const std::string kText = [] {
+    std::string names;
+    for (const std::string_view name : method_names()) {
+      names += (names.empty() ? "" : ", ") + std::string(name);
+    }
+    names += "; or a control:";
+    for (const ControlName& one : control_names()) {
+      names += (names.back() == ':' ? " " : ", ") + std::string(one.name) + " (" +
+               std::string(one.meaning) + ")";
+    }
+    return "method of localization: " + names;
+  }();
+  return kText;
+}
+
+constexpr std::span<const std::string_view> kAny;
+constexpr NumberRange kHeight = {0.0, 20.0, "m"};
+constexpr NumberRange kDepth = {0.0, 4.0, {}};
+
+const std::array kKeys = std::to_array<ConditionKey>({
+    {"room", &C::room, "", {}, false, kAny, true, "plan of a room, as of rayloc scene room"},
+    {"kind", &C::kind, "device", {}, false, kKinds, true, "kind of target"},
+    {"access_points",
+     &C::access_points,
+     "1",
+     {1, 16, {}},
+     true,
+     kAny,
+     true,
+     "number of access points: the first ones of the plan"},
+    {"ap_height_m", &C::ap_height_m, "0", kHeight, false, kAny, true, "0: as the plan states it"},
+    {"antenna_spacing_m",
+     &C::antenna_spacing_m,
+     "0",
+     {0, 1, "m"},
+     false,
+     kAny,
+     true,
+     "from antenna to antenna of an access point; 0: as the plan states it",
+     true},
+    {"channels",
+     &C::channels,
+     "plan",
+     {},
+     false,
+     kAny,
+     true,
+     "channels that devices hop over, as of rayloc simulate --channels; plan: they stay on the "
+     "plan's",
+     true},
+    {"device_height_m",
+     &C::device_height_m,
+     "1.2",
+     kHeight,
+     false,
+     kAny,
+     true,
+     "known to the model"},
+    {"height_sigma_m",
+     &C::height_sigma_m,
+     "0",
+     {0, 5, "m"},
+     false,
+     kAny,
+     true,
+     "standard deviation of the devices' heights",
+     true},
+    {"model_height_sigma_m",
+     &C::model_height_sigma_m,
+     "0",
+     {0, 5, "m"},
+     false,
+     kAny,
+     true,
+     "standard deviation of the heights in the model; 0: their height is certain",
+     true},
+    {"tilt_deg",
+     &C::tilt_deg,
+     "0",
+     {0, 180, "degrees"},
+     false,
+     kAny,
+     true,
+     "largest tilt of the device from upright, drawn anew at each spot",
+     true},
+    {"power_sigma_db",
+     &C::power_sigma_db,
+     "0",
+     {0, 30, "dB"},
+     false,
+     kAny,
+     true,
+     "standard deviation of the device's power from spot to spot",
+     true},
+    {"second_day",
+     &C::second_day,
+     "none",
+     {},
+     false,
+     kAny,
+     true,
+     "changes on the day of the spots, as of rayloc simulate: none, default or a file",
+     true},
+    {"person_radius_m",
+     &C::person_radius_m,
+     "0.165",
+     {0.05, 0.5, "m"},
+     false,
+     kAny,
+     true,
+     "radius of people; the model assumes 0.165"},
+    {"boxes",
+     &C::boxes,
+     "0",
+     {0, 100, {}},
+     true,
+     kAny,
+     true,
+     "boxes of clutter at random places; the model contains them"},
+    {"distance_m",
+     &C::distance_m,
+     "0",
+     {0, 100, "m"},
+     false,
+     kAny,
+     true,
+     "distance of spots from the first access point, to 0.25 m; 0: any"},
+    {"sight",
+     &C::sight,
+     "any",
+     {},
+     false,
+     kSights,
+     true,
+     "line of sight from the first access point to a spot"},
+    {"layouts",
+     &C::layouts,
+     "1",
+     {1, 1000, {}},
+     true,
+     kAny,
+     true,
+     "layouts, each with its own clutter and spots"},
+    {"spots",
+     &C::spots,
+     "20",
+     {1, 10'000, {}},
+     true,
+     kAny,
+     true,
+     "spots at random places of a layout"},
+    {"survey_points",
+     &C::survey_points,
+     "0",
+     {0, 1000, {}},
+     true,
+     kAny,
+     true,
+     "points at which methods that learn, and controls, are trained",
+     true},
+    {"frames", &C::frames, "4", {1, 64, {}}, true, kAny, true, "frames received at each spot"},
+    {"motion",
+     &C::motion,
+     "still",
+     {},
+     false,
+     kMotions,
+     true,
+     "motion of people; walk: spots are walks, judged each 0.1 s",
+     true},
+    {"walk_s", &C::walk_s, "10", {1, 600, "s"}, false, kAny, true, "duration of a walk", true},
+    {"walk_speed_m_s",
+     &C::walk_speed_m_s,
+     "0.8",
+     {0.1, 3, "m/s"},
+     false,
+     kAny,
+     true,
+     "constant speed of a walk",
+     true},
+    {"rate_hz",
+     &C::rate_hz,
+     "400",
+     {10, 2000, "Hz"},
+     false,
+     kAny,
+     true,
+     "rate of the frames received during a walk",
+     true},
+    {"depth", &C::depth, "3", kDepth, true, kAny, true, "reflections of the simulated paths"},
+    {"plan_error_m",
+     &C::plan_error_m,
+     "0",
+     {0, 1, "m"},
+     false,
+     kAny,
+     true,
+     "deviation of walls and boxes from the model"},
+    {"impairments",
+     &C::impairments,
+     "default",
+     {},
+     false,
+     kAny,
+     true,
+     "impairments of the radio, as of rayloc simulate: default, none or a file"},
+    {"method",
+     &C::method,
+     default_method().name,
+     {},
+     false,
+     method_and_control_names(),
+     false,
+     method_meaning()},
+    {"epochs",
+     &C::epochs,
+     "0",
+     {0, 1000, {}},
+     true,
+     kAny,
+     false,
+     "training epochs; 0: the method's default",
+     true},
+    {"constant_power",
+     &C::constant_power,
+     "0",
+     {0, 1, {}},
+     true,
+     kAny,
+     false,
+     "1: the device's power is known not to change, so that levels are learned and used",
+     true},
+    {"likelihood",
+     &C::likelihood,
+     "partial",
+     {},
+     false,
+     likelihoods(),
+     false,
+     "quantity that method rayloc compares"},
+    {"chains",
+     &C::chains,
+     "known",
+     {},
+     false,
+     kChains,
+     false,
+     "chains in the model: as they are, or as on the first day",
+     true},
+    {"model_depth", &C::model_depth, "2", kDepth, true, kAny, false, "reflections in the model"},
+    {"repeats",
+     &C::repeats,
+     "1",
+     {1, 10'000, {}},
+     true,
+     kAny,
+     false,
+     "repeats of each spot with other random starts (method paper)"},
+    {"multi_start",
+     &C::multi_start,
+     "1",
+     {1, 10'000, {}},
+     true,
+     kAny,
+     false,
+     "random starts of one location, the least loss wins (method paper)"},
+});
+
+constexpr std::string_view kPaper = "paper.";
+
+const ConditionKey& find_key(std::string_view key) {
+  const auto* const found = std::find_if(
+      kKeys.begin(), kKeys.end(), [&](const ConditionKey& one) { return one.key == key; });
+  RAYLOC_CHECK(found != kKeys.end());
+  return *found;
+}
+
+std::string text_of(const Condition& condition, const ConditionKey& key) {
+  if (const auto* number = std::get_if<double C::*>(&key.member)) {
+    return to_text(condition.**number);
+  }
+  if (const auto* text = std::get_if<std::string C::*>(&key.member)) {
+    return condition.**text;
+  }
+  return (condition.*std::get<std::filesystem::path C::*>(key.member)).stem().string();
+}
+
+void set_preset(const ConditionKey& key, Condition& condition) {
+  if (const auto* number = std::get_if<double C::*>(&key.member)) {
+    std::from_chars(key.preset.data(), key.preset.data() + key.preset.size(), condition.**number);
+  } else if (const auto* text = std::get_if<std::string C::*>(&key.member)) {
+    condition.** text = key.preset;
+  }
+}
+
+}  // namespace
+
+std::span<const ConditionKey> condition_keys() { return kKeys; }
+
+bool is_walking(const Condition& condition) { return condition.motion == "walk"; }
+
+bool is_control(const Condition& condition) { return find_method(condition.method) == nullptr; }
+
+PaperLocalizerOptions Condition::paper_options() const {
+  PaperLocalizerOptions options =
+      kind == "person" ? paper_person_options() : PaperLocalizerOptions{};
+  for (const auto& [key, value] : paper) {
+    find_paper_setting(key)->set(options, value);
+  }
+  return options;
+}
+
+Condition default_condition() {
+  Condition condition;
+  for (const ConditionKey& key : kKeys) {
+    set_preset(key, condition);
+  }
+  return condition;
+}
+
+std::string condition_text(const Condition& condition, std::string_view key) {
+  if (key.starts_with(kPaper)) {
+    const PaperSetting* setting = find_paper_setting(key.substr(kPaper.size()));
+    RAYLOC_CHECK(setting != nullptr);
+    return paper_text(*setting, setting->get(condition.paper_options()));
+  }
+  return text_of(condition, find_key(key));
+}
+
+std::optional<double> condition_number(const Condition& condition, std::string_view key) {
+  if (key.starts_with(kPaper)) {
+    const PaperSetting* setting = find_paper_setting(key.substr(kPaper.size()));
+    RAYLOC_CHECK(setting != nullptr);
+    return setting->kind == PaperSettingKind::kFlag
+               ? std::nullopt
+               : std::optional(setting->get(condition.paper_options()));
+  }
+  const auto* number = std::get_if<double C::*>(&find_key(key).member);
+  return number == nullptr ? std::nullopt : std::optional(condition.**number);
+}
+
+std::vector<std::string> reported_keys(std::span<const Condition* const> conditions) {
+  std::vector<std::string> keys;
+  for (const ConditionKey& key : kKeys) {
+    const bool is_used = std::any_of(conditions.begin(), conditions.end(), [&](const Condition* c) {
+      return text_of(*c, key) != key.preset;
+    });
+    if (is_used || !key.only_where_used) {
+      keys.emplace_back(key.key);
+    }
+  }
+  for (const PaperSetting& setting : paper_settings()) {
+    keys.push_back(std::string(kPaper) + std::string(setting.key));
+  }
+  return keys;
+}
+
+std::string world_text(const Condition& condition) {
+  std::string text = condition.room.string();
+  for (const ConditionKey& key : kKeys) {
+    if (key.is_world) {
+      text += "|" + text_of(condition, key);
+    }
+  }
+  return text;
+}
+
+std::string experiment_help() {
+  constexpr std::size_t kWidth = 28;  // width of "paper.sigma_0_squared = 1"
+  std::string help;
+  const auto line = [&](std::string text, std::string_view meaning) {
+    text.resize(std::max(text.size(), kWidth), ' ');
+    help += "  " + text + "# " + std::string(meaning) + "\n";
+  };
+  for (const ConditionKey& key : kKeys) {
+    const bool quoted = !std::holds_alternative<double C::*>(key.member);
+    const std::string value =
+        quoted ? "\"" + std::string(key.preset) + "\"" : std::string(key.preset);
+    line(std::string(key.key) + " = " + value, key.meaning);
+  }
+  const PaperLocalizerOptions defaults;
+  const PaperLocalizerOptions people = paper_person_options();
+  for (const PaperSetting& setting : paper_settings()) {
+    std::string meaning(setting.meaning);
+    if (setting.get(people) != setting.get(defaults)) {
+      meaning += " (people: " + paper_text(setting, setting.get(people)) + ")";
+    }
+    line("paper." + std::string(setting.key) + " = " + paper_text(setting, setting.get(defaults)),
+         meaning);
+  }
+  return help;
+}
+
+}  // namespace rayloc

@@ -1,0 +1,27 @@
+#include "daemon/lab/recordings/fixed_frames.h"
+
+#include <utility>
+
+#include "daemon/lab/recordings/recorded_frames.h"
+
+namespace rayloc::cli {
+
+Expected<std::map<MacAddress, std::vector<CsiFrame>>> read_fixed_frames(
+    const Site& site,
+    const std::vector<CaptureArgument>& captures,
+    std::vector<std::string>& notes) {
+  std::map<MacAddress, std::vector<CsiFrame>> found;
+  for (const RecordingArgument& recording : recordings_of(captures)) {
+    const auto keep = [&](CsiFrame&& frame) {
+      if (find_fixed_transmitter(site, frame.transmitter) != nullptr) {
+        found[frame.transmitter].push_back(std::move(frame));
+      }
+    };
+    if (auto read = for_each_frame(site, recording, keep, notes); !read) {
+      return tl::make_unexpected(std::move(read.error()));
+    }
+  }
+  return found;
+}
+
+}  // namespace rayloc::cli

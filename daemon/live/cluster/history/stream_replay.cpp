@@ -1,0 +1,183 @@
+#include "daemon/live/cluster/history/stream_replay.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "daemon/live/cluster/cluster_names.h"
+#include "daemon/live/cluster/history/story.h"
+#include "daemon/live/cluster/ownership/compared_item.h"
+#include "daemon/live/cluster/ownership/out_items.h"
+#include "daemon/live/cluster/site_feed.h"
+
+namespace rayloc {
+namespace {
+
+Likeness likeness(const StreamReplay& replay) {
+  return replay.uninterrupted ? Likeness::kSameSnapshots : Likeness::kSameBytes;
+}
+
+// Publishes the recomputed results of an owner, and compares.
+class ChapterSink final : public LocationSink {
+ public:
+  ChapterSink(const Chapter& chapter, const StreamReplay& replay, SiteFeed& feed)
+      : chapter_(chapter), replay_(replay), feed_(feed), items_(chapter.start.from) {
+    items_.begin_at(chapter.from);
+    for (const v1::OutputItem& item : chapter.items) {
+      if (std::string text = compared(item, likeness(replay)); !text.empty()) {
+        published_.push_back(std::move(text));
+      }
+    }
+  }
+
+  void location(Location&& location) override { items_.add(std::move(location)); }
+  void event(TrackEvent&& event) override { items_.add(std::move(event)); }
+  void event(ZoneEvent&& event) override { items_.add(std::move(event)); }
+  void advance(Timestamp time) override {
+    if (items_.advance(std::min(time, chapter_.done))) {
+      say_what_is_ready();
+    }
+    if (time >= chapter_.done) {
+      feed_.end();
+    }
+  }
+  void finish(StreamReplayReport& report) {
+    advance(Timestamp::max());
+    differing_ += published_.size() - std::min(published_.size(), looked_at_);
+    report.items += said_;
+    report.differing += differing_;
+    if (differing_ > 0) {
+      report.notes.push_back(fmt::format(
+          "generation {}: {} results of {} are others than the {} that '{}' published{}",
+          chapter_.start.generation,
+          differing_,
+          said_,
+          chapter_.items.size(),
+          chapter_.begin.worker(),
+          first_.empty() ? "" : ", first " + first_));
+    }
+  }
+
+ private:
+  void say_what_is_ready() {
+    const OutItems::Part part = items_.take(std::numeric_limits<std::size_t>::max());
+    for (const v1::OutputItem& item : part.output.items()) {
+      if (const std::string text = compared(item, likeness(replay_)); !text.empty()) {
+        if (looked_at_ >= published_.size() || text != published_[looked_at_]) {
+          first_ = differing_ == 0 ? item.ShortDebugString() : first_;
+          ++differing_;
+        }
+        ++looked_at_;
+      }
+      ++said_;
+      replay_.say(item);
+    }
+  }
+
+  const Chapter& chapter_;
+  const StreamReplay& replay_;
+  SiteFeed& feed_;
+  OutItems items_;
+  std::vector<std::string> published_;
+  std::size_t looked_at_ = 0;  // compared results
+  std::size_t said_ = 0;
+  std::size_t differing_ = 0;
+  std::string first_;
+};
+
+// Reason why its owner cannot be replayed; empty: it can.
+std::string obstacle(const Chapter& chapter, const StreamState& stream) {
+  const StreamReader::Place& place = chapter.start.resume.place;
+  if (place.created != Timestamp{} && place.created != stream.created) {
+    return "the stream that it read is gone";
+  }
+  if (place.sequence + 1 < stream.first) {
+    return fmt::format("the stream has forgotten {} messages that it read",
+                       stream.first - 1 - place.sequence);
+  }
+  return "";
+}
+
+// REQUIRES: not empty.
+Chapter in_one(std::vector<Chapter> story) {
+  Chapter all = std::move(story.front());
+  for (std::size_t i = 1; i < story.size(); ++i) {
+    all.done = story[i].done;
+    all.items.insert(all.items.end(), story[i].items.begin(), story[i].items.end());
+  }
+  return all;
+}
+
+Expected<void> replay_chapter(const std::shared_ptr<Broker>& broker,
+                              const StreamReplay& replay,
+                              const Chapter& chapter,
+                              std::uint64_t until,
+                              StreamReplayReport& report) {
+  SiteFeed::Options options;
+  options.site = replay.site;
+  options.access_points = replay.access_points;
+  options.resume = chapter.start.resume;
+  options.until = until;
+  auto feed = SiteFeed::open(broker, std::move(options));
+  if (!feed) {
+    return tl::make_unexpected(feed.error());
+  }
+  std::vector<std::unique_ptr<DatagramSource>> sources;
+  sources.reserve(replay.access_points.size());
+  for (std::size_t i = 0; i < replay.access_points.size(); ++i) {
+    sources.push_back((*feed)->source(i));
+  }
+  ChapterSink sink(chapter, replay, **feed);
+  (*feed)->start();
+  if (Expected<void> run = replay.run(chapter.start, std::move(sources), sink); !run) {
+    return run;
+  }
+  (*feed)->finish();
+  sink.finish(report);
+  ++report.owners;
+  return {};
+}
+
+}  // namespace
+
+Expected<StreamReplayReport> replay_stream(const std::shared_ptr<Broker>& broker,
+                                           const StreamReplay& replay) {
+  auto story = read_story(*broker, replay.site);
+  if (!story) {
+    return tl::make_unexpected(story.error());
+  }
+  auto chapters = *std::move(story);
+  if (replay.uninterrupted && !chapters.empty()) {
+    Chapter whole = in_one(std::move(chapters));
+    chapters = {std::move(whole)};
+  }
+  const Expected<StreamState> stream = broker->stream_state(csi_stream(replay.site));
+  if (!stream) {
+    return tl::make_unexpected(stream.error());
+  }
+  StreamReplayReport report;
+  for (const Chapter& chapter : chapters) {
+    if (const std::string why = obstacle(chapter, *stream); !why.empty()) {
+      report.notes.push_back(fmt::format("generation {}, of worker '{}', is left out: {}",
+                                         chapter.start.generation,
+                                         chapter.begin.worker(),
+                                         why));
+      continue;
+    }
+    if (const Expected<void> done = replay_chapter(broker, replay, chapter, stream->last, report);
+        !done) {
+      return tl::make_unexpected(done.error());
+    }
+  }
+  if (report.owners == 0) {
+    return make_error(ErrorKind::kUnavailable,
+                      "site '" + replay.site + "': " +
+                          (report.notes.empty() ? "the stream of results holds no owner of it"
+                                                : report.notes.back()));
+  }
+  return report;
+}
+
+}  // namespace rayloc

@@ -1,0 +1,55 @@
+#include <dlfcn.h>
+
+#include <filesystem>
+
+#include "daemon/live/cluster/broker.h"
+#include "daemon/live/cluster/nats/nats_module.h"
+#include "daemon/live/cluster/operate/nkey.h"
+
+namespace rayloc {
+namespace {
+
+// The module stays loaded: libnats has threads. Returns null with the reason in `why`.
+OpenNats find_module(std::string& why) {
+#ifdef RAYLOC_NATS_LINKED
+  (void)why;
+  return rayloc_open_nats;
+#else
+  std::error_code failed;
+  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", failed);
+  const std::filesystem::path file = (program.parent_path() / kNatsModule).lexically_normal();
+  void* const module = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
+  if (module == nullptr) {
+    const char* const said = ::dlerror();
+    why = said != nullptr ? said : file.string();
+    return nullptr;
+  }
+  return reinterpret_cast<OpenNats>(::dlsym(module, kOpenNats));
+#endif
+}
+
+}  // namespace
+
+Expected<std::shared_ptr<Broker>> open_broker(const BrokerOptions& options) {
+  std::string nkey;
+  if (!options.nkey_seed_file.empty()) {
+    Expected<std::string> made = read_nkey(options.nkey_seed_file);
+    if (!made) {
+      return tl::make_unexpected(made.error());
+    }
+    nkey = std::move(*made);
+  }
+  std::string why;
+  const OpenNats open = find_module(why);
+  if (open == nullptr) {
+    return make_error(ErrorKind::kUnavailable,
+                      "[cluster]: the connection to NATS cannot be loaded (" + why +
+                          "); install the package raylocd-cluster, or libnats-dev and build with "
+                          "-DRAYLOC_CLUSTER=ON, or leave [cluster] out");
+  }
+  Expected<std::shared_ptr<Broker>> opened = std::shared_ptr<Broker>();
+  open(options, nkey, opened);
+  return opened;
+}
+
+}  // namespace rayloc

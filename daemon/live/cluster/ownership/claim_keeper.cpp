@@ -1,0 +1,499 @@
+#include "daemon/live/cluster/ownership/claim_keeper.h"
+
+#include <pthread.h>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "daemon/live/cluster/cluster_names.h"
+#include "daemon/live/cluster/ownership/owner_log.h"
+#include "daemon/live/cluster/sealed_message.h"
+#include "daemon/live/cluster/site_start.h"
+#include "daemon/pipeline/record/system_now.h"
+
+namespace rayloc {
+namespace {
+
+constexpr int kSaidInALease = 4;  // reports that it is alive: three may be lost
+constexpr int kLooksInALease = 2 * kSaidInALease;
+constexpr int kHotLooks = 50;  // chosen: per lease, 40 ms of the preset; they send no requests
+// Interval between requests for a known claim: the message with a change may be lost.
+constexpr std::chrono::seconds kClaimLookInterval{5};
+std::uint32_t milliseconds_of(Duration lease) {
+  return static_cast<std::uint32_t>(
+      std::chrono::duration_cast<std::chrono::milliseconds>(lease).count());
+}
+
+}  // namespace
+
+ClaimKeeper::ClaimKeeper(std::shared_ptr<Broker> broker, Options options)
+    : broker_(std::move(broker)),
+      options_(std::move(options)),
+      peers_({options_.worker, options_.incarnation}, options_.lease) {}
+
+ClaimKeeper::~ClaimKeeper() { finish(); }
+
+Expected<std::unique_ptr<ClaimKeeper>> ClaimKeeper::open(std::shared_ptr<Broker> broker,
+                                                         Options options) {
+  std::unique_ptr<ClaimKeeper> keeper(new ClaimKeeper(std::move(broker), std::move(options)));
+  ClaimKeeper* const self = keeper.get();
+  struct Wanted {
+    std::string subject;
+    Broker::Handler handler;
+    std::unique_ptr<Broker::Subscription>& to;
+  };
+  const std::array<Wanted, 3> all = {{{std::string(kWorkerSubjects),
+                                       [self](BrokerMessage&& m) { self->take_state(m); },
+                                       self->states_},
+                                      {std::string(kClaimsAgain),
+                                       [self](BrokerMessage&& m) { self->take_claim(m); },
+                                       self->claimed_},
+                                      {drain_subject(self->options_.worker),
+                                       [self](BrokerMessage&& m) {
+                                         v1::DrainRequest request;
+                                         if (unseal(m.data, request) &&
+                                             request.worker() == self->options_.worker) {
+                                           self->leave();
+                                         }
+                                       },
+                                       self->drains_}}};
+  for (const Wanted& one : all) {
+    auto made = self->broker_->subscribe(one.subject, one.handler);
+    if (!made) {
+      return tl::make_unexpected(made.error());
+    }
+    one.to = std::move(*made);
+  }
+  return keeper;
+}
+
+void ClaimKeeper::start() {
+  speaker_ = std::thread([this] { speak(); });
+  thread_ = std::thread([this] { run(); });
+}
+
+void ClaimKeeper::finish() {
+  {
+    const std::lock_guard lock(mutex_);
+    finishing_ = true;
+  }
+  wake_.notify_one();
+  speak_.notify_one();
+  for (std::thread* const thread : {&thread_, &speaker_}) {
+    if (thread->joinable()) {
+      thread->join();
+    }
+  }
+}
+
+void ClaimKeeper::offer(const std::string& site) {
+  const std::lock_guard lock(mutex_);
+  offered_.insert(site);
+}
+
+void ClaimKeeper::leave() {
+  leaving_ = true;
+  {
+    const std::lock_guard lock(mutex_);
+    say_now_ = true;
+  }
+  speak_.notify_one();
+}
+
+void ClaimKeeper::take_state(const BrokerMessage& message) {
+  v1::WorkerState state;
+  if (!unseal(message.data, state) || state.worker().empty()) {
+    return;
+  }
+  const std::lock_guard lock(mutex_);
+  peers_.take(state, owned_.size(), std::chrono::steady_clock::now());
+}
+
+void ClaimKeeper::take_claim(const BrokerMessage& message) {
+  v1::SiteClaim claim;
+  if (unseal(message.data, claim)) {
+    note(token_name(last_token(message.subject)), message.sequence, claim);
+  }
+}
+
+// Takes a record of the stream of claims. A replaced owner loses the site here.
+void ClaimKeeper::note(const std::string& site,
+                       std::uint64_t sequence,
+                       const v1::SiteClaim& claim) {
+  const std::lock_guard lock(mutex_);
+  Claim& known = claims_[site];
+  if (sequence < known.sequence) {
+    return;
+  }
+  if (sequence > known.sequence) {
+    known.noted = std::chrono::steady_clock::now();
+  }
+  known.sequence = sequence;
+  known.claim = claim;
+  const auto owned = owned_.find(site);
+  const bool is_ours =
+      claim.worker() == options_.worker && claim.incarnation() == options_.incarnation;
+  if (owned != owned_.end() && claim.generation() > owned->second && !is_ours) {
+    owned_.erase(owned);
+    offered_.erase(site);
+    changes_.push_back({site, 0, claim.worker()});
+  }
+}
+
+// Waits for no replies: a slow broker makes no worker appear dead.
+void ClaimKeeper::speak() {
+  pthread_setname_np(pthread_self(), "alive");  // for top -H
+  std::unique_lock lock(mutex_);
+  while (!finishing_) {
+    speaking_.beat();
+    const bool yields = peers_.yields(std::chrono::steady_clock::now());
+    const std::string alive = seal(state());
+    lock.unlock();
+    if (!yields && broker_->connected()) {
+      (void)broker_->publish(worker_subject(options_.worker), alive);  // repeated soon
+    }
+    lock.lock();
+    speaking_.rest();
+    speak_.wait_for(lock, options_.lease / kSaidInALease, [&] { return finishing_ || say_now_; });
+    say_now_ = false;
+  }
+  speaking_.rest();
+}
+
+// REQUIRES: the mutex is held.
+v1::WorkerState ClaimKeeper::state() const {
+  v1::WorkerState state = condition_;
+  state.set_worker(options_.worker);
+  state.set_incarnation(options_.incarnation);
+  state.set_capacity(static_cast<std::uint32_t>(options_.capacity));
+  state.set_arithmetic(arithmetic());
+  state.set_leaving(leaving_);
+  state.set_lease_ms(milliseconds_of(options_.lease));
+  state.set_now_us(us_of(system_now()));
+  for (const auto& [site, generation] : owned_) {
+    state.add_sites(site);
+  }
+  return state;
+}
+
+void ClaimKeeper::run() {
+  pthread_setname_np(pthread_self(), "claims");  // for top -H
+  bool goes_on = true;
+  while (goes_on) {
+    {
+      std::unique_lock lock(mutex_);
+      progress_.rest();
+      // A silent owner is detected soon, and by a standby at once.
+      wake_.wait_for(lock,
+                     options_.lease / (condition_.stands_by().empty() ? kLooksInALease : kHotLooks),
+                     [&] { return finishing_ || look_now_; });
+      look_now_ = false;
+      goes_on = !finishing_;
+      progress_.beat();
+    }
+    if (!broker_->connected()) {
+      continue;
+    }
+    return_sites();
+    if (goes_on && see_to_streams()) {
+      restore_claims();
+      see_to_sites(std::chrono::steady_clock::now());
+    }
+  }
+  progress_.rest();
+}
+
+// After a disconnection the broker may have another store. False: its state is unavailable.
+bool ClaimKeeper::see_to_streams() {
+  if (broker_->connections() == connections_) {
+    return true;
+  }
+  const std::uint64_t connections = broker_->connections();
+  const auto claims = make_worker_streams(*broker_, options_.stream, options_.result_age);
+  if (!claims) {
+    return false;
+  }
+  connections_ = connections;
+  const std::lock_guard lock(mutex_);
+  for (auto& [site, claim] : claims_) {
+    claim.asked = {};
+    claim.sequence = claims->created == created_ ? claim.sequence : 0;
+  }
+  created_ = claims->created;
+  to_restore_ = owned_;
+  return true;
+}
+
+// Restores claims that a store has lost: other workers need the owners of the sites.
+void ClaimKeeper::restore_claims() {
+  for (auto one = to_restore_.begin(); one != to_restore_.end();) {
+    const auto& [site, generation] = *one;
+    progress_.beat();
+    if (!look(site)) {
+      return;
+    }
+    std::unique_lock lock(mutex_);
+    const auto owned = owned_.find(site);
+    const bool is_lost =
+        owned != owned_.end() && owned->second == generation && claims_[site].sequence == 0;
+    lock.unlock();
+    if (is_lost) {
+      const auto said = broker_->publish_behind(claim_subject(site), seal(claim_of(generation)), 0);
+      if (!said || !said->is_last) {
+        return;  // the next check shows which came first
+      }
+      note(site, said->sequence, claim_of(generation));
+    }
+    one = to_restore_.erase(one);
+  }
+}
+
+v1::SiteClaim ClaimKeeper::claim_of(std::uint64_t generation) const {
+  v1::SiteClaim claim;
+  claim.set_worker(options_.worker);
+  claim.set_incarnation(options_.incarnation);
+  claim.set_generation(generation);
+  claim.set_lease_ms(milliseconds_of(options_.lease));
+  return claim;
+}
+
+// REQUIRES: the mutex is held, as for is_due().
+bool ClaimKeeper::has_owner(const std::string& site, const Claim& known, Time now) const {
+  if (known.sequence == 0) {
+    return peers_.anybody_has(site, now);  // its claim was lost with the store
+  }
+  const v1::SiteClaim& claim = known.claim;
+  if (claim.removed() && now - known.noted < kRemovedFor) {
+    return true;
+  }
+  // Our own claim without a recorded ownership: its reply was lost, and the next one replaces it.
+  if (claim.worker().empty() ||
+      (claim.worker() == options_.worker && claim.incarnation() == options_.incarnation)) {
+    return false;
+  }
+  return peers_.has({claim.worker(), claim.incarnation()}, site, known.noted, now);
+}
+
+void ClaimKeeper::see_to_sites(Time now) {
+  std::vector<std::string> look_at;
+  std::set<std::string> offered;
+  {
+    const std::lock_guard lock(mutex_);
+    if (leaving_ || !peers_.may_judge(now)) {
+      return;
+    }
+    offered = offered_;
+    for (const std::string& site : offered_) {
+      if (owned_.count(site) != 0) {
+        continue;
+      }
+      Claim& known = claims_[site];
+      if (known.asked == Time{} || now - known.asked > kClaimLookInterval) {
+        look_at.push_back(site);
+      }
+    }
+  }
+  for (const std::string& site : look_at) {
+    progress_.beat();
+    look(site);
+  }
+  for (const std::string& site : offered) {
+    progress_.beat();
+    std::unique_lock lock(mutex_);
+    // Includes sites claimed earlier in this loop.
+    if (owned_.count(site) == 0 && is_due(site, claims_[site], now)) {
+      lock.unlock();
+      try_to_claim(site);
+    }
+  }
+}
+
+// Gives each worker that precedes this one half a lease to claim first.
+bool ClaimKeeper::is_due(const std::string& site, Claim& known, Time now) const {
+  if (known.asked == Time{} || returning_.count(site) != 0) {
+    return false;  // it is not known yet if another worker has it
+  }
+  if (has_owner(site, known, now)) {
+    known.ownerless = {};
+    return false;
+  }
+  if (known.ownerless == Time{}) {
+    known.ownerless = now;
+  }
+  const auto rank = rank_for(site, "", now);
+  return rank && now - known.ownerless >= static_cast<Duration::rep>(*rank) * options_.lease / 2;
+}
+
+// REQUIRES: the mutex is held. As PeerWatch::rank().
+std::optional<std::size_t> ClaimKeeper::rank_for(const std::string& site,
+                                                 const std::string& owner,
+                                                 Time now) const {
+  const auto& along = condition_.stands_by();
+  const bool stands_by =
+      std::any_of(along.begin(), along.end(), [&](const auto& one) { return one.site() == site; });
+  const Candidate self{
+      options_.worker, owned_.size(), options_.capacity, stands_by, condition_.shedding() > 0};
+  return peers_.rank(self, site, owner, options_.all_sites, now);
+}
+
+bool ClaimKeeper::is_next(const std::string& site) const {
+  const Time now = std::chrono::steady_clock::now();
+  const std::lock_guard lock(mutex_);
+  const auto known = claims_.find(site);
+  if (leaving_ || known == claims_.end() || known->second.claim.worker() == options_.worker ||
+      known->second.claim.worker().empty() || owned_.count(site) != 0 || !peers_.may_judge(now) ||
+      !has_owner(site, known->second, now)) {
+    return false;
+  }
+  const auto rank = rank_for(site, known->second.claim.worker(), now);
+  return rank && *rank == 0;
+}
+
+std::optional<double> ClaimKeeper::calmest() const {
+  const std::lock_guard lock(mutex_);
+  return peers_.calmest(std::chrono::steady_clock::now());
+}
+
+// Reads its record; returns true if the state is known.
+bool ClaimKeeper::look(const std::string& site) {
+  const auto last = broker_->last_of(std::string(kClaimStream), claim_subject(site));
+  if (!last) {
+    return false;
+  }
+  v1::SiteClaim claim;
+  if (*last) {
+    if (!unseal((*last)->data, claim)) {
+      claim.Clear();  // unreadable: it has no owner and is claimed after it
+    }
+    note(site, (*last)->sequence, claim);
+  }
+  const std::lock_guard lock(mutex_);
+  claims_[site].sequence = *last ? claims_[site].sequence : 0;  // it may have been deleted
+  claims_[site].asked = std::chrono::steady_clock::now();
+  return true;
+}
+
+void ClaimKeeper::try_to_claim(const std::string& site) {
+  if (!look(site)) {
+    return;
+  }
+  Claim known;
+  {
+    const std::lock_guard lock(mutex_);
+    known = claims_[site];
+    if (leaving_ || offered_.count(site) == 0 ||
+        has_owner(site, known, std::chrono::steady_clock::now())) {
+      return;
+    }
+  }
+  const auto before_all = static_cast<std::uint64_t>(
+      std::chrono::floor<std::chrono::milliseconds>(created_.time_since_epoch()).count());
+  const v1::SiteClaim mine = claim_of(std::max(known.claim.generation(), before_all) + 1);
+  const auto said = broker_->publish_behind(claim_subject(site), seal(mine), known.sequence);
+  if (!said) {
+    return;  // the next check shows the outcome
+  }
+  if (!said->is_last) {
+    look(site);
+    return;
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    const Time now = std::chrono::steady_clock::now();
+    owned_[site] = mine.generation();
+    claims_[site] = {said->sequence, mine, {}, now, now};
+    changes_.push_back({site, mine.generation(), options_.worker});
+    say_now_ = true;
+  }
+  speak_.notify_one();
+}
+
+void ClaimKeeper::give_back(const std::string& site, std::uint64_t generation) {
+  const std::lock_guard lock(mutex_);
+  if (const auto owned = owned_.find(site); owned != owned_.end() && owned->second == generation) {
+    withdraw(owned);
+  }
+}
+
+void ClaimKeeper::withdraw(const std::string& site) {
+  const std::lock_guard lock(mutex_);
+  offered_.erase(site);
+  if (const auto owned = owned_.find(site); owned != owned_.end()) {
+    withdraw(owned);
+  }
+}
+
+// REQUIRES: the mutex is held.
+void ClaimKeeper::withdraw(std::map<std::string, std::uint64_t>::iterator owned) {
+  offered_.erase(owned->first);
+  returning_[owned->first] = owned->second;
+  owned_.erase(owned);
+  say_now_ = look_now_ = true;
+  wake_.notify_one();
+  speak_.notify_one();
+}
+
+// Processes them one after the other, for as long as the broker answers.
+void ClaimKeeper::return_sites() {
+  std::map<std::string, std::uint64_t> returning;
+  {
+    const std::lock_guard lock(mutex_);
+    returning = returning_;
+  }
+  for (const auto& [site, generation] : returning) {
+    progress_.beat();
+    if (!return_site(site, generation)) {
+      return;
+    }
+    const std::lock_guard lock(mutex_);
+    if (const auto known = claims_.find(site); known == claims_.end() ||
+                                               known->second.claim.worker() != options_.worker ||
+                                               known->second.claim.generation() != generation) {
+      returning_.erase(site);
+    }
+  }
+}
+
+// The record states that the site has no owner: the best of the others
+// need not wait for a lease. False: the broker does not answer.
+bool ClaimKeeper::return_site(const std::string& site, std::uint64_t generation) {
+  std::uint64_t sequence = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    const Claim& known = claims_[site];
+    if (known.claim.worker() != options_.worker || known.claim.generation() != generation) {
+      return true;  // another worker has it
+    }
+    sequence = known.sequence;
+  }
+  v1::SiteClaim nobody;
+  nobody.set_generation(generation);
+  const auto said = broker_->publish_behind(claim_subject(site), seal(nobody), sequence);
+  if (said && said->is_last) {
+    note(site, said->sequence, nobody);
+    return true;
+  }
+  return said && look(site);
+}
+
+std::string ClaimKeeper::trouble() const {
+  const std::lock_guard lock(mutex_);
+  return peers_.yields(std::chrono::steady_clock::now())
+             ? "another worker is called '" + options_.worker +
+                   "' as well, and this one claims nothing: give each its own [cluster] name"
+             : "";
+}
+
+std::vector<ClaimKeeper::Change> ClaimKeeper::take_changes() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(changes_, {});
+}
+
+std::string ClaimKeeper::owner_of(const std::string& site) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = claims_.find(site);
+  return found == claims_.end() ? "" : found->second.claim.worker();
+}
+
+}  // namespace rayloc

@@ -1,0 +1,109 @@
+#include "daemon/live/cluster/ownership/peer_watch.h"
+
+#include <algorithm>
+#include <vector>
+
+namespace rayloc {
+namespace {
+
+// In leases. Period in which an owner need not name a site that it has: messages may be lost.
+constexpr int kUnnamed = 3;
+// Period in which a silent worker is remembered.
+constexpr int kRemembered = 10;
+constexpr double kPermille = 1e-3;
+constexpr int kYield = 2;  // after the last message of another worker of our name
+
+}  // namespace
+
+void PeerWatch::take(const v1::WorkerState& state, std::size_t own_sites, Time now) {
+  const Start start(state.worker(), state.incarnation());
+  if (start == self_) {
+    if (now - heard_itself_ > lease_) {
+      hears_itself_since_ = now;
+    }
+    heard_itself_ = now;
+  } else if (start.first == self_.first) {
+    // The one with sites keeps the name; on a tie the higher incarnation. Both decide the same.
+    const bool has_some = state.sites_size() > 0;
+    const bool has_more = has_some && own_sites == 0;
+    const bool has_as_much = has_some == (own_sites > 0);
+    yielded_ = has_more || (has_as_much && start.second > self_.second) ? now : yielded_;
+  }
+  Peer& peer = peers_[start];
+  peer.candidate = {state.worker(), static_cast<std::size_t>(state.sites_size()), state.capacity()};
+  peer.candidate.is_behind = state.shedding() > 0;
+  peer.load = state.load_permille() * kPermille;
+  peer.leaving = state.leaving();
+  peer.heard = now;
+  peer.stands_by.clear();
+  for (const v1::StandbyState& one : state.stands_by()) {
+    peer.stands_by.insert(one.site());
+  }
+  for (const std::string& site : state.sites()) {
+    peer.sites[site] = now;
+  }
+  std::erase_if(peer.sites,
+                [&](const auto& site) { return now - site.second >= kUnnamed * lease_; });
+  forget(now);
+}
+
+void PeerWatch::forget(Time now) {
+  std::erase_if(peers_,
+                [&](const auto& one) { return now - one.second.heard > kRemembered * lease_; });
+}
+
+bool PeerWatch::may_judge(Time now) const {
+  return hears_itself_since_ != Time{} && now - heard_itself_ < lease_ &&
+         now - hears_itself_since_ >= lease_;
+}
+
+bool PeerWatch::has(const Start& start, const std::string& site, Time since, Time now) const {
+  const auto peer = peers_.find(start);
+  if (peer == peers_.end() || !lives(peer->second, now)) {
+    return false;
+  }
+  const auto named = peer->second.sites.find(site);
+  return now - since < kUnnamed * lease_ ||
+         (named != peer->second.sites.end() && now - named->second < kUnnamed * lease_);
+}
+
+bool PeerWatch::anybody_has(const std::string& site, Time now) const {
+  return std::any_of(peers_.begin(), peers_.end(), [&](const auto& one) {
+    return one.first != self_ && has(one.first, site, Time{}, now);
+  });
+}
+
+std::optional<std::size_t> PeerWatch::rank(const Candidate& self,
+                                           const std::string& site,
+                                           const std::string& but,
+                                           std::size_t all_sites,
+                                           Time now) const {
+  if (is_full(self)) {
+    return std::nullopt;
+  }
+  std::vector<Candidate> all = {self};
+  for (const auto& [start, peer] : peers_) {
+    if (start.first != self_.first && start.first != but && !peer.leaving && lives(peer, now)) {
+      all.push_back(peer.candidate);
+      all.back().stands_by = peer.stands_by.count(site) != 0;
+    }
+  }
+  return rank_of(self.worker, site, all_sites, all);
+}
+
+std::optional<double> PeerWatch::calmest(Time now) const {
+  std::optional<double> least;
+  for (const auto& [start, peer] : peers_) {
+    if (start.first != self_.first && lives(peer, now) && !peer.leaving &&
+        !peer.candidate.is_behind && !is_full(peer.candidate) && peer.load < least.value_or(1.0)) {
+      least = peer.load;
+    }
+  }
+  return least;
+}
+
+bool PeerWatch::yields(Time now) const {
+  return yielded_ != Time{} && now - yielded_ < kYield * lease_;
+}
+
+}  // namespace rayloc

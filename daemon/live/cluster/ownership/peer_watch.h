@@ -1,0 +1,73 @@
+// PeerWatch: tracks live workers and the sites that each reports. Liveness is judged
+// by the local clock alone, and only by a worker that receives its own messages.
+//
+// Thread safety: one thread at a time.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "daemon/live/cluster/ownership/claim_rule.h"
+#include "engine/base/timestamp.h"
+#include "rayloc/v1/cluster.pb.h"
+
+namespace rayloc {
+
+class PeerWatch {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+  // Start of a worker: its name and incarnation.
+  using Start = std::pair<std::string, std::uint64_t>;
+
+  PeerWatch(Start self, Duration lease) : self_(std::move(self)), lease_(lease) {}
+
+  // `own_sites`: number of our sites.
+  void take(const v1::WorkerState& state, std::size_t own_sites, Time now);
+
+  bool may_judge(Time now) const;
+  // Returns true if it is alive and has that site: it reported
+  // so in the last few leases, or got it within them (`since`).
+  bool has(const Start& start, const std::string& site, Time since, Time now) const;
+  // Returns true if another live worker reports that it has the site.
+  bool anybody_has(const std::string& site, Time now) const;
+  // Number of other live workers that precede `self` for that
+  // site, without `but`; nothing where it takes no more sites.
+  std::optional<std::size_t> rank(const Candidate& self,
+                                  const std::string& site,
+                                  const std::string& but,
+                                  std::size_t all_sites,
+                                  Time now) const;
+  // Least load of the other live workers that leave
+  // nothing out and take more sites; nothing: none.
+  std::optional<double> calmest(Time now) const;
+  // Returns true if another worker of our name is alive that has priority.
+  bool yields(Time now) const;
+  std::size_t size() const { return peers_.size(); }
+
+ private:
+  struct Peer {
+    Candidate candidate;
+    double load = 0.0;
+    bool leaving = false;
+    Time heard;
+    std::set<std::string> stands_by;    // sites for which it is a standby
+    std::map<std::string, Time> sites;  // time of its last report of each site
+  };
+
+  bool lives(const Peer& peer, Time now) const { return now - peer.heard < lease_; }
+  void forget(Time now);
+
+  const Start self_;
+  const Duration lease_;
+  std::map<Start, Peer> peers_;
+  Time hears_itself_since_{};  // zero: it does not
+  Time heard_itself_{};
+  Time yielded_{};  // last message of that other worker; zero: none
+};
+
+}  // namespace rayloc

@@ -1,0 +1,104 @@
+#include "daemon/live/health/saturation.h"
+
+#include <fmt/format.h>
+
+namespace rayloc {
+
+std::string overload_text(const std::string& consequence) {
+  return "more bursts come than this machine can explain: " + consequence +
+         "; locate fewer devices (unlisted = \"ignore\" in [targets] of site.toml, a filter of "
+         "addresses at the access point) or take a faster machine";
+}
+
+void Saturation::compare(const std::string& reason, std::uint64_t lost, Time now, Queues& queues) {
+  Queue& queue = queues[reason];
+  if (lost > queue.lost) {
+    queue = {lost, now, true};
+  }
+  queue.lately = queue.lately && now - queue.last_loss < kLately;
+}
+
+void Saturation::look(const v1::Heartbeat& heartbeat, Time now) {
+  const auto seconds = kLately.count();
+  for (const v1::SourceReport& source : heartbeat.sources()) {
+    const std::string& name = source.access_point();
+    const v1::SourceCounters& counters = source.counters();
+    compare(fmt::format("source {}: datagrams were lost before we read them in the last {} s, see "
+                        "rayloc doctor",
+                        name,
+                        seconds),
+            counters.kernel_drops(),
+            now,
+            queues_);
+    compare(fmt::format("source {}: datagrams were dropped in the last {} s", name, seconds),
+            counters.ring_dropped(),
+            now,
+            queues_);
+    compare(fmt::format("source {}: frames were dropped in the last {} s: estimates take longer "
+                        "than frames to come",
+                        name,
+                        seconds),
+            counters.frames_dropped(),
+            now,
+            queues_);
+  }
+  compare(
+      fmt::format("events were dropped in the last {} s: the publisher does not keep up", seconds),
+      heartbeat.estimation().events_dropped(),
+      now,
+      queues_);
+  compare(fmt::format("frames of CSI were not published in the last {} s: the publisher does not "
+                      "keep up",
+                      seconds),
+          heartbeat.publisher().csi_dropped(),
+          now,
+          queues_);
+  compare(
+      fmt::format("in the last {} s bursts gave way to newer ones of their device, so there are "
+                  "fewer estimates",
+                  seconds),
+      heartbeat.estimation().bursts_merged(),
+      now,
+      bursts_);
+  compare(fmt::format("in the last {} s bursts waited until they were too old, and were left out; "
+                      "transmitters of site.toml come first",
+                      seconds),
+          heartbeat.estimation().bursts_dropped(),
+          now,
+          bursts_);
+  const v1::EstimationCounters& counters = heartbeat.estimation();
+  looks_.push_back({now, counters.bursts(), counters.bursts_merged() + counters.bursts_dropped()});
+  while (looks_.size() > 2 && now - looks_[1].time >= kLately) {
+    looks_.pop_front();
+  }
+}
+
+// Share of the recently ended bursts.
+double Saturation::explained_share() const {
+  const std::uint64_t explained = looks_.back().explained - looks_.front().explained;
+  const std::uint64_t all = explained + looks_.back().lost - looks_.front().lost;
+  return all > 0 ? static_cast<double>(explained) / static_cast<double>(all) : 1.0;
+}
+
+std::vector<std::string> Saturation::lately(const Queues& queues) {
+  std::vector<std::string> reasons;
+  for (const auto& [reason, queue] : queues) {
+    if (queue.lately) {
+      reasons.push_back(reason);
+    }
+  }
+  return reasons;
+}
+
+std::vector<std::string> Saturation::reasons() const { return lately(queues_); }
+
+std::vector<std::string> Saturation::warnings() const {
+  std::vector<std::string> warnings;
+  for (const std::string& consequence : lately(bursts_)) {
+    warnings.push_back(overload_text(fmt::format(
+        "{} ({:.0f} % of the bursts were explained)", consequence, 100.0 * explained_share())));
+  }
+  return warnings;
+}
+
+}  // namespace rayloc

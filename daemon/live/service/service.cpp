@@ -1,0 +1,261 @@
+#include "daemon/live/service/service.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "daemon/live/config/secrets.h"
+#include "daemon/live/log/log.h"
+#include "daemon/live/service/curve_access.h"
+#include "daemon/live/service/passed_socket_check.h"
+#include "daemon/live/service/place_check.h"
+#include "daemon/pipeline/record/system_now.h"
+#include "daemon/site/model/path_grid_files.h"
+
+namespace rayloc {
+namespace {
+
+// Null if path grids are not to be stored, or no folder is given.
+std::shared_ptr<PathGridStore> path_grids(const CacheConfig& config,
+                                          const std::function<void(const std::string& line)>& log) {
+  if (!config.enabled) {
+    return nullptr;
+  }
+  const auto directory =
+      config.directory.empty() ? cache_directory() : std::optional(config.directory);
+  if (!directory) {
+    log("no folder for caches is known: set directory in [cache]");
+    return nullptr;
+  }
+  PathGridFiles::Options files;
+  files.directory = *directory;
+  files.log = log;
+  return std::make_shared<PathGridFiles>(std::move(files));
+}
+
+}  // namespace
+
+Expected<std::unique_ptr<Service>> Service::open(
+    DaemonSetup setup,
+    PassedSockets& sockets,
+    const std::function<void(const std::string& line)>& log) {
+  std::unique_ptr<Service> service(new Service(std::move(setup)));
+  const DaemonConfig& config = service->setup_.config;
+  for (const Expected<void>& good : {check_secrets(config),
+                                     check_passed_sockets(sockets, config),
+                                     check_places(config, sockets),
+                                     service->check_resources(false)}) {
+    if (!good) {
+      return tl::make_unexpected(good.error());
+    }
+  }
+  if (const Expected<void> cluster = service->open_cluster(); !cluster) {
+    return tl::make_unexpected(cluster.error());
+  }
+  service->sockets_ = &sockets;
+  service->path_grids_ = path_grids(config.cache, log);
+  std::vector<std::unique_ptr<SiteRuntime>> runtimes;
+  for (const SiteSetup& one : service->setup_.sites) {
+    auto runtime = SiteRuntime::prepare(one, service->surroundings(log));
+    if (!runtime) {
+      return tl::make_unexpected(runtime.error());
+    }
+    runtimes.push_back(std::move(*runtime));
+  }
+  if (const Expected<void> opened = service->open_publishing(sockets); !opened) {
+    return tl::make_unexpected(opened.error());
+  }
+  for (std::unique_ptr<SiteRuntime>& runtime : runtimes) {
+    InputFiles files = InputFiles::of(runtime->setup());
+    if (service->claims_) {
+      const std::string name = runtime->setup().site.name;
+      service->keep_ready({name, std::move(files), std::move(runtime), ""});
+      continue;
+    }
+    auto site = service->begin_site(std::move(runtime), std::move(files));
+    if (!site) {
+      return tl::make_unexpected(site.error());
+    }
+    service->publisher_->add(site->output);
+    service->sites_.put(std::move(*site));
+  }
+  if (const Expected<void> http = service->open_http(sockets); !http) {
+    return tl::make_unexpected(http.error());
+  }
+  service->sockets_ = nullptr;
+  return service;
+}
+
+Expected<void> Service::open_publishing(PassedSockets& sockets) {
+  if (const Expected<void> enough = check_resources(true); !enough) {
+    return tl::make_unexpected(enough.error());
+  }
+  const DaemonConfig& config = setup_.config;
+  auto guard = open_curve_access(config.curve, limited_log_, [this] { guard_progress_.beat(); });
+  if (!guard) {
+    return tl::make_unexpected(guard.error());
+  }
+  guard_ = std::move(*guard);
+  PublisherOptions publishing;
+  publishing.guard = guard_;
+  publishing.endpoint = config.publish.endpoint;
+  publishing.adopted_fd = sockets.take("publish").value_or(-1);
+  publishing.site = setup_.sites.front().site.name;
+  publishing.epoch = random_epoch();
+  epoch_ = publishing.epoch;
+  last_messages_ = std::make_shared<LastMessages>(publishing.max_topics);
+  publishing.last = last_messages_;
+  publishing.high_water_mark = static_cast<int>(config.publish.send_high_water_mark);
+  Expected<Publisher> publisher = Publisher::bind(publishing);
+  if (!publisher) {
+    return tl::make_unexpected(publisher.error());
+  }
+  SnapshotServer::Options snapshots;
+  snapshots.endpoint = config.publish.snapshot;
+  snapshots.adopted_fd = sockets.take("snapshot").value_or(-1);
+  snapshots.epoch = publishing.epoch;
+  snapshots.last = last_messages_;
+  snapshots.guard = guard_;
+  snapshots.on_round = [this] { snapshots_progress_.beat(); };
+  auto snapshot_server = SnapshotServer::open(snapshots);
+  if (!snapshot_server) {
+    return tl::make_unexpected(snapshot_server.error());
+  }
+  snapshots_ = std::move(*snapshot_server);
+  PublisherStage::Options stage;
+  stage.heartbeat = config.publish.heartbeat;
+  stage.now = system_now;
+  publisher_ = std::make_unique<PublisherStage>(std::move(*publisher), std::move(stage));
+  return {};
+}
+
+Expected<std::vector<std::string>> Service::snapshot() {
+  std::vector<std::string> files;
+  std::optional<Error> error;
+  for (const SiteSet::Site& site : sites_.all()) {
+    const Expected<std::vector<std::string>> some = site->runtime->snapshot();
+    if (some) {
+      files.insert(files.end(), some->begin(), some->end());
+    } else if (!error) {
+      error = some.error();
+    }
+  }
+  if (files.empty() && error) {
+    return tl::make_unexpected(std::move(*error));
+  }
+  return files;
+}
+
+namespace {
+
+void add_labelled(const RunningSite& site,
+                  const std::vector<std::string>& lines,
+                  std::vector<std::string>& all) {
+  for (const std::string& line : lines) {
+    all.push_back(site.label() + line);
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> Service::news() {
+  std::vector<std::string> lines;
+  for (const SiteSet::Site& site : sites_.all()) {
+    add_labelled(*site, site->runtime->news(), lines);
+  }
+  return lines;
+}
+
+void Service::apply(const DaemonConfig& config) {
+  publisher_->set_heartbeat(config.publish.heartbeat);
+  for (const SiteSet::Site& site : sites_.all()) {
+    site->runtime->apply(config.record);
+  }
+  guard_->allow(config.curve.allow);
+}
+
+std::string Service::status_line() const {
+  std::uint64_t sources = 0;
+  std::uint64_t received = 0;
+  std::uint64_t kernel_drops = 0;
+  std::uint64_t heard = 0;
+  std::uint64_t fixes = 0;
+  const std::vector<SiteSet::Site> sites = sites_.all();
+  for (const SiteSet::Site& site : sites) {
+    for (const SourceReport& report : site->runtime->pipeline().source_reports()) {
+      ++sources;
+      received += report.source.received;
+      kernel_drops += report.source.kernel_drops;
+      heard += report.source.delivered > 0 ? 1U : 0U;
+    }
+    const EstimationCounters estimation = site->runtime->pipeline().estimation_counters();
+    fixes += estimation.snapshots - estimation.no_fix;
+  }
+  const std::lock_guard lock(health_mutex_);
+  return fmt::format(
+      "{} of {} sources receive; {} datagrams, {} dropped by the kernel; {} fixes{}{}",
+      heard,
+      sources,
+      received,
+      kernel_drops,
+      fixes,
+      has_site_list_ ? fmt::format("; {} sites", sites.size()) : "",
+      reload_failed_ ? "; the last reload failed" : "");
+}
+
+std::vector<std::string> Service::source_descriptions() const {
+  std::vector<std::string> lines;
+  for (const SiteSet::Site& site : sites_.all()) {
+    const auto some = site->runtime->source_descriptions();
+    lines.insert(lines.end(), some.begin(), some.end());
+  }
+  return lines;
+}
+
+std::vector<std::string> Service::new_warnings() {
+  std::vector<std::string> lines;
+  for (const SiteSet::Site& site : sites_.all()) {
+    add_labelled(*site, site->runtime->new_warnings(), lines);
+  }
+  return lines;
+}
+
+void Service::log_losses() {
+  for (const SiteSet::Site& site : sites_.all()) {
+    site->runtime->look_for_losses();
+  }
+  shared_losses_.look_at_shared(shared(), log_entries_dropped());
+  limited_log_->flush();
+}
+
+std::vector<std::string> Service::new_errors() {
+  std::vector<std::string> errors;
+  for (const SiteSet::Site& site : sites_.all()) {
+    add_labelled(*site, site->runtime->errors(), errors);
+  }
+  look_at_broker();
+  if (!broker_trouble_.empty()) {
+    errors.push_back(broker_trouble_);
+  }
+  std::vector<std::string> fresh;
+  const auto holds = [](const std::vector<std::string>& all, const std::string& one) {
+    return std::find(all.begin(), all.end(), one) != all.end();
+  };
+  for (const std::string& error : errors) {
+    if (!holds(told_errors_, error) && !holds(fresh, error)) {
+      fresh.push_back(error);
+    }
+  }
+  for (const std::string& error : told_errors_) {
+    if (!holds(errors, error)) {
+      ended_errors_.push_back(error);
+    }
+  }
+  told_errors_ = std::move(errors);
+  return fresh;
+}
+
+std::vector<std::string> Service::ended_errors() { return std::exchange(ended_errors_, {}); }
+
+}  // namespace rayloc

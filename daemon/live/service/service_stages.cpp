@@ -1,0 +1,174 @@
+// The part of Service that starts and stops its threads.
+#include <algorithm>
+#include <chrono>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "daemon/live/machine/start_resources.h"
+#include "daemon/live/service/service.h"
+#include "daemon/live/service/shutdown.h"
+
+namespace rayloc {
+namespace {
+
+constexpr auto kStartPoll = std::chrono::milliseconds(1);
+
+void wait_until_started(const std::vector<Stage>& stages) {
+  for (const Stage& stage : stages) {
+    while (!stage.progress->started()) {
+      std::this_thread::sleep_for(kStartPoll);
+    }
+  }
+}
+
+}  // namespace
+
+// To be called before any object is opened that needs the threads and descriptors, and before the
+// room is prepared, which uses many threads.
+Expected<void> Service::check_resources(bool estimators_ready) const {
+  const std::size_t sources = setup_.config.sources.size();
+  // Three of libzmq; guard, snapshot server, publisher, estimation, HTTP, channel, ring, one that
+  // stops them; each source has its own and a recorder's.
+  constexpr std::size_t kThreads = 12;
+  constexpr std::size_t kMostTracing = 8;
+  const std::size_t tracing =
+      estimators_ready ? 0
+                       : std::min<std::size_t>(std::thread::hardware_concurrency(), kMostTracing);
+  // Some 20 of libzmq, two of HTTP; the others are for clients.
+  constexpr std::size_t kDescriptors = 48;
+  const std::size_t estimations = setup_.sites.size() - 1;  // besides that of the first
+  std::size_t compared = 0;
+  for (const SiteSetup& site : setup_.sites) {
+    compared += site.config.engine.compared.size();
+  }
+  return check_start_resources(kThreads + tracing + 2 * sources + estimations + compared,
+                               kDescriptors + 4 * sources);
+}
+
+// At any stage of a start, every thread ends before the objects that it uses. The publisher's
+// thread uses the pipeline, and the pipeline's threads write to the publisher.
+Service::~Service() {
+  if (http_) {
+    http_->stop();
+  }
+  for (const auto& [name, site] : along_) {
+    site->runtime->end();
+  }
+  for (const SiteSet::Site& site : sites_.all()) {
+    site->runtime->end();
+  }
+  if (publisher_) {
+    publisher_->halt();
+  }
+}
+
+void Service::start() {
+  publisher_->start();
+  for (const SiteSet::Site& site : sites_.all()) {
+    site->runtime->start();
+  }
+  if (claims_) {
+    claims_->start();
+  }
+  if (gateway_) {
+    gateway_->start();
+  }
+  wait_until_started(working_stages());
+  if (http_) {  // its handlers use running stages
+    http_->start();
+  }
+  wait_until_started(stages());
+}
+
+std::vector<Stage> Service::stages() const {
+  std::vector<Stage> stages = working_stages();
+  if (http_) {
+    stages.push_back({"http", &http_progress_});
+  }
+  return stages;
+}
+
+std::vector<Stage> Service::working_stages() const {
+  std::vector<Stage> stages;
+  for (const SiteSet::Site& site : sites_.all()) {
+    const std::vector<Stage> some = site->runtime->stages();
+    stages.insert(stages.end(), some.begin(), some.end());
+  }
+  if (claims_) {
+    stages.push_back({"claims", &claims_->progress()});
+    stages.push_back({"alive", &claims_->speaking()});
+  }
+  if (gateway_) {
+    stages.push_back({"gateway", &gateway_->progress()});
+  }
+  stages.push_back({"publisher", &publisher_->progress()});
+  stages.push_back({"connection guard", &guard_progress_});
+  stages.push_back({"snapshot server", &snapshots_progress_});
+  return stages;
+}
+
+std::vector<std::string> Service::stop(const std::string& reason,
+                                       std::chrono::milliseconds patience) {
+  // Three quarters to drain; the rest is for stages that do not return, and for later steps.
+  const Shutdown::Time begin = std::chrono::steady_clock::now();
+  const auto at = [&](int percent) { return begin + percent * patience / 100; };
+  Shutdown shutdown;
+  if (http_) {
+    shutdown.run("http", at(10), [this] { http_->stop(); });
+  }
+  if (claims_) {
+    claims_->leave();
+  }
+  for (const auto& [name, along] : along_) {  // they have no subscribers and no pending output
+    shutdown.begin(along->label() + "standby", [one = along->runtime] { one->end(); });
+  }
+  std::vector<SiteSet::Site> sites = sites_.all();
+  std::erase_if(sites, [&](const SiteSet::Site& site) {  // that one is still being waited for
+    return std::any_of(abandoned_.begin(), abandoned_.end(), [&](const SiteSet::Site& left) {
+      return left->runtime == site->runtime;
+    });
+  });
+  // In parallel: each site drains independently.
+  for (const SiteSet::Site& site : sites) {
+    shutdown.begin(site->label() + "pipeline", [this, site] { end_pipeline(site); });
+  }
+  for (const SiteSet::Site& site : sites) {
+    if (!shutdown.wait_for(site->label() + "pipeline", at(75))) {
+      site->runtime->pipeline().hurry();
+    }
+  }
+  for (const SiteSet::Site& site : sites) {
+    shutdown.wait_for(site->label() + "pipeline", at(94));
+  }
+  for (const SiteSet::Site& site : sites) {
+    for (SiteRuntime::Closing& closing : site->runtime->closings()) {
+      shutdown.run(site->label() + closing.stage, at(97), std::move(closing.finish));
+    }
+  }
+  for (const auto& [name, site] : along_) {
+    shutdown.wait_for(site->label() + "standby", at(97));
+  }
+  if (gateway_) {
+    shutdown.run("gateway", at(97), [this] { gateway_->finish(); });
+  }
+  if (claims_) {
+    shutdown.run("claims", at(98), [this] { claims_->finish(); });
+  }
+  shutdown.run("publisher", at(100), [this, reason] { publisher_->finish(reason); });
+  log_losses();  // of the last instant
+  limited_log_->finish();
+  std::vector<std::string> hung = shutdown.hung();
+  for (const SiteSet::Site& site : sites) {
+    std::replace(hung.begin(),
+                 hung.end(),
+                 site->label() + "pipeline",
+                 site->label() + site->runtime->stuck_in_pipeline());
+  }
+  for (const SiteSet::Site& site : abandoned_) {
+    hung.push_back(site->label() + site->runtime->stuck_in_pipeline());
+  }
+  return hung;
+}
+
+}  // namespace rayloc

@@ -1,0 +1,198 @@
+// The part of Service that makes a worker a hot standby: it computes the sites that it is next for
+// in parallel, compares the results with their owners', and takes over immediately if one dies.
+#include <algorithm>
+#include <utility>
+
+#include "daemon/live/log/log.h"
+#include "daemon/live/service/service.h"
+
+namespace rayloc {
+namespace {
+
+using std::chrono::seconds;
+
+// Chosen: between checks of the sites that it is next for.
+constexpr seconds kLook{1};
+// Chosen: between two tries for a site. Otherwise a site that cannot be followed would be started,
+// with a room that is prepared, again and again.
+constexpr seconds kTryAgain{60};
+constexpr seconds kNotYet{5};  // chosen: the same, if the owner has not published yet
+
+StandbyAudit::Counters sum(StandbyAudit::Counters one, const StandbyAudit::Counters& other) {
+  one.windows += other.windows;
+  one.results += other.results;
+  one.differing += other.differing;
+  one.not_compared += other.not_compared;
+  return one;
+}
+
+}  // namespace
+
+void Service::tend_standby(v1::WorkerState& condition) {
+  const SteadyTime now = std::chrono::steady_clock::now();
+  std::map<std::string, std::string> troubles;
+  for (const auto& [name, site] : along_) {
+    note_audit(*site);
+    const auto standby = site->runtime->standby();
+    if (claims_->is_leaving()) {
+      troubles[name] = "this worker takes no more sites";
+    } else if (standby && !standby->trouble.empty()) {
+      troubles[name] = standby->trouble;
+    } else if (standby && standby->counters.windows > 0) {  // it has caught up
+      v1::StandbyState& state = *condition.add_stands_by();
+      state.set_site(name);
+      state.set_windows(standby->counters.windows);
+      state.set_results(standby->counters.results);
+      state.set_differing(standby->counters.differing);
+      state.set_is_late(site->runtime->is_late());
+    }
+  }
+  for (const auto& [name, why] : troubles) {
+    stand_by_no_more(name, why);
+  }
+  if (now - along_looked_ < kLook || claims_->is_leaving()) {
+    return;
+  }
+  along_looked_ = now;
+  const std::size_t most = setup_.config.cluster.capacity;
+  if (most > 0 && sites_.all().size() + along_.size() >= most) {
+    return;
+  }
+  // One per call: other tasks wait for the main thread.
+  const auto next = std::find_if(standby_.begin(), standby_.end(), [&](const auto& one) {
+    return now >= along_not_before_[one.first] && claims_->is_next(one.first);
+  });
+  if (next != standby_.end()) {
+    stand_by(std::string(next->first));
+  }
+}
+
+void Service::stand_by(const std::string& name) {
+  // Other sites have priority while this one cannot be followed yet.
+  along_not_before_[name] = std::chrono::steady_clock::now() + kNotYet;
+  auto along = standby_start(*broker_, name);
+  if (!along) {
+    return;  // no output to follow yet
+  }
+  const bool is_late = along->is_late;
+  SiteSetup setup = standby_.at(name).runtime->setup();
+  auto site = computing_along(std::move(standby_.extract(name).mapped()), *std::move(along));
+  if (!site) {
+    claims_->withdraw(name);
+    along_not_before_[name] = std::chrono::steady_clock::now() + kTryAgain;
+    to_prepare_.push_back(std::move(setup));
+    log_line(LogLevel::kError,
+             "site '" + name + "' cannot be computed along: " + site.error().message);
+    return;
+  }
+  along_[name] = *std::move(site);
+  sites_.put_absent(name, "another worker owns it; this one computes along, and is next");
+  log_line(
+      LogLevel::kInfo,
+      "site '" + name + "' is computed along with its owner" +
+          (is_late ? ", from a later start than the owner's: positions are not compared" : ""));
+}
+
+Expected<SiteSet::Site> Service::computing_along(SitePreparation::Prepared prepared,
+                                                 StandbyStart along) {
+  if (const Expected<void> told = prepared.runtime->stand_by(std::move(along)); !told) {
+    return tl::make_unexpected(told.error());
+  }
+  auto begun = begin_site(std::move(prepared.runtime), std::move(prepared.files));
+  if (!begun) {
+    return tl::make_unexpected(begun.error());
+  }
+  begun->runtime->start();
+  return std::make_shared<const RunningSite>(*std::move(begun));
+}
+
+// It takes over immediately, without preparing a room or processing frames again.
+Expected<void> Service::promote(const std::string& name, std::uint64_t generation) {
+  const SiteSet::Site site = along_.at(name);
+  note_audit(*site);
+  const auto standby = site->runtime->standby();
+  if (standby && !standby->trouble.empty()) {
+    return make_error(ErrorKind::kUnavailable, standby->trouble);
+  }
+  if (Expected<void> claimed = site->runtime->claim(generation); !claimed) {
+    return claimed;
+  }
+  along_.erase(name);
+  show(*site);
+  note_audit(*site);  // with the comparisons made during the claim
+  site->runtime->speak();
+  const std::lock_guard lock(audit_mutex_);
+  Audit& audit = audits_[name];
+  audit = {sum(audit.before, audit.now), {}, false};
+  log_line(LogLevel::kInfo,
+           "site '" + name + "' is owned, generation " + std::to_string(generation) +
+               ", and goes on at once: it was computed along");
+  return {};
+}
+
+// The site is prepared anew, because a fresh runtime must not use the state of the old one.
+void Service::stand_by_no_more(const std::string& name, const std::string& why) {
+  const SiteSet::Site site = along_.extract(name).mapped();
+  note_audit(*site);
+  claims_->withdraw(name);
+  end_sites({site});
+  handed_.close_others(name, {});
+  sites_.put_absent(name, "this worker does not own it");
+  along_not_before_[name] = std::chrono::steady_clock::now() + kTryAgain;
+  if (!claims_->is_leaving()) {
+    to_prepare_.push_back(site->runtime->setup());
+  }
+  {
+    const std::lock_guard lock(audit_mutex_);
+    Audit& audit = audits_[name];
+    audit = {sum(audit.before, audit.now), {}, false};
+  }
+  log_line(LogLevel::kInfo, "site '" + name + "' is not computed along any more: " + why);
+}
+
+// Logs the first window that differs, once.
+void Service::note_audit(const RunningSite& site) {
+  const auto standby = site.runtime->standby();
+  if (!standby) {
+    return;
+  }
+  const std::lock_guard lock(audit_mutex_);
+  Audit& audit = audits_[site.name()];
+  audit.now = standby->counters;
+  if (!standby->first_difference.empty() && !std::exchange(audit.is_told, true)) {
+    log_line(LogLevel::kError,
+             "site '" + site.name() +
+                 "': its owner published other results than this worker computes: " +
+                 standby->first_difference +
+                 "; `rayloc replay --stream` shows which of the two is wrong");
+  }
+}
+
+std::vector<ExtraMetric> Service::standby_metrics() const {
+  if (!setup_.config.cluster.is_hot || !claims_) {
+    return {};
+  }
+  ExtraMetric windows{"rayloc_cluster_standby_windows_total",
+                      "Records of owners that were compared with what this worker has computed",
+                      true,
+                      {}};
+  ExtraMetric missed{
+      "rayloc_cluster_standby_missed_total",
+      "Records of owners that were not compared: not received, or the first after a gap",
+      true,
+      {}};
+  ExtraMetric differing{"rayloc_cluster_divergence_total",
+                        "Records of owners that hold other results than this worker has computed",
+                        true,
+                        {}};
+  const std::lock_guard lock(audit_mutex_);
+  for (const auto& [name, audit] : audits_) {
+    const StandbyAudit::Counters all = sum(audit.before, audit.now);
+    windows.samples.push_back({"site", name, static_cast<double>(all.windows)});
+    missed.samples.push_back({"site", name, static_cast<double>(all.not_compared)});
+    differing.samples.push_back({"site", name, static_cast<double>(all.differing)});
+  }
+  return {windows, missed, differing};
+}
+
+}  // namespace rayloc

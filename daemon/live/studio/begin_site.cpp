@@ -1,0 +1,126 @@
+// Creates the first files of a site from a plan or from a drawing of another program.
+#include <filesystem>
+#include <map>
+#include <string>
+#include <system_error>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "daemon/live/studio/studio_routes.h"
+#include "daemon/site/import/import_scene.h"
+#include "daemon/site/import/recognise.h"
+#include "daemon/site/model/site_copy.h"
+#include "daemon/site/scene/build_room.h"
+#include "daemon/site/scene/room_plan.h"
+#include "daemon/site/scene/room_site.h"
+#include "daemon/site/scene/scene_files.h"
+
+namespace rayloc {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kMostOfPlan = std::size_t{1} << 20U;  // [bytes]
+
+Expected<void> write_all(const SiteEditor& editor,
+                         const std::map<std::string, std::string>& files) {
+  if (editor.exists()) {
+    return bad_input(editor.directory().string() +
+                     ": there is a site here already; begin another one in another folder");
+  }
+  for (const auto& [name, content] : files) {
+    if (auto written = write_file(editor.directory() / name, content); !written) {
+      return written;
+    }
+  }
+  return {};
+}
+
+Expected<Json> begin_room(const SiteEditor& editor, const std::string& body) {
+  const Json json = Json::parse(body, nullptr, false);
+  if (!json.is_object() || !json.contains("plan") || !json["plan"].is_string()) {
+    return bad_input("send {\"plan\": TOML}");
+  }
+  const auto plan = parse_room_plan(json["plan"].get<std::string>(), "plan");
+  if (!plan) {
+    return tl::make_unexpected(plan.error());
+  }
+  if (!room_pattern_files(*plan).empty()) {
+    return bad_input("a plan that is sent cannot name files of antennas");
+  }
+  auto files = scene_files(build_room(*plan));
+  files["site.toml"] = room_site(*plan);
+  if (auto written = write_all(editor, files); !written) {
+    return tl::make_unexpected(std::move(written.error()));
+  }
+  return editor.state();
+}
+
+// File type from the name sent by the browser; the rest of the name is not used.
+std::string kind_of(const HttpParameters& parameters) {
+  const auto found = parameters.find("name");
+  std::string kind = found == parameters.end() ? "" : fs::path(found->second).extension().string();
+  return kind.size() > 1 && kind.size() <= 6 && is_object_name(kind.substr(1)) ? kind : "";
+}
+
+Expected<Json> begin_import(const SiteEditor& editor,
+                            const std::string& kind,
+                            const std::string& bytes) {
+  if (kind.empty()) {
+    return bad_input(std::string("which kind of file is it? Name it as its format is called: ") +
+                     kFormats);
+  }
+  if (editor.exists()) {
+    return tl::make_unexpected(write_all(editor, {}).error());
+  }
+  const fs::path file = editor.directory() / ("import" + kind);
+  if (auto written = write_file(file, bytes); !written) {
+    return tl::make_unexpected(std::move(written.error()));
+  }
+  const auto table = MaterialTable::parse(kDefaultMaterialTable, "materials");
+  auto imported = table ? import_scene(file, *table, {}) : tl::make_unexpected(table.error());
+  if (!imported) {
+    std::error_code ignored;
+    fs::remove(file, ignored);
+    return tl::make_unexpected(std::move(imported.error()));
+  }
+  RoomPlan plan;
+  plan.name = fs::weakly_canonical(editor.directory()).filename().string();
+  plan.lower = imported->bounds.lower;
+  plan.upper = imported->bounds.upper;
+  plan.carrier = usual_carrier();
+  auto files = scene_files(imported->scene);
+  files["site.toml"] = room_site(plan);
+  if (auto written = write_all(editor, files); !written) {
+    return tl::make_unexpected(std::move(written.error()));
+  }
+  auto state = editor.state();
+  if (state) {
+    (*state)["said"] = imported->remarks;
+  }
+  return state;
+}
+
+}  // namespace
+
+std::map<std::string, HttpRoute> beginning_routes(const std::shared_ptr<const SiteEditor>& editor) {
+  std::map<std::string, HttpRoute> routes;
+  HttpRoute& room = routes["/api/v1/edit/room"];
+  room.method = "POST";
+  room.receive = [editor](const HttpParameters&, const std::string& body) {
+    return editor_reply(begin_room(*editor, body));
+  };
+  room.most_bytes = kMostOfPlan;
+  HttpRoute& import = routes["/api/v1/edit/import"];
+  import.method = "POST";
+  import.receive = [editor](const HttpParameters& parameters, const std::string& body) {
+    return editor_reply(begin_import(*editor, kind_of(parameters), body));
+};
+import.content_type = "application/octet-stream";
+import.most_bytes = kLargestImport;
+return routes;
+}  // namespace rayloc
+
+}  // namespace rayloc

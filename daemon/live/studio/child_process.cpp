@@ -1,0 +1,156 @@
+#include "daemon/live/studio/child_process.h"
+
+#include <fcntl.h>
+#include <sched.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include "daemon/live/machine/end_with_parent.h"
+
+namespace rayloc {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kNiceness = 10;                    // chosen: for work that is not time-critical
+constexpr off_t kMostSaid = off_t{1} << 16;      // [bytes], chosen: end of its standard error
+constexpr std::string_view kFirstToGo = "1000";  // for oom_score_adj: proc(5)
+constexpr std::string_view kNotStarted = "the program rayloc cannot be started\n";
+constexpr int kCannotStart = 127;  // as in a shell
+
+// The parent has threads: between fork() and execv() only async-signal-safe calls are allowed.
+[[noreturn]] void become(char* const* arguments, int nothing, int said, pid_t parent) {
+  for (int signal = 1; signal < NSIG; ++signal) {
+    std::signal(signal, SIG_DFL);
+  }
+  sigset_t none;
+  sigemptyset(&none);
+  sigprocmask(SIG_SETMASK, &none, nullptr);
+  setpgid(0, 0);  // Ctrl-C goes to the parent only, which decides
+  if (!end_with_parent(parent)) {
+    _exit(kCannotStart);
+  }
+  if (nice(kNiceness) < 0) {  // which the systemd unit of raylocd forbids
+    const sched_param idle{};
+    sched_setscheduler(0, SCHED_IDLE, &idle);
+  }
+  // Makes this process the first to be killed if memory runs out. close_range() below closes it.
+  const int score = open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC);
+  if (score >= 0 && write(score, kFirstToGo.data(), kFirstToGo.size()) < 0) {
+    close(score);
+  }
+  if (dup2(nothing, STDIN_FILENO) < 0 || dup2(nothing, STDOUT_FILENO) < 0 ||
+      dup2(said, STDERR_FILENO) < 0 || close_range(STDERR_FILENO + 1, ~0U, 0) != 0) {
+    _exit(kCannotStart);
+  }
+  execv(arguments[0], arguments);
+  if (write(STDERR_FILENO, kNotStarted.data(), kNotStarted.size()) < 0) {
+    _exit(kCannotStart + 1);
+  }
+  _exit(kCannotStart);
+}
+
+tl::unexpected<Error> cannot_start(const fs::path& program, int error) {
+  return make_error(ErrorKind::kUnavailable,
+                    "cannot start " + program.string() + ": " + std::strerror(error));
+}
+
+}  // namespace
+
+Expected<fs::path> rayloc_program() {
+  std::error_code failed;
+  const fs::path folder = fs::read_symlink("/proc/self/exe", failed).parent_path();
+  for (const fs::path& one : {folder / "rayloc", folder.parent_path() / "bin" / "rayloc"}) {
+    if (access(one.c_str(), X_OK) == 0) {
+      return one;
+    }
+  }
+  return make_error(ErrorKind::kUnavailable,
+                    "there is no program rayloc in " + folder.string() + " or " +
+                        (folder.parent_path() / "bin").string() + "; install it");
+}
+
+Expected<std::unique_ptr<ChildProcess>> ChildProcess::start(
+    const fs::path& program, const std::vector<std::string>& arguments) {
+  std::signal(SIGCHLD, SIG_DFL);  // an inherited SIG_IGN would make waitpid() fail
+  std::vector<std::string> words{program.string()};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  std::vector<char*> pointers;
+  pointers.reserve(words.size() + 1);
+  for (std::string& word : words) {
+    pointers.push_back(word.data());
+  }
+  pointers.push_back(nullptr);
+  File said(std::tmpfile(), &std::fclose);
+  if (!said) {
+    return cannot_start(program, errno);
+  }
+  // Above the descriptors to which the process copies them.
+  const int its_said = fcntl(fileno(said.get()), F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
+  const int opened = open("/dev/null", O_RDWR | O_CLOEXEC);
+  const int nothing = opened < 0 ? -1 : fcntl(opened, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
+  const pid_t parent = getpid();
+  const pid_t process = its_said >= 0 && nothing >= 0 ? fork() : -1;
+  if (process == 0) {
+    become(pointers.data(), nothing, its_said, parent);
+  }
+  const int error = errno;
+  for (const int fd : {its_said, opened, nothing}) {
+    if (fd >= 0) {
+      close(fd);
+    }
+  }
+  if (process < 0) {
+    return cannot_start(program, error);
+  }
+  return std::unique_ptr<ChildProcess>(new ChildProcess(process, std::move(said)));
+}
+
+ChildProcess::~ChildProcess() {
+  if (!status()) {
+    kill(process_, SIGKILL);
+    while (waitpid(process_, nullptr, 0) < 0 && errno == EINTR) {
+    }
+  }
+}
+
+std::optional<int> ChildProcess::status() {
+  int status = 0;
+  const pid_t ended = status_ ? 0 : waitpid(process_, &status, WNOHANG);
+  if (ended == process_) {
+    constexpr int kBySignal = 128;
+    status_ = WIFEXITED(status) ? WEXITSTATUS(status) : kBySignal + WTERMSIG(status);
+  } else if (ended < 0 && errno == ECHILD) {
+    status_ = kCannotStart;  // it has ended, with an unknown status
+  }
+  return status_;
+}
+
+void ChildProcess::stop() {
+  if (!status()) {
+    kill(process_, stopped_ ? SIGKILL : SIGTERM);
+    stopped_ = true;
+  }
+}
+
+std::string ChildProcess::said() const {
+  const int file = fileno(said_.get());
+  struct stat known {};  // the offset is shared with the process: no seek
+  const off_t end = fstat(file, &known) == 0 ? known.st_size : 0;
+  const off_t begin = std::max<off_t>(0, end - kMostSaid);
+  std::string text(static_cast<std::size_t>(end - begin), '\0');
+  const ssize_t got = pread(file, text.data(), text.size(), begin);
+  text.resize(static_cast<std::size_t>(std::max<ssize_t>(0, got)));
+  return text;
+}
+
+}  // namespace rayloc

@@ -1,0 +1,84 @@
+#include "daemon/live/studio/walked_survey.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <system_error>
+
+#include <nlohmann/json.hpp>
+
+#include "daemon/site/survey/points_csv.h"
+#include "daemon/site/survey/survey_file.h"
+
+namespace rayloc {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kFarthest = 10'000.0;  // [m], as for positions in site.toml
+
+}  // namespace
+
+WalkedSurvey::Frames WalkedSurvey::heard() const {
+  Frames heard = frames_();
+  for (auto& [name, count] : heard) {
+    const auto before = standing_->frames.find(name);
+    const std::uint64_t then = before == standing_->frames.end() ? 0 : before->second;
+    count -= std::min(count, then);
+  }
+  return heard;
+}
+
+Expected<Json> WalkedSurvey::state() const {
+  Json state = {{"file", file_.string()}, {"points", Json::array()}};
+  std::error_code status;
+  if (std::filesystem::exists(file_, status)) {
+    // A file without a row is no error here.
+    if (const auto points = load_points_csv(file_)) {
+      for (const SurveyPoint& point : *points) {
+        state["points"].push_back({point.position.x, point.position.y, point.position.z});
+      }
+    }
+  }
+  if (standing_) {
+    const Vec3d& p = standing_->position;
+    state["standing"] = {
+        {"position", {p.x, p.y, p.z}},
+        {"seconds", to_seconds(std::chrono::system_clock::now() - standing_->since)},
+        {"frames", heard()}};
+  }
+  return state;
+}
+
+Expected<void> WalkedSurvey::stand(const Vec3d& position) {
+  if (!(std::abs(position.x) < kFarthest && std::abs(position.y) < kFarthest &&
+        std::abs(position.z) < kFarthest)) {
+    return bad_input("state your place: x, y and z in metres");
+  }
+  standing_ = Standing{position, std::chrono::system_clock::now(), frames_()};
+  return {};
+}
+
+Expected<void> WalkedSurvey::keep() {
+  if (!standing_) {
+    return bad_input("no place was tapped: tap your place first");
+  }
+  const Frames frames = heard();
+  if (std::all_of(frames.begin(), frames.end(), [](const auto& one) { return one.second == 0; })) {
+    return make_error(ErrorKind::kUnavailable,
+                      "no access point has received a frame since you tapped your place; does the "
+                      "device send? Nothing was written");
+  }
+  auto file = cli::SurveyFile::open(file_.string());
+  if (!file) {
+    return tl::make_unexpected(std::move(file.error()));
+  }
+  auto written =
+      file->append({standing_->since, std::chrono::system_clock::now(), standing_->position, 0});
+  if (written) {
+    standing_.reset();
+  }
+  return written;
+}
+
+}  // namespace rayloc

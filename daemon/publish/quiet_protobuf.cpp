@@ -1,9 +1,0 @@
-#include "daemon/publish/quiet_protobuf.h"
-
-#include <google/protobuf/stubs/logging.h>
-
-namespace rayloc {
-
-void quiet_protobuf() { google::protobuf::SetLogHandler(nullptr); }
-
-}  // namespace rayloc

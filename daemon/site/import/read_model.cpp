@@ -1,0 +1,279 @@
+#include "daemon/site/import/read_model.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <tuple>
+#include <utility>
+
+#include <assimp/DefaultIOSystem.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+#include <spdlog/fmt/fmt.h>
+#include <assimp/Importer.hpp>
+
+#include "daemon/site/model/site_copy.h"
+#include "engine/scene/bounds.h"
+#include "engine/scene/read/mesh_reader.h"
+
+namespace rayloc {
+namespace {
+
+constexpr std::size_t kMostTriangles = 5'000'000;  // chosen: 2 GiB in memory
+// Heights of rooms [m], chosen.
+constexpr double kLowRoom = 1.9;
+constexpr double kHighRoom = 4.5;
+
+// Only files in the same folder or below: a glTF may name any file of the machine.
+class FilesBeside final : public Assimp::DefaultIOSystem {
+ public:
+  explicit FilesBeside(const std::filesystem::path& file)
+      : folder_(std::filesystem::weakly_canonical(file).parent_path()) {}
+
+  Assimp::IOStream* Open(const char* file, const char* mode) override {
+    return is_below(folder_, file) ? DefaultIOSystem::Open(file, mode) : nullptr;
+  }
+  bool Exists(const char* file) const override {
+    return is_below(folder_, file) && DefaultIOSystem::Exists(file);
+  }
+
+ private:
+  std::filesystem::path folder_;
+};
+
+Vec3d point_of(const aiVector3D& v) {
+  return {static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)};
+}
+
+class Collector {
+ public:
+  explicit Collector(const aiScene& scene) : scene_(scene) {}
+
+  void add(const aiNode& node, const aiMatrix4x4& above) {
+    const aiMatrix4x4 here = above * node.mTransformation;
+    for (unsigned i = 0; i < node.mNumMeshes && triangles_ <= kMostTriangles; ++i) {
+      add_mesh(node, *scene_.mMeshes[node.mMeshes[i]], here);
+    }
+    for (unsigned i = 0; i < node.mNumChildren; ++i) {
+      add(*node.mChildren[i], here);
+    }
+  }
+  std::vector<ModelPart> finish() { return std::move(parts_); }
+  std::size_t triangles() const { return triangles_; }
+  bool is_finite() const { return is_finite_; }
+
+ private:
+  void add_mesh(const aiNode& node, const aiMesh& mesh, const aiMatrix4x4& here) {
+    ModelPart part;
+    part.name = node.mName.length > 0 ? node.mName.C_Str() : mesh.mName.C_Str();
+    if (mesh.mMaterialIndex < scene_.mNumMaterials) {
+      part.material = scene_.mMaterials[mesh.mMaterialIndex]->GetName().C_Str();
+    }
+    std::map<std::tuple<double, double, double>, std::uint32_t> known;
+    std::vector<std::uint32_t> index(mesh.mNumVertices);
+    for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
+      const Vec3d p = point_of(here * mesh.mVertices[i]);
+      is_finite_ = is_finite_ && std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+      if (!is_finite_) {
+        return;  // a map cannot order it; the file is refused
+      }
+      const auto next = static_cast<std::uint32_t>(part.mesh.vertices.size());
+      const auto [found, added] = known.try_emplace({p.x, p.y, p.z}, next);
+      if (added) {
+        part.mesh.vertices.push_back(p);
+      }
+      index[i] = found->second;
+    }
+    for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
+      const aiFace& face = mesh.mFaces[i];
+      if (face.mNumIndices == 3) {
+        part.mesh.triangles.push_back(
+            {index[face.mIndices[0]], index[face.mIndices[1]], index[face.mIndices[2]]});
+      }
+    }
+    triangles_ += part.mesh.triangles.size();
+    if (!part.mesh.triangles.empty()) {
+      parts_.push_back(std::move(part));
+    }
+  }
+
+  const aiScene& scene_;
+  std::vector<ModelPart> parts_;
+  std::size_t triangles_ = 0;
+  bool is_finite_ = true;
+};
+
+bool is_height_of_rooms(double metres) { return metres >= kLowRoom && metres <= kHighRoom; }
+
+struct RecognisedUnit {
+  double metres = 1.0;
+  std::string name;
+  std::string why;
+};
+
+// The unit in which an object has the height of a room; else
+// the largest in which the whole is no larger than a storey.
+RecognisedUnit recognised_unit(const Bounds& bounds) {
+  const std::array<RecognisedUnit, 3> all = {
+      {{1.0, "metres", ""}, {0.01, "centimetres", ""}, {0.001, "millimetres", ""}}};
+  const Vec3d size = bounds.size();
+  const double largest = std::max({size.x, size.y, size.z});
+  std::vector<RecognisedUnit> possible;
+  for (const RecognisedUnit& one : all) {
+    if (largest * one.metres <= kLargestStorey &&
+        (is_height_of_rooms(size.y * one.metres) || is_height_of_rooms(size.z * one.metres))) {
+      possible.push_back(one);
+    }
+  }
+  RecognisedUnit found = all.back();
+  if (possible.size() == 1) {
+    found = possible.front();
+    found.why = "by the height of rooms";
+    return found;
+  }
+  for (const RecognisedUnit& one : all) {
+    if (largest * one.metres <= kLargestStorey) {
+      found = one;
+      break;
+    }
+  }
+  found.why = "by the size of the whole";
+  return found;
+}
+
+bool is_named(const ModelPart& part, std::string_view word) {
+  std::string name = part.name;
+  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) {
+    return static_cast<char>(std::tolower(c));
+  });
+  return name.find(word) != std::string::npos;
+}
+
+// The axis along which a floor or ceiling is thin, else the one with the extent of a room's height.
+std::pair<char, std::string> recognised_up(const Model& model,
+                                           const Bounds& bounds,
+                                           double metres) {
+  for (const ModelPart& part : model.parts) {
+    if (is_named(part, "floor") || is_named(part, "ceiling")) {
+      const Vec3d size = bounds_of(part.mesh).size();
+      return {size.y < size.z ? 'y' : 'z', "by '" + part.name + "'"};
+    }
+  }
+  const auto is_height = [&](double extent) { return is_height_of_rooms(extent * metres); };
+  const Vec3d size = bounds.size();
+  if (is_height(size.y) != is_height(size.z)) {
+    return {is_height(size.y) ? 'y' : 'z', "by the height of rooms"};
+  }
+  return {'\0', ""};
+}
+
+void apply(double metres, bool y_up, Model& model) {
+  for (ModelPart& part : model.parts) {
+    for (Vec3d& v : part.mesh.vertices) {
+      v = metres * (y_up ? Vec3d{v.x, -v.z, v.y} : v);
+    }
+  }
+}
+
+void set_units(ModelFormat format, const ModelUnits& units, Model& model) {
+  const Bounds bounds = bounds_of(model);
+  const bool by_standard = format == ModelFormat::kGlb || format == ModelFormat::kGltf;
+  double metres = units.metres;
+  if (metres > 0.0) {
+    model.remarks.push_back(fmt::format("a unit is {} m, by --unit", metres));
+  } else if (by_standard) {
+    metres = 1.0;
+    model.remarks.emplace_back("metres, as glTF states");
+  } else if (format == ModelFormat::kIfc) {
+    metres = 1.0;
+    model.remarks.emplace_back("units of the file, as IFC states them");
+  } else {
+    const RecognisedUnit unit = recognised_unit(bounds);
+    metres = unit.metres;
+    model.remarks.push_back(unit.name + ", " + unit.why + " (--unit states another)");
+  }
+  char up = units.up;
+  if (up != '\0') {
+    model.remarks.push_back(fmt::format("{} is up, by --up", up));
+  } else if (by_standard) {
+    up = 'y';
+    model.remarks.emplace_back("y is up, as glTF states");
+  } else {
+    auto [axis, why] = recognised_up(model, bounds, metres);
+    if (axis == '\0') {
+      // The IFC reader has already rotated the model.
+      axis = format == ModelFormat::kObj || format == ModelFormat::kIfc ? 'y' : 'z';
+      why = std::string("as programs write ") + name_of(format) + " by default";
+    }
+    up = axis;
+    model.remarks.push_back(fmt::format("{} is up, {} (--up states another)", up, why));
+  }
+  apply(metres, up == 'y', model);
+}
+
+// assimp reads a missing z as 0 and ignores numbers beyond the counts.
+Expected<void> check_counts(const std::filesystem::path& file, Model& model) {
+  std::ifstream in(file, std::ios::binary);
+  const std::string bytes((std::istreambuf_iterator<char>(in)), {});
+  std::vector<SceneNote> notes;
+  auto checked = check_ply(bytes, file.string(), notes);
+  for (SceneNote& note : notes) {
+    model.remarks.push_back(std::move(note.message));
+  }
+  return checked;
+}
+
+}  // namespace
+
+Expected<Model> read_model(const std::filesystem::path& file,
+                           ModelFormat format,
+                           const ModelUnits& units) {
+  Model model;
+  if (format == ModelFormat::kPly) {
+    if (auto checked = check_counts(file, model); !checked) {
+      return tl::make_unexpected(checked.error());
+    }
+  }
+  Assimp::Importer importer;
+  importer.SetIOHandler(new FilesBeside(file));  // owned by the importer
+  // Reads only shapes: other attributes would keep corners at one place apart.
+  importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS,
+                              aiComponent_NORMALS | aiComponent_TANGENTS_AND_BITANGENTS |
+                                  aiComponent_COLORS | aiComponent_TEXCOORDS |
+                                  aiComponent_TEXTURES | aiComponent_LIGHTS | aiComponent_CAMERAS |
+                                  aiComponent_ANIMATIONS | aiComponent_BONEWEIGHTS);
+  const aiScene* scene =
+      importer.ReadFile(file.string(), aiProcess_RemoveComponent | aiProcess_Triangulate);
+  const std::string place = file.string() + ": ";
+  if (scene == nullptr || scene->mRootNode == nullptr) {
+    return bad_input(place + "cannot be read as " + name_of(format) + ": " +
+                     importer.GetErrorString() + "; export it again");
+  }
+  Collector collector(*scene);
+  collector.add(*scene->mRootNode, aiMatrix4x4());
+  if (!collector.is_finite()) {
+    return bad_input(place + "has a coordinate that is not a finite number; export it again");
+  }
+  if (collector.triangles() > kMostTriangles) {
+    return bad_input(
+        fmt::format("{}has {} triangles, more than the {} that are read; export a "
+                    "scan of fewer",
+                    place,
+                    collector.triangles(),
+                    kMostTriangles));
+  }
+  model.parts = collector.finish();
+  if (model.parts.empty()) {
+    return bad_input(place + "has no faces (" + name_of(format) +
+                     "); a cloud of points must be made a mesh first, an empty layer be chosen "
+                     "anew");
+  }
+  set_units(format, units, model);
+  return model;
+}
+
+}  // namespace rayloc

@@ -1,0 +1,127 @@
+#include "daemon/live/health/saturation.h"
+
+#include <memory>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "daemon/live/health/loss_watch.h"
+#include "daemon/live/health/readiness.h"
+
+namespace rayloc::saturation_test {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+constexpr Saturation::Time kStart{1000s};
+constexpr const char* kFrames =
+    "source ap1: frames were dropped in the last 10 s: estimates take longer than frames to come";
+
+TEST(Saturation, HoldsForTenSecondsAfterTheLastLoss) {
+  Saturation saturation;
+  v1::Heartbeat heartbeat;
+  heartbeat.add_sources()->set_access_point("ap1");
+  saturation.look(heartbeat, kStart);
+  EXPECT_THAT(saturation.reasons(), IsEmpty());
+  for (int second = 1; second < 5; ++second) {
+    heartbeat.mutable_sources(0)->mutable_counters()->set_frames_dropped(
+        static_cast<std::uint64_t>(second));
+    saturation.look(heartbeat, kStart + second * 1s);
+    EXPECT_THAT(saturation.reasons(), ElementsAre(kFrames));
+  }
+  saturation.look(heartbeat, kStart + 13s);
+  EXPECT_THAT(saturation.reasons(), ElementsAre(kFrames));
+  saturation.look(heartbeat, kStart + 14s);
+  EXPECT_THAT(saturation.reasons(), IsEmpty()) << "what was lost is over";
+}
+
+TEST(Saturation, EveryQueueHasItsReason) {
+  Saturation saturation;
+  v1::Heartbeat heartbeat;
+  v1::SourceReport& source = *heartbeat.add_sources();
+  source.set_access_point("ap1");
+  source.mutable_counters()->set_kernel_drops(1);
+  source.mutable_counters()->set_ring_dropped(1);
+  source.mutable_counters()->set_frames_dropped(1);
+  heartbeat.mutable_estimation()->set_events_dropped(1);
+  heartbeat.mutable_publisher()->set_csi_dropped(1);
+  saturation.look(heartbeat, kStart);
+  EXPECT_EQ(saturation.reasons().size(), 5U);
+}
+
+TEST(Readiness, ASaturatedQueueIsAReason) {
+  ServiceHealth health;
+  health.saturated = {kFrames};
+  const Readiness result = readiness({}, health);
+  EXPECT_FALSE(result.ready());
+  EXPECT_THAT(result.reasons, ElementsAre(kFrames));
+}
+
+TEST(Field, BurstsThatGaveWayAreAWarningThatSaysWhatToDo) {
+  Saturation saturation;
+  v1::Heartbeat heartbeat;
+  saturation.look(heartbeat, kStart);
+  EXPECT_THAT(saturation.warnings(), IsEmpty());
+  heartbeat.mutable_estimation()->set_bursts(1);
+  heartbeat.mutable_estimation()->set_bursts_merged(3);
+  saturation.look(heartbeat, kStart + 1s);
+  EXPECT_THAT(saturation.reasons(), IsEmpty()) << "positions are right";
+  EXPECT_THAT(
+      saturation.warnings(),
+      ElementsAre(::testing::AllOf(HasSubstr("more bursts come than this machine can explain"),
+                                   HasSubstr("(25 % of the bursts were explained)"),
+                                   HasSubstr("unlisted = \"ignore\""),
+                                   HasSubstr("faster machine"))));
+  saturation.look(heartbeat, kStart + 12s);
+  EXPECT_THAT(saturation.warnings(), IsEmpty()) << "it is over";
+}
+
+TEST(Saturation, TheShareIsOfTheLastTenSeconds) {
+  Saturation saturation;
+  v1::Heartbeat heartbeat;
+  for (std::uint64_t second = 0; second <= 40; ++second) {
+    // Every fourth burst gives way, later every second.
+    heartbeat.mutable_estimation()->set_bursts(3 * second);
+    heartbeat.mutable_estimation()->set_bursts_merged(second <= 20 ? second : 3 * second - 40);
+    saturation.look(heartbeat, kStart + second * 1s);
+    if (second == 20) {
+      EXPECT_THAT(saturation.warnings(), ElementsAre(HasSubstr("(75 % of")));
+    }
+  }
+  EXPECT_THAT(saturation.warnings(), ElementsAre(HasSubstr("(50 % of")));
+}
+
+TEST(Field, BurstsThatWereLeftOutAreAWarningOfTheirOwn) {
+  Saturation saturation;
+  v1::Heartbeat heartbeat;
+  saturation.look(heartbeat, kStart);
+  heartbeat.mutable_estimation()->set_bursts_dropped(1);
+  saturation.look(heartbeat, kStart + 1s);
+  EXPECT_THAT(saturation.warnings(), ElementsAre(HasSubstr("too old, and were left out")));
+  saturation.look(heartbeat, kStart + 12s);
+  EXPECT_THAT(saturation.warnings(), IsEmpty());
+}
+
+TEST(Field, BurstsThatGaveWayAreInTheLogAtOnceAndThenNowAndThen) {
+  std::vector<LogEvent> said;
+  const auto log =
+      std::make_shared<LimitedLog>([&](const LogEvent& event) { said.push_back(event); });
+  LossWatch losses(log);
+  v1::Heartbeat heartbeat;
+  losses.look(heartbeat);
+  EXPECT_TRUE(said.empty());
+  for (std::uint64_t merged = 1; merged < 100; ++merged) {
+    heartbeat.mutable_estimation()->set_bursts_merged(merged);
+    losses.look(heartbeat);
+  }
+  ASSERT_EQ(said.size(), 1U);
+  EXPECT_EQ(said.front().level, LogLevel::kWarning);
+  EXPECT_THAT(said.front().message, HasSubstr("more bursts come than this machine can explain"));
+}
+
+}  // namespace
+}  // namespace rayloc::saturation_test

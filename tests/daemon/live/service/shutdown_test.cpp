@@ -1,0 +1,70 @@
+#include "daemon/live/service/shutdown.h"
+
+#include <atomic>
+#include <future>
+#include <memory>
+#include <stdexcept>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/patience.h"
+
+namespace rayloc::shutdown_test {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+Shutdown::Time in(std::chrono::milliseconds time) {
+  return std::chrono::steady_clock::now() + time;
+}
+
+TEST(Shutdown, StepsFollowOneAnother) {
+  std::vector<int> done;
+  Shutdown shutdown;
+  EXPECT_TRUE(shutdown.run("first", in(test::patient(60s)), [&] { done.push_back(1); }));
+  EXPECT_TRUE(shutdown.run("second", in(test::patient(60s)), [&] { done.push_back(2); }));
+  EXPECT_THAT(done, ElementsAre(1, 2));
+  EXPECT_THAT(shutdown.hung(), IsEmpty());
+}
+
+// The recordings are closed although the estimator does not come back, and its name is known.
+TEST(Shutdown, AStepThatHangsIsNamedAndKeepsNobody) {
+  const auto release = std::make_shared<std::promise<void>>();
+  const auto over = std::make_shared<std::promise<void>>();
+  bool closed = false;
+  {
+    Shutdown shutdown;
+    EXPECT_FALSE(shutdown.run("estimation", in(10ms), [release, over] {
+      release->get_future().wait();
+      over->set_value();
+    }));
+    EXPECT_FALSE(shutdown.wait_for("estimation", in(10ms)));
+    EXPECT_TRUE(shutdown.run("recorder ap1", in(test::patient(60s)), [&] { closed = true; }));
+    EXPECT_THAT(shutdown.hung(), ElementsAre("estimation"));
+  }
+  EXPECT_TRUE(closed);
+  release->set_value();
+  over->get_future().wait();
+}
+
+TEST(Shutdown, AStepThatIsLateMayStillCome) {
+  std::promise<void> release;
+  Shutdown shutdown;
+  EXPECT_FALSE(shutdown.run("estimation", in(10ms), [&] { release.get_future().wait(); }));
+  release.set_value();
+  EXPECT_TRUE(shutdown.wait_for("estimation", in(test::patient(60s))));
+  EXPECT_THAT(shutdown.hung(), IsEmpty());
+}
+
+TEST(Shutdown, WhatAStepThrowsIsThrown) {
+  Shutdown shutdown;
+  EXPECT_THROW(
+      shutdown.run("publisher", in(test::patient(60s)), [] { throw std::runtime_error("zmq"); }),
+      std::runtime_error);
+}
+
+}  // namespace
+}  // namespace rayloc::shutdown_test

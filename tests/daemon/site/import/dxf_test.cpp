@@ -1,0 +1,192 @@
+// Flat drawings: read, their walls found, and drawn up to a room.
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <spdlog/fmt/fmt.h>
+
+#include "daemon/site/import/drawn_plan.h"
+#include "daemon/site/import/import_scene.h"
+#include "daemon/site/import/wall_lines.h"
+#include "tests/daemon/site/import/import_files.h"
+
+namespace rayloc::dxf_test {
+namespace {
+
+namespace fs = std::filesystem;
+
+// By ezdxf, a program of other people: an office of 6 x 4 m whose outer walls have two faces, an
+// inner wall, a window drawn as two panes, a door, a desk as a block that is turned, a text.
+constexpr const char* kWriter = R"(
+import sys, ezdxf
+d = ezdxf.new(sys.argv[2]); d.header['$INSUNITS'] = 4
+m = d.modelspace()
+def rect(x0, y0, x1, y1, layer):
+    points = [(x0, y0), (x1, y0), (x1, y1), (x0, y1)]
+    if sys.argv[2] == 'R12':
+        m.add_polyline2d(points, close=True, dxfattribs={'layer': layer})
+    else:
+        m.add_lwpolyline(points, close=True, dxfattribs={'layer': layer})
+rect(1000, 2000, 7000, 6000, 'A-WALL'); rect(800, 1800, 7200, 6200, 'A-WALL')
+m.add_line((4000, 2000), (4000, 4500), dxfattribs={'layer': 'A-WALL'})
+m.add_line((2000, 1870), (3500, 1870), dxfattribs={'layer': 'A-GLAZ'})
+m.add_line((2000, 1930), (3500, 1930), dxfattribs={'layer': 'A-GLAZ'})
+m.add_arc((4000, 4500), 900, 0, 90, dxfattribs={'layer': 'A-DOOR'})
+m.add_text('Office', dxfattribs={'layer': 'A-ANNO'})
+b = d.blocks.new('DESK'); b.add_line((0, 0), (1600, 0))
+b.add_polyline2d([(0, 0), (1600, 0), (1600, 800), (0, 800)], close=True)
+m.add_blockref('DESK', (6800, 2200), dxfattribs={'layer': 'FURNITURE', 'rotation': 90})
+d.saveas(sys.argv[1])
+)";
+
+class Dxf : public test::ImportFiles {
+ protected:
+  std::string refusal(const std::string& content) const {
+    return ImportFiles::refusal("plan.dxf", content);
+  }
+  // Entities of a drawing.
+  static std::string drawing(const std::string& entities) {
+    return "0\nSECTION\n2\nENTITIES\n" + entities + "0\nENDSEC\n0\nEOF\n";
+  }
+  static std::string line(const std::string& layer, double x0, double y0, double x1, double y1) {
+    return fmt::format("0\nLINE\n8\n{}\n10\n{}\n20\n{}\n11\n{}\n21\n{}\n", layer, x0, y0, x1, y1);
+  }
+};
+
+const StatedObject* object_of(const ImportedScene& scene, const std::string& name) {
+  const auto found = std::find_if(scene.scene.objects.begin(),
+                                  scene.scene.objects.end(),
+                                  [&](const StatedObject& one) { return one.name == name; });
+  return found == scene.scene.objects.end() ? nullptr : &*found;
+}
+
+double thickness_of(const ImportedScene& scene, const StatedObject& object) {
+  for (const StatedMaterial& material : scene.scene.materials) {
+    if (material.name == object.material) {
+      return material.thickness;
+    }
+  }
+  return 0.0;
+}
+
+TEST_F(Dxf, ADrawingOfAnotherProgramBecomesARoom) {
+  if (std::system("/usr/bin/python3 -c 'import ezdxf' 2> /dev/null") != 0) {
+    GTEST_SKIP() << "ezdxf (Debian: python3-ezdxf) is not installed";
+  }
+  const fs::path writer = file("writer.py", kWriter);
+  for (const std::string version : {"R12", "R2010", "R2018"}) {
+    const fs::path made = folder_ / (version + ".dxf");
+    ASSERT_EQ(std::system(("/usr/bin/python3 " + writer.string() + " " + made.string() + " " +
+                           version + " 2> /dev/null")
+                              .c_str()),
+              0);
+    const auto room = import(made);
+    ASSERT_TRUE(room) << room.error().message;
+    // The room spans the outer faces; walls lie between their two faces.
+    EXPECT_NEAR(room->bounds.size().x, 6.4, 1e-9) << version;
+    EXPECT_NEAR(room->bounds.size().y, 4.4, 1e-9);
+    EXPECT_NEAR(room->bounds.size().z, kUsualHeight, 1e-9);
+    const StatedObject* const wall = object_of(*room, "A-WALL");
+    ASSERT_NE(wall, nullptr);
+    EXPECT_NEAR(thickness_of(*room, *wall), 0.2, 1e-9);
+    const StatedObject* const window = object_of(*room, "A-GLAZ");
+    ASSERT_NE(window, nullptr) << "two panes are one window";
+    EXPECT_EQ(object_of(*room, "A-GLAZ_2"), nullptr);
+    EXPECT_EQ(window->material, "glass");
+    EXPECT_NEAR(window->mesh.vertices[0].y, 0.1, 1e-9);
+    EXPECT_NEAR(window->mesh.vertices[0].z, kSill, 1e-9);
+    const StatedObject* const desk = object_of(*room, "FURNITURE");
+    ASSERT_NE(desk, nullptr);
+    for (const Vec3d& v : desk->mesh.vertices) {  // turned about its corner, at 6.8, 2.2 m
+      EXPECT_GT(v.x, 5.199);
+      EXPECT_LT(v.x, 6.001);
+      EXPECT_GT(v.y, 0.399);
+      EXPECT_LT(v.y, 2.001);
+    }
+    const std::string said = remarks(*room);
+    EXPECT_NE(said.find("1 TEXT"), std::string::npos) << said;
+  }
+}
+
+TEST_F(Dxf, UnitAndHeightCanBeTold) {
+  const std::string walls = drawing(line("Wand", 0, 0, 12, 0) + line("Wand", 12, 0, 12, 9));
+  const auto feet = import(file("plan.dxf", walls), {{0.3048, '\0', 3.1}, 0.0});
+  ASSERT_TRUE(feet) << feet.error().message;
+  EXPECT_NEAR(feet->bounds.size().x, 12 * 0.3048, 1e-9);
+  EXPECT_NEAR(feet->bounds.size().z, 3.1, 1e-9);
+  const auto metres = import(file("plan.dxf", walls));
+  ASSERT_TRUE(metres);
+  EXPECT_NEAR(metres->bounds.size().x, 12.0, 1e-9);
+}
+
+TEST_F(Dxf, WhatIsNoPlanIsNamedWithWhatToDo) {
+  EXPECT_EQ(refusal("AutoCAD Binary DXF\r\n\x1a"),
+            "plan.dxf: is a DXF in binary; export it as DXF of text (ASCII)");
+  EXPECT_EQ(refusal("0\nSECTION\n2\nENTITIES\nzero\nLINE\n"),
+            "plan.dxf:5: 'zero' is no group code of a DXF; export it again as DXF (text)");
+  EXPECT_EQ(refusal("0\nSECTION\n2\nENTITIES\n0\nLINE\n10\n1,5\n"),
+            "plan.dxf:7: '1,5' is no number; export it again as DXF (text)");
+  EXPECT_EQ(refusal("0\nSECTION\n2\nENTITIES\n0\nLINE\n10\n"),
+            "plan.dxf:7: the file ends within a group; export it again as DXF (text)");
+  EXPECT_NE(refusal("0\nSECTION\n2\nBLOCKS\n0\nBLOCK\n2\nb\n10\n1e300\n" +
+                    line("wall", 1e300, 0, 2e300, 0) + "0\nENDBLK\n0\nENDSEC\n" +
+                    drawing("0\nINSERT\n2\nb\n41\n1e300\n"))
+                .find("not a finite number"),
+            std::string::npos);
+  EXPECT_NE(refusal(drawing("0\nTEXT\n1\nhello\n")).find("has no LINE and no POLYLINE"),
+            std::string::npos);
+  const std::string unknown = refusal(drawing(line("X7", 0, 0, 3, 0) + line("Y", 0, 0, 0, 3)));
+  EXPECT_NE(unknown.find("no layer is known to hold walls; its layers are X7, Y."),
+            std::string::npos)
+      << unknown;
+  const auto large = import(file("plan.dxf", drawing(line("wall", 0, 0, 12000, 0))), {{1.0}, 0.0});
+  ASSERT_FALSE(large);
+  EXPECT_NE(large.error().message.find("would be 12000 m long"), std::string::npos);
+}
+
+// Each block holds the next one a hundred times.
+TEST_F(Dxf, BlocksWithinBlocksEnd) {
+  std::string blocks = "0\nSECTION\n2\nBLOCKS\n";
+  for (int i = 0; i < 15; ++i) {
+    blocks += fmt::format("0\nBLOCK\n2\nb{}\n", i);
+    for (int k = 0; k < 100; ++k) {
+      blocks += fmt::format("0\nINSERT\n2\nb{}\n", i + 1);
+    }
+    blocks += "0\nENDBLK\n";
+  }
+  const std::string bomb = blocks + "0\nENDSEC\n" + drawing("0\nINSERT\n2\nb0\n");
+  EXPECT_NE(refusal(bomb).find("more points than a plan of rooms"), std::string::npos);
+}
+
+TEST(WallLines, TwoFacesAreOneWallAndALineAloneIsOne) {
+  // The faces of two walls that meet in a corner, and a single line.
+  const std::vector<WallLine> drawn = {{{0, 0}, {4, 0}, "w", 0},
+                                       {{0.1, 0.1}, {3.9, 0.1}, "w", 0},
+                                       {{4, 0}, {4, 3}, "w", 0},
+                                       {{3.9, 0.1}, {3.9, 3}, "w", 0},
+                                       {{0, 2}, {2, 2}, "w", 0}};
+  const std::vector<WallLine> walls = wall_lines(drawn);
+  ASSERT_EQ(walls.size(), 3U);
+  EXPECT_NEAR(walls[0].thickness, 0.1, 1e-12);
+  EXPECT_NEAR(walls[0].from[1], 0.05, 1e-12);
+  EXPECT_NEAR(walls[1].from[0], 3.95, 1e-12);
+  EXPECT_EQ(walls[2].thickness, 0.0);
+  EXPECT_NEAR(length_of(walls[2]), 2.0, 1e-12);
+}
+
+TEST(WallLines, AWindowCutsTheWallThatItStandsIn) {
+  const std::vector<WallLine> walls = {{{0, 0}, {4, 0}, "w", 0.2}, {{0, 3}, {4, 3}, "w", 0.2}};
+  const std::vector<WallLine> left = cut_at(walls, {{3, 0.05}, {1.5, 0.05}, "g", 0});
+  ASSERT_EQ(left.size(), 3U);
+  EXPECT_NEAR(left[0].to[0], 1.5, 1e-12);
+  EXPECT_NEAR(left[1].from[0], 3.0, 1e-12);
+  EXPECT_NEAR(length_of(left[2]), 4.0, 1e-12);
+}
+
+}  // namespace
+}  // namespace rayloc::dxf_test
