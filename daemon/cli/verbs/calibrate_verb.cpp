@@ -1,9 +1,11 @@
 // The verb `rayloc calibrate`: its arguments and their checks.
+#include <csignal>
 #include <memory>
 #include <string>
 
 #include "daemon/base/exit_status.h"
 #include "daemon/cli/command/verb.h"
+#include "daemon/cli/terminal/stop_signal.h"
 #include "daemon/lab/calibrate/calibrate.h"
 #include "daemon/lab/calibrate/calibrate_plan.h"
 #include "daemon/lab/calibrate/calibrate_rechain.h"
@@ -84,8 +86,16 @@ Expected<int> run_calibrate(const CalibrateOptions& options) {
   if (calibrate.resume && calibrate.method != "joint") {
     return make_error(ErrorKind::kUsage, "--resume goes on with the joint method only");
   }
-  return run_calibration(calibrate).map([](CalibrationOutcome outcome) {
-    return outcome == CalibrationOutcome::kExplains ? 0 : kExitUnexplained;
+  calibrate.on_begin_of_fit = StopSignal::install_once;
+  calibrate.stop_requested = StopSignal::requested;
+  const auto outcome = run_calibration(calibrate);
+  if (outcome && StopSignal::requested()) {
+    // Ends by the signal, for scripts.
+    std::signal(SIGINT, SIG_DFL);
+    std::raise(SIGINT);
+  }
+  return outcome.map([](CalibrationOutcome explains) {
+    return explains == CalibrationOutcome::kExplains ? 0 : kExitUnexplained;
   });
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -27,6 +28,11 @@ struct CalibrateArguments {
   bool force = false;  // write to a non-empty folder, and write a failed calibration
   bool quiet = false;
   bool progress = false;  // progress lines on stderr, for programs
+  // Called once, before the fit: from then on a stop writes the last good state.
+  std::function<void()> on_begin_of_fit;
+  std::function<bool()> stop_requested;  // polled during the fit; empty: never
+
+  bool stops() const { return stop_requested && stop_requested(); }
 };
 
 enum class CalibrationOutcome : std::uint8_t {
@@ -36,8 +42,7 @@ enum class CalibrationOutcome : std::uint8_t {
 
 // Writes `out` as a complete site with report.json and report.html, or only the reports if the
 // calibration is no success. Returns an Error that names the row or the access point if the inputs
-// do not fit together. SIGINT and SIGTERM end the fit: `out` then holds the last good state, and
-// the process ends by the signal.
+// do not fit together. A requested stop ends the fit, and `out` then holds the last good state.
 Expected<CalibrationOutcome> run_calibration(const CalibrateArguments& arguments);
 
 }  // namespace rayloc::cli

@@ -1,13 +1,11 @@
 #include <sys/resource.h>
 
-#include <csignal>
 #include <cstdint>
 #include <cstdio>
 #include <map>
 #include <system_error>
 #include <utility>
 
-#include "daemon/cli/terminal/stop_signal.h"
 #include "daemon/lab/calibrate/calibrated_site.h"
 #include "daemon/lab/calibrate/calibration_run.h"
 #include "daemon/lab/calibrate/report/calibration_summary.h"
@@ -170,7 +168,7 @@ Expected<void> Calibration::write_site_and_reports(
   return write_reports(report);
 }
 
-// After an interruption, reports the written files and ends by the signal, for scripts.
+// Removes the checkpoint of a whole fit. After a stop, reports the files that were written.
 void Calibration::end(const std::vector<CalibrationMethodResult>& methods) const {
   const CalibrationMethodResult& written = methods.front();
   const bool resumes = written.calibration.interrupted && can_resume() && !unkept_;
@@ -178,7 +176,7 @@ void Calibration::end(const std::vector<CalibrationMethodResult>& methods) const
     std::error_code none;
     fs::remove(checkpoint(), none);
   }
-  if (!StopSignal::requested()) {
+  if (!options_.stops()) {
     return;
   }
   const bool compared =
@@ -190,8 +188,6 @@ void Calibration::end(const std::vector<CalibrationMethodResult>& methods) const
                resumes     ? "; --resume goes on"
                : !compared ? ", without the comparison"
                            : "");
-  std::signal(SIGINT, SIG_DFL);
-  std::raise(SIGINT);
 }
 
 }  // namespace rayloc::cli

@@ -7,7 +7,6 @@
 #include <memory>
 #include <utility>
 
-#include "daemon/cli/terminal/stop_signal.h"
 #include "daemon/lab/calibrate/calibrated_site.h"
 #include "daemon/lab/calibrate/calibration_points.h"
 #include "daemon/lab/calibrate/dead_chain_check.h"
@@ -183,7 +182,7 @@ Expected<RoomCalibration> Calibration::jointly(const CalibrationObserver& observ
 }
 
 bool Calibration::go_on() {
-  if (StopSignal::requested() && !told_to_stop_) {
+  if (options_.stops() && !told_to_stop_) {
     told_to_stop_ = true;
     line_.clear();
     if (!options_.quiet) {
@@ -364,7 +363,9 @@ Expected<CalibrationOutcome> Calibration::run() {
   if (auto fitted = fit_gains(survey.first_refusal); !fitted) {
     return tl::make_unexpected(std::move(fitted.error()));
   }
-  StopSignal::install_once();
+  if (options_.on_begin_of_fit) {
+    options_.on_begin_of_fit();
+  }
   if (auto prepared = prepare_output(options_.out, may_replace()); !prepared) {
     return tl::make_unexpected(std::move(prepared.error()));
   }
