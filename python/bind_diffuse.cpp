@@ -47,8 +47,8 @@ py::array_t<double> vectors(const py::object& self, const Get& get) {
 }
 
 py::array_t<double> profile(const DiffuseDensity& density, double first, double step, int bins) {
-  constexpr int kMostBins = 1'000'000;  // a count, chosen: 8 MB
-  if (!(step > 0.0) || bins < 1 || bins > kMostBins) {
+  constexpr int kMaxBins = 1'000'000;  // a count, chosen: 8 MB
+  if (!(step > 0.0) || bins < 1 || bins > kMaxBins) {
     refuse("DiffuseDensity.profile: step is above 0 [s], bins from 1 to 1,000,000");
   }
   return array_of(density.profile(first, step, static_cast<std::size_t>(bins)), {bins});

@@ -24,7 +24,7 @@ namespace {
 using Corner = std::array<double, 2>;
 
 constexpr double kUsualHeight = 1.2;  // [m], of a device above the lowest point: `rayloc scene map`
-constexpr double kMostCells = 4e6;    // a count, chosen: as in `rayloc scene map`
+constexpr double kMaxCells = 4e6;    // a count, chosen: as in `rayloc scene map`
 
 RadioMapGrid map_grid(const Scene& scene,
                       double cell_size,
@@ -47,7 +47,7 @@ RadioMapGrid map_grid(const Scene& scene,
   if (!(cell_size > 0.0 && std::isfinite(cell_size)) ||
       !(radio_map_cells(upper.x - lower.x, cell_size) *
             radio_map_cells(upper.y - lower.y, cell_size) <=
-        kMostCells)) {
+        kMaxCells)) {
     refuse("radio_map: cell_size is above 0 m, and 4,000,000 cells are the most");
   }
   return radio_map_grid(lower, upper, z, cell_size);

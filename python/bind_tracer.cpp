@@ -28,8 +28,8 @@ TracerHandle tracer_of(const SceneHandle& scene,
                        double softness,
                        int diffraction,
                        bool diffuse_reflection) {
-  constexpr int kMostDepth = 16;  // a count, as `rayloc trace --depth`
-  if (max_depth < 0 || max_depth > kMostDepth) {
+  constexpr int kMaxDepth = 16;  // a count, as `rayloc trace --depth`
+  if (max_depth < 0 || max_depth > kMaxDepth) {
     refuse("max_depth is from 0 to 16");
   }
   if (!(softness >= 0.0 && softness <= 10.0)) {

@@ -41,7 +41,7 @@ constexpr std::size_t kExtendedHeaderBytes = 39;
 constexpr std::size_t kTransmitterOffset = 29;  // offset in extended records
 constexpr std::size_t kRssiOffsetBytes = 11;
 constexpr std::size_t kAntennaOffset = 16;
-constexpr std::size_t kMostChains = 3;
+constexpr std::size_t kMaxChains = 3;
 constexpr std::size_t kTones = 30;
 constexpr unsigned kGroupBits = 3;   // bits before each group of tones
 constexpr unsigned kValueBits = 16;  // bits of a complex value
@@ -74,13 +74,13 @@ struct Header {
   std::size_t chains = 0;
   std::size_t streams = 0;
   unsigned rate = 0;
-  std::array<std::size_t, kMostChains> antenna{};  // antenna of each chain
+  std::array<std::size_t, kMaxChains> antenna{};  // antenna of each chain
 };
 
 // Returns the antenna with power if there is exactly one.
 std::optional<std::size_t> only_antenna(const ByteReader& reader) {
   std::optional<std::size_t> only;
-  for (std::size_t antenna = 0; antenna < kMostChains; ++antenna) {
+  for (std::size_t antenna = 0; antenna < kMaxChains; ++antenna) {
     if (reader.u8(kRssiOffsetBytes + antenna) != 0) {
       if (only) {
         return std::nullopt;
@@ -93,15 +93,15 @@ std::optional<std::size_t> only_antenna(const ByteReader& reader) {
 
 // Antenna of each chain; empty if the field is no permutation. A single chain needs none, and some
 // logs leave the field unset then.
-std::optional<std::array<std::size_t, kMostChains>> antennas_of(const ByteReader& reader,
+std::optional<std::array<std::size_t, kMaxChains>> antennas_of(const ByteReader& reader,
                                                                 std::size_t chains) {
-  std::array<std::size_t, kMostChains> antennas{};
+  std::array<std::size_t, kMaxChains> antennas{};
   unsigned taken = 0;
   for (std::size_t chain = 0; chain < chains; ++chain) {
     const unsigned antenna = (reader.u8(kAntennaOffset) >> (2 * chain)) & 3U;
-    if (antenna >= kMostChains || ((taken >> antenna) & 1U) != 0) {
+    if (antenna >= kMaxChains || ((taken >> antenna) & 1U) != 0) {
       const auto only = chains == 1 ? only_antenna(reader) : std::nullopt;
-      return only ? std::optional(std::array<std::size_t, kMostChains>{*only}) : std::nullopt;
+      return only ? std::optional(std::array<std::size_t, kMaxChains>{*only}) : std::nullopt;
     }
     taken |= 1U << antenna;
     antennas.at(chain) = antenna;
@@ -121,10 +121,10 @@ tl::expected<Header, RejectReason> header_of(std::span<const std::byte> payload)
   header.chains = reader.u8(9);
   header.streams = reader.u8(10);
   header.rate = reader.u16(19);
-  if (header.chains < 1 || header.chains > kMostChains) {
+  if (header.chains < 1 || header.chains > kMaxChains) {
     return tl::make_unexpected(RejectReason::kCoreRange);
   }
-  if (header.streams < 1 || header.streams > kMostChains) {
+  if (header.streams < 1 || header.streams > kMaxChains) {
     return tl::make_unexpected(RejectReason::kStreamRange);
   }
   const std::size_t csi = csi_bytes(header.chains, header.streams);
@@ -145,9 +145,9 @@ tl::expected<Header, RejectReason> header_of(std::span<const std::byte> payload)
 }
 
 // Lists the antennas of the chains in ascending order, and the row of each in the frame.
-std::array<std::size_t, kMostChains> name_cores(const Header& header, CsiFrame& frame) {
-  std::array<std::size_t, kMostChains> row{};
-  for (std::size_t antenna = 0; antenna < kMostChains; ++antenna) {
+std::array<std::size_t, kMaxChains> name_cores(const Header& header, CsiFrame& frame) {
+  std::array<std::size_t, kMaxChains> row{};
+  for (std::size_t antenna = 0; antenna < kMaxChains; ++antenna) {
     for (std::size_t chain = 0; chain < header.chains; ++chain) {
       if (header.antenna.at(chain) == antenna) {
         row.at(chain) = frame.cores.size();

@@ -41,14 +41,14 @@ std::optional<Number> whole_number(std::string_view text) {
 std::optional<Timestamp> time_of(std::string_view text) {
   constexpr std::size_t kDecimals = 6;
   // Greater values would overflow a Timestamp.
-  constexpr std::uint64_t kMostSeconds = std::uint64_t{1} << 33U;
+  constexpr std::uint64_t kMaxSeconds = std::uint64_t{1} << 33U;
   const std::size_t point = text.find('.');
   if (point == std::string_view::npos || text.size() - point - 1 != kDecimals) {
     return std::nullopt;
   }
   const auto seconds = whole_number<std::uint64_t>(text.substr(0, point));
   const auto decimals = whole_number<std::uint32_t>(text.substr(point + 1));
-  if (!seconds || *seconds > kMostSeconds || !decimals) {
+  if (!seconds || *seconds > kMaxSeconds || !decimals) {
     return std::nullopt;
   }
   return Timestamp(std::chrono::seconds(*seconds) + std::chrono::microseconds(*decimals));

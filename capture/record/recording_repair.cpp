@@ -22,7 +22,7 @@ namespace {
 
 // Minimum size of a recorder's record: its header, and those around an empty datagram. Shorter ones
 // are the zeros with which a power failure fills a file.
-constexpr std::size_t kLeastRecordBytes = 16 + 14 + 20 + 8;
+constexpr std::size_t kMinRecordBytes = 16 + 14 + 20 + 8;
 constexpr std::size_t kReadBytes = std::size_t{1} << 20U;
 
 tl::unexpected<Error> cannot_repair(const std::string& path) {
@@ -46,7 +46,7 @@ bool take_records(pcap::PcapParser& parser, pcap::Bytes window, WholePart& whole
     }
     const bool packet = step.status == pcap::PcapParser::Status::kPacket;
     if (step.status == pcap::PcapParser::Status::kError ||
-        (packet && step.size < kLeastRecordBytes) ||
+        (packet && step.size < kMinRecordBytes) ||
         (packet && step.packet.link_type == pcap::kLinkTypeIntel5300)) {  // not a recording of ours
       return false;
     }

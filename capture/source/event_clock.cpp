@@ -12,7 +12,7 @@ constexpr Duration kReadingJitter = std::chrono::milliseconds(1);
 
 // Maximum arrival delay of a datagram after the clock was read. A later stamp was made by a clock
 // that was set after the reading.
-constexpr Duration kMostAhead = std::chrono::seconds(1);
+constexpr Duration kMaxAhead = std::chrono::seconds(1);
 
 Duration read_clock(clockid_t clock) {
   timespec now{};
@@ -80,7 +80,7 @@ void EventClock::observe_now() {
 
 Timestamp EventClock::event_time(Timestamp stamp) const {
   const Timestamp time = stamp + correction_;
-  const bool unseen_step = started_ && time > observed_ + kMostAhead;
+  const bool unseen_step = started_ && time > observed_ + kMaxAhead;
   return std::max(to_microseconds(unseen_step ? observed_ : time), watermark_);
 }
 

@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t kFileBatchDatagrams = 256;
 
 // Maximum number of anomalies in a pipe that are reported at its end.
-constexpr std::size_t kMostNoted = 1000;
+constexpr std::size_t kMaxNoted = 1000;
 
 // Padding of files to whole blocks: no record of any format begins with so many zeros.
 constexpr std::size_t kPaddingZeros = 16;
@@ -227,7 +227,7 @@ void PcapFileSource::take_streamed(const Datagram& datagram, DatagramBatch& batc
   const Timestamp latest = stream_->latest();
   Ruling ruling = stream_->look(datagram.time);
   if (ruling == Ruling::kGiveHeld) {
-    if (streamed_.jumps.size() < kMostNoted) {
+    if (streamed_.jumps.size() < kMaxNoted) {
       streamed_.jumps.push_back(
           {held_place_, latest, held_->time, Duration::zero(), stream_->is_late()});
     }
@@ -256,7 +256,7 @@ void PcapFileSource::hold(const Datagram& datagram) {
 
 void PcapFileSource::reject_held() {
   const Datagram held = *std::exchange(held_, std::nullopt);
-  if (streamed_.damaged.size() < kMostNoted) {
+  if (streamed_.damaged.size() < kMaxNoted) {
     streamed_.damaged.push_back(
         {held_place_, held_place_.packet, 1, held.time - stream_->latest()});
   }

@@ -9,16 +9,16 @@ namespace rayloc {
 namespace {
 
 // Maximum run of damaged stamps from one fault: a frame of four cores and four streams.
-constexpr std::uint64_t kMostDamaged = 16;
+constexpr std::uint64_t kMaxDamaged = 16;
 // Maximum at the beginning and the end of a file, where only one side can be compared.
-constexpr std::uint64_t kMostDamagedAtAnEnd = 3;
+constexpr std::uint64_t kMaxDamagedAtAnEnd = 3;
 constexpr Duration kLongSilence = std::chrono::hours(24);
 
 // Larger corrections are not applied: no sum of a stamp and two of them overflows.
-constexpr Duration kMostCorrection = Duration(std::int64_t{1} << 61U);
+constexpr Duration kMaxCorrection = Duration(std::int64_t{1} << 61U);
 
 bool is_small(Duration correction) {
-  return correction <= kMostCorrection && correction >= -kMostCorrection;
+  return correction <= kMaxCorrection && correction >= -kMaxCorrection;
 }
 
 bool follows(Timestamp latest, Timestamp stamp, const StampLimits& limits) {
@@ -42,7 +42,7 @@ void StampJudge::add(const RecordPlace& place, Timestamp stamp) {
   if (!new_run && runs_.size() > 1) {
     const Run& before = runs_[runs_.size() - 2];
     const Run& run = runs_.back();
-    new_run = run.records <= kMostDamaged && run.latest < before.latest &&
+    new_run = run.records <= kMaxDamaged && run.latest < before.latest &&
               comes_back(before.latest, run.latest, stamp, limits_);
   }
   if (new_run) {
@@ -78,7 +78,7 @@ void StampJudge::look_ahead(Run& run, Timestamp stamp, const RecordPlace& place)
 bool StampJudge::tail_outlies(const Run& run, Timestamp stamp) const {
   constexpr int kFarNearer = 4;
   const Timestamp before = run.latest_before_tail;
-  return run.tail_records > 0 && run.tail_records <= kMostDamaged &&
+  return run.tail_records > 0 && run.tail_records <= kMaxDamaged &&
          stamp >= before - limits_.disorder && stamp < run.tail_first - limits_.disorder &&
          kFarNearer * (stamp - before) <= run.tail_first - before;
 }
@@ -116,11 +116,11 @@ bool StampJudge::is_damaged(std::size_t before, std::size_t run) const {
   const Timestamp latest = runs_[before].latest;
   const Timestamp outside = runs_[run].first;
   std::uint64_t between = runs_[run].records;
-  for (std::size_t next = run + 1; next < runs_.size() && between <= kMostDamaged; ++next) {
+  for (std::size_t next = run + 1; next < runs_.size() && between <= kMaxDamaged; ++next) {
     if (comes_back(latest, outside, runs_[next].first, limits_)) {
       // After a clock that was set back by little there may be a longer silence.
       const Duration back = latest - outside;
-      return outside > latest || between <= kMostDamagedAtAnEnd ||
+      return outside > latest || between <= kMaxDamagedAtAnEnd ||
              runs_[next].first - runs_[next - 1].latest <=
                  back + back / 2 + std::chrono::seconds(1);
     }
@@ -131,7 +131,7 @@ bool StampJudge::is_damaged(std::size_t before, std::size_t run) const {
 
 // A last record without a successor: from the past, or from far in the future.
 bool StampJudge::is_odd_end(std::size_t before, std::size_t run) const {
-  return run + 1 == runs_.size() && runs_[run].records <= kMostDamagedAtAnEnd &&
+  return run + 1 == runs_.size() && runs_[run].records <= kMaxDamagedAtAnEnd &&
          runs_[before].records > runs_[run].records &&
          (runs_[run].first < runs_[before].latest ||
           runs_[before].latest + kLongSilence < runs_[run].first);
@@ -139,7 +139,7 @@ bool StampJudge::is_odd_end(std::size_t before, std::size_t run) const {
 
 // Skips a first run that lies in the future, or more than kLongSilence before the next run.
 std::size_t StampJudge::first_run() const {
-  if (runs_.size() < 2 || runs_[0].records > kMostDamagedAtAnEnd ||
+  if (runs_.size() < 2 || runs_[0].records > kMaxDamagedAtAnEnd ||
       runs_[0].records >= runs_[1].records || is_damaged(0, 1)) {
     return 0;
   }

@@ -128,7 +128,7 @@ std::vector<std::string> words_of(const RecordTimes& times,
                                   const std::string& name,
                                   Duration least_gap) {
   // For a file with many anomalies the first ones are sufficient.
-  constexpr std::size_t kMostLines = 3;
+  constexpr std::size_t kMaxLines = 3;
   const std::string file = name + ": ";
   std::vector<std::string> damaged;
   for (const DamagedStamps& stamps : times.damaged) {
@@ -158,9 +158,9 @@ std::vector<std::string> words_of(const RecordTimes& times,
                                     std::pair(&set, " more times that the clock was set")}) {
     words.insert(words.end(),
                  lines->begin(),
-                 lines->begin() + static_cast<std::ptrdiff_t>(std::min(lines->size(), kMostLines)));
-    if (lines->size() > kMostLines) {
-      words.push_back(file + std::to_string(lines->size() - kMostLines) + what);
+                 lines->begin() + static_cast<std::ptrdiff_t>(std::min(lines->size(), kMaxLines)));
+    if (lines->size() > kMaxLines) {
+      words.push_back(file + std::to_string(lines->size() - kMaxLines) + what);
     }
   }
   if (const std::string year = unset_clock_words(times); !year.empty()) {

@@ -34,7 +34,7 @@ const Method& widar2_method() {
       .domain = "chain gains; one access point; 104 frames/s",
       .is_live = false,
       .needs_every_frame = true,
-      .lag = Widar2::kMostLag,
+      .lag = Widar2::kMaxLag,
       .baseline_settings = widar2_settings(),
       .create_person = &create_person};
   return kRow;

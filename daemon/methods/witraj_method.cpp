@@ -34,7 +34,7 @@ const Method& witraj_method() {
       .is_live = false,
       .takes_start = true,
       .needs_every_frame = true,
-      .lag = Witraj::kMostLag,
+      .lag = Witraj::kMaxLag,
       .baseline_settings = witraj_settings(),
       .create_person = &create_person};
   return kRow;

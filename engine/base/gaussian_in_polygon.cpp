@@ -11,7 +11,7 @@ namespace {
 
 using Point = std::array<double, 2>;
 
-constexpr double kLeastDeviation = 1e-4;  // [m]
+constexpr double kMinDeviation = 1e-4;  // [m]
 // Beyond this many deviations there is less than 1e-15 of a normal distribution.
 constexpr double kFar = 8.0;
 // Nodes and weights of the Gauss-Legendre rule with eight points, one half; the other mirrors it.
@@ -100,11 +100,11 @@ double along(const Point& a, const Point& b) {
 // over the polygon into one along its edges: of density(y) * below(x) dy.
 double gaussian_in_polygon(const PlanarGaussian& gaussian, std::span<const Point> corners) {
   RAYLOC_CHECK(corners.size() >= 3);
-  constexpr double kLeastVariance = kLeastDeviation * kLeastDeviation;  // [m^2], of kLeastDeviation
-  const double deviation_x = std::sqrt(std::max(gaussian.variance_x, kLeastVariance));
+  constexpr double kMinVariance = kMinDeviation * kMinDeviation;  // [m^2], of kMinDeviation
+  const double deviation_x = std::sqrt(std::max(gaussian.variance_x, kMinVariance));
   const double slope = gaussian.covariance_xy / deviation_x;
   const double deviation_y =
-      std::sqrt(std::max(gaussian.variance_y - slope * slope, kLeastVariance));
+      std::sqrt(std::max(gaussian.variance_y - slope * slope, kMinVariance));
   const auto standard = [&](const Point& p) {
     const double u = (p[0] - gaussian.mean[0]) / deviation_x;
     return Point{u, (p[1] - gaussian.mean[1] - slope * u) / deviation_y};

@@ -10,7 +10,7 @@
 namespace rayloc {
 namespace {
 
-constexpr double kMostCells = 12000.0;  // of a room, approximate count: as many as RayLoc's own map
+constexpr double kMaxCells = 12000.0;  // of a room, approximate count: as many as RayLoc's own map
 constexpr std::size_t kMapGrain = 256;  // cells per task, a count
 
 }  // namespace
@@ -22,7 +22,7 @@ void summarise_plan(const RoomModel& room,
   RoomGrid grid(room.bounds_min,
                 room.bounds_max,
                 room.device.height,
-                std::max(options.step, std::sqrt(room.area() / kMostCells)));
+                std::max(options.step, std::sqrt(room.area() / kMaxCells)));
   grid.height_sigma = room.device.height_sigma;
   std::vector<double> map(grid.size());
   parallel_for(grid.size(), kMapGrain, [&](std::size_t cell) {

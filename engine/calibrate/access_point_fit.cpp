@@ -73,7 +73,7 @@ AccessPointCalibrator::AccessPointCalibrator(const RoomModel& room,
     traced[i].index = i;
     traced[i].h = std::move(samples[i].h);
     traced[i].survey_sigma = samples[i].survey_sigma;
-    traced[i].rays = rays_of(at_array.trace(device), room, samples[i].position, kMostRays);
+    traced[i].rays = rays_of(at_array.trace(device), room, samples[i].position, kMaxRays);
   });
   for (Sample& sample : traced) {
     if (!sample.rays.empty()) {
@@ -165,10 +165,10 @@ void AccessPointCalibrator::fit_error(AccessPointFit& fit) const {
 }
 
 Expected<AccessPointFit> AccessPointCalibrator::start() const {
-  if (samples_.size() < kLeastSamples) {
+  if (samples_.size() < kMinSamples) {
     const std::size_t unreached = given_ - samples_.size();
     return bad_input("access point " + access_point_.id + ": " + std::to_string(samples_.size()) +
-                     " calibration points can be used, at least " + std::to_string(kLeastSamples) +
+                     " calibration points can be used, at least " + std::to_string(kMinSamples) +
                      " are needed" +
                      (unreached > 0
                           ? "; no ray of the plan leads from it to " + std::to_string(unreached) +
@@ -226,7 +226,7 @@ std::vector<std::optional<double>> AccessPointCalibrator::crossed_correlations(
   std::vector<std::optional<double>> each(given_);
   // A count: the gains of one half of the points are tested on the other half.
   constexpr std::size_t kFolds = 2;
-  if (samples_.size() / kFolds < kLeastSamples) {
+  if (samples_.size() / kFolds < kMinSamples) {
     return each;
   }
   const ModelError error = assumed_model_error().value();

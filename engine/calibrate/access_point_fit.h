@@ -52,8 +52,8 @@ class AccessPointCalibrator {
                         std::size_t access_point,
                         std::vector<CalibrationSample> samples);
 
-  // An Error when fewer than `kLeastSamples` samples can be used.
-  static constexpr std::size_t kLeastSamples = 4;
+  // An Error when fewer than `kMinSamples` samples can be used.
+  static constexpr std::size_t kMinSamples = 4;
   Expected<AccessPointFit> fit(ArrayFit array = ArrayFit::kFitted) const;
   // The gains alone, at the surveyed yaw and with the errors of a floor plan: without a scan, in a
   // tenth of the time.
@@ -67,7 +67,7 @@ class AccessPointCalibrator {
   // The same for each sample, with gains fitted without it: the gains of every second sample are
   // tested on the others. The elements are assumed at `offsets` [m] from the array's position,
   // world axes; the rays are those of the actual array. All nullopt where half of the samples are
-  // fewer than kLeastSamples.
+  // fewer than kMinSamples.
   std::vector<std::optional<double>> crossed_correlations(const std::vector<Vec3d>& offsets) const;
   // A copy with another carrier: the rays are kept, their phases are those of the new wavelength.
   AccessPointCalibrator at_carrier(double centre_hz) const;

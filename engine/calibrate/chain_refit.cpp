@@ -353,7 +353,7 @@ std::string share_text(double share) {
 bool is_far_below(double fit, const UsualFit& usual) {
   constexpr double kQuartiles = 1.349;  // between the quartiles of a normal distribution, in sigmas
   const double spread = std::max(
-      (log_odds(usual.upper_quartile) - log_odds(usual.lower_quartile)) / kQuartiles, kLeastSpread);
+      (log_odds(usual.upper_quartile) - log_odds(usual.lower_quartile)) / kQuartiles, kMinSpread);
   return log_odds(fit) < log_odds(usual.median) - kFarBelowUsual * spread;
 }
 

@@ -65,11 +65,11 @@ inline constexpr std::size_t kRippleSpots = 12;
 // An Error when no ray of the room reaches a spot, when the phase of a chain would be too
 // inaccurate (options.most_sigma), or when the spots fit far worse than usual: more than
 // kFarBelowUsual robust standard deviations below on the scale log(c / (1 - c)), where one
-// deviation is at least kLeastSpread. The Error contains both numbers.
+// deviation is at least kMinSpread. The Error contains both numbers.
 // REQUIRES: room.access_points[access_point].gains not empty; every h of its size.
 inline constexpr double kFarBelowUsual = 3.5;
 // [log odds], chosen: surveys with nearly equal fits must not cause a refusal.
-inline constexpr double kLeastSpread = 0.5;
+inline constexpr double kMinSpread = 0.5;
 Expected<ChainRefit> refit_chains(const RoomModel& room,
                                   std::size_t access_point,
                                   std::span<const KnownSpot> spots,

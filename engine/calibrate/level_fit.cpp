@@ -12,7 +12,7 @@ namespace rayloc {
 namespace {
 
 // Powers are reported in whole decibels: no spread is known better than this.
-constexpr double kLeastSigma = 0.5;  // [dB]
+constexpr double kMinSigma = 0.5;  // [dB]
 
 }  // namespace
 
@@ -25,12 +25,12 @@ std::optional<LevelFit> fit_level(const RoomModel& room,
   std::vector<double> off;
   for (const LevelSample& sample : samples) {
     const Transmitter device{{sample.position, {}, room.device.pattern, room.device.polarization}};
-    const auto rays = rays_of(tracer.trace(device), room, sample.position, kMostRays);
+    const auto rays = rays_of(tracer.trace(device), room, sample.position, kMaxRays);
     if (!rays.empty()) {
       off.push_back(sample.level_dbm - traced_level_db(rays, ap.error));
     }
   }
-  if (off.size() < kLeastLevelSamples) {
+  if (off.size() < kMinLevelSamples) {
     return std::nullopt;
   }
   const auto count = static_cast<double>(off.size());
@@ -42,7 +42,7 @@ std::optional<LevelFit> fit_level(const RoomModel& room,
   for (const double one : off) {
     variance += (one - mean) * (one - mean) / (count - 1.0);
   }
-  return LevelFit{mean, std::max(std::sqrt(variance), kLeastSigma), off.size()};
+  return LevelFit{mean, std::max(std::sqrt(variance), kMinSigma), off.size()};
 }
 
 }  // namespace rayloc

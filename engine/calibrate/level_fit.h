@@ -23,10 +23,10 @@ struct LevelFit {
 };
 
 // A count, chosen: the spread of fewer samples is not known.
-inline constexpr std::size_t kLeastLevelSamples = 10;
+inline constexpr std::size_t kMinLevelSamples = 10;
 
 // `room` is the calibrated one: its device, rays and diffuse power are used. nullopt with fewer
-// than kLeastLevelSamples points that a ray reaches.
+// than kMinLevelSamples points that a ray reaches.
 std::optional<LevelFit> fit_level(const RoomModel& room,
                                   std::size_t access_point,
                                   std::span<const LevelSample> samples);

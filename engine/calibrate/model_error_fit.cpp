@@ -37,9 +37,9 @@ constexpr double kSlopeStep = 0.125;
 constexpr double kCurvatureStep =
     0.5;                             // as kSlopeStep; chosen: second differences need a wider one
 constexpr double kConverged = 1e-6;  // of the cost, a hundredth of a unit in 10 000
-constexpr int kMostIterations = 40;  // a count, chosen: bounds the time of the fit
+constexpr int kMaxIterations = 40;  // a count, chosen: bounds the time of the fit
 // For a scale, relative to its assumed value: log_evidence is not called beyond it.
-constexpr double kMostOctaves = 12.0;
+constexpr double kMaxOctaves = 12.0;
 
 using Point = Eigen::Matrix<double, kCount, 1>;
 
@@ -85,7 +85,7 @@ class Cost final : public ceres::FirstOrderFunction {
     for (int i = 0; i < kCount; ++i) {
       const double off = (point(i) - prior_(i)) / kUnknowns[static_cast<std::size_t>(i)].width;
       prior += 0.5 * off * off;
-      within(i) = std::clamp(point(i), prior_(i) - kMostOctaves, prior_(i) + kMostOctaves);
+      within(i) = std::clamp(point(i), prior_(i) - kMaxOctaves, prior_(i) + kMaxOctaves);
     }
     return prior - log_evidence_(fit_at(within, Point::Zero()).value());
   }
@@ -150,7 +150,7 @@ FittedModelError fit_model_error(const std::function<double(const ModelError&)>&
   const ceres::GradientProblem problem(owned.release());  // takes ownership
   ceres::GradientProblemSolver::Options options;
   options.line_search_direction_type = ceres::BFGS;
-  options.max_num_iterations = kMostIterations;
+  options.max_num_iterations = kMaxIterations;
   options.function_tolerance = kConverged;
   options.logging_type = ceres::SILENT;
   ceres::GradientProblemSolver::Summary summary;

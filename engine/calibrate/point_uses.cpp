@@ -11,16 +11,16 @@ namespace rayloc {
 namespace {
 
 constexpr double kDecidingShare = 0.15;  // of the points that are not held out
-constexpr std::size_t kLeastPoints = 4;  // a count, chosen: as AccessPointCalibrator::kLeastSamples
-constexpr std::size_t kLeastDeciding = 3;  // a median of fewer depends on one point
+constexpr std::size_t kMinPoints = 4;  // a count, chosen: as AccessPointCalibrator::kMinSamples
+constexpr std::size_t kMinDeciding = 3;  // a median of fewer depends on one point
 constexpr std::size_t kDecidingPart = 4;   // at most one in this many points decides
 
 // Number of deciding points among `count` points.
 std::size_t deciding_points(std::size_t count) {
   const auto share =
       static_cast<std::size_t>(std::lround(kDecidingShare * static_cast<double>(count)));
-  const std::size_t spare = count > kLeastPoints ? count - kLeastPoints : 0;
-  return std::min({std::max(share, kLeastDeciding), count / kDecidingPart, spare});
+  const std::size_t spare = count > kMinPoints ? count - kMinPoints : 0;
+  return std::min({std::max(share, kMinDeciding), count / kDecidingPart, spare});
 }
 
 bool is_heard(const CalibrationPoint& point) {
@@ -76,10 +76,10 @@ Expected<void> check_uses(const RoomModel& room,
         usable += uses[p] == Use::kFit ? 1U : 0U;
       }
     }
-    if (heard > 0 && usable < kLeastPoints) {
+    if (heard > 0 && usable < kMinPoints) {
       return bad_input("access point " + room.access_points[a].id + ": " + std::to_string(usable) +
                        " calibration points can be fitted, at least " +
-                       std::to_string(kLeastPoints) + " are needed");
+                       std::to_string(kMinPoints) + " are needed");
     }
     anything = anything || heard > 0;
   }

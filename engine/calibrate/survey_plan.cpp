@@ -46,7 +46,7 @@ bool is_clear(const Scene& scene, const Vec3d& p, double clearance) {
 std::vector<Vec3d> free_places(const RoomModel& room, const SurveyPlanOptions& options) {
   const Vec3d size = room.bounds_max - room.bounds_min;
   const double spacing =
-      std::max(options.spacing, std::sqrt(size.x * size.y / double{kMostCandidates}));
+      std::max(options.spacing, std::sqrt(size.x * size.y / double{kMaxCandidates}));
   // Cells of equal size; the places are their centres.
   const auto columns = static_cast<int>(std::max(1.0, std::floor(size.x / spacing)));
   const auto rows = static_cast<int>(std::max(1.0, std::floor(size.y / spacing)));

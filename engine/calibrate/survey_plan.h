@@ -21,7 +21,7 @@ namespace rayloc {
 struct SurveyPlanOptions {
   std::size_t points = 60;
   std::size_t sightings = 8;      // of a surface by an access point: from so many points
-  double spacing = 0.25;          // [m], of the grid; wider in rooms of more than kMostCandidates
+  double spacing = 0.25;          // [m], of the grid; wider in rooms of more than kMaxCandidates
   double clearance = 0.2;         // [m], from all objects in the room
   double antenna_distance = 0.5;  // [m], from access points: the arrays must be in the far field
   int max_depth = 2;              // reflections of a path
@@ -31,7 +31,7 @@ struct SurveyPlanOptions {
 };
 
 // A count of places, chosen: bounds the time of a plan.
-inline constexpr std::size_t kMostCandidates = 2000;
+inline constexpr std::size_t kMaxCandidates = 2000;
 inline constexpr std::size_t kIncidenceBands = 3;  // 0 to 30, 30 to 60, 60 to 90 degrees
 
 // Sightings of a surface from the points, in reflections to one access point.

@@ -36,7 +36,7 @@ void ChainBelief::hear(std::span<const double> log_evidence) {
   const double best = *std::max_element(log_evidence.begin(), log_evidence.end());
   double sum = 0.0;
   for (std::size_t s = 0; s < probability_.size(); ++s) {
-    probability_[s] *= std::exp(log_evidence[s] - best) + std::exp(-kMostOfBurst);
+    probability_[s] *= std::exp(log_evidence[s] - best) + std::exp(-kMaxOfBurst);
     sum += probability_[s];
   }
   for (double& value : probability_) {

@@ -16,7 +16,7 @@ namespace rayloc {
 
 class ChainBelief {
  public:
-  static constexpr double kMostOfBurst = 4.0;  // [nat], per burst: the burst may match no place
+  static constexpr double kMaxOfBurst = 4.0;  // [nat], per burst: the burst may match no place
 
   // turned: prior probability that the chains differ from the accepted state.
   ChainBelief(std::size_t chains, double turned);

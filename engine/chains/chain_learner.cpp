@@ -25,14 +25,14 @@ constexpr double kSuspected = 0.5;  // the same; below: short evaluation period
 constexpr double kWithdrawnLead = 5.0;     // [nat], required lead of another state
 constexpr double kUndoubtedLead = 12.0;    // the same, while the belief indicates no change
 constexpr double kOthersWrong = 0.1;       // least probability that other access points are wrong
-constexpr double kLeastEvidence = 3.0;     // [nat], of a burst that the room explains in a state
+constexpr double kMinEvidence = 3.0;     // [nat], of a burst that the room explains in a state
 constexpr double kKnownPlaceSigma = 0.02;  // [m], per axis: a surveyed place
 constexpr double kSameCorrelation = 0.9;   // correlation of bursts with the same information
-constexpr double kMostNoise = 2e-3;  // of a burst, as share of its power, like ModelError::noise
+constexpr double kMaxNoise = 2e-3;  // of a burst, as share of its power, like ModelError::noise
 // Counts of bursts, chosen.
 constexpr std::size_t kCompareAfter = 3;       // new bursts before states are compared again
 constexpr std::size_t kRefineAfterBursts = 8;  // new bursts before the learned state is refined
-constexpr std::size_t kMostNeeded = 200;       // largest number stated
+constexpr std::size_t kMaxNeeded = 200;       // largest number stated
 constexpr std::size_t kModes = 6;              // a count of states to compare, chosen
 // [s], chosen: between evaluations.
 constexpr auto kLearningPeriod = std::chrono::milliseconds(250);
@@ -75,7 +75,7 @@ void ChainLearner::begin() {
   const std::vector<RoomAccessPoint>& access_points = localizer_->room().access_points;
   for (std::size_t a = 0; a < access_points.size(); ++a) {
     const std::size_t chains = access_points[a].cores.size();
-    if (!access_points[a].are_chains_known && chains > 1 && chains <= kMostChains) {
+    if (!access_points[a].are_chains_known && chains > 1 && chains <= kMaxChains) {
       of(a);
     }
   }
@@ -137,7 +137,7 @@ ChainLearner::Told ChainLearner::new_of(std::span<const CsiFrame> frames,
     notice_silence(frame);
     const auto a = static_cast<std::size_t>(frame.access_point);
     const std::size_t chains = access_points[a].cores.size();
-    due[a] = chains > 1 && chains <= kMostChains && is_due(a, told.time, last) ? 1 : 0;
+    due[a] = chains > 1 && chains <= kMaxChains && is_due(a, told.time, last) ? 1 : 0;
   }
   if (std::find(due.begin(), due.end(), 1) == due.end()) {
     return told;
@@ -191,7 +191,7 @@ RoomObservation ChainLearner::known_of(const RoomObservation& observation) const
 }
 
 bool ChainLearner::is_new(const HeardArray& heard, const ChainMemory& ap) const {
-  return heard.observed.array.noise <= kMostNoise &&
+  return heard.observed.array.noise <= kMaxNoise &&
          std::none_of(ap.heard.begin(), ap.heard.end(), [&](const RememberedBurst& before) {
            return aligner_.align(before.h, heard.h).correlation > kSameCorrelation;
          });
@@ -280,7 +280,7 @@ void ChainLearner::remember(RememberedBurst burst,
                             ChainMemory& ap) {
   const std::vector<double>& log_evidence = burst.evidence.log_evidence;
   const double most = *std::max_element(log_evidence.begin(), log_evidence.end());
-  if (most < kLeastEvidence) {
+  if (most < kMinEvidence) {
     return;
   }
   ap.belief.hear(log_evidence);
@@ -291,7 +291,7 @@ void ChainLearner::remember(RememberedBurst burst,
   burst.time = time;
   burst.noise = heard.observed.array.noise;
   burst.floor = most + localizer_->room().likelihood_exponent * heard.map->nowhere(heard.observed) -
-                ChainBelief::kMostOfBurst;
+                ChainBelief::kMaxOfBurst;
   burst.since.assign(ap.level.size(), 1.0);
   ap.remember(std::move(burst));
   decide(*heard.map, time, ap);
@@ -312,7 +312,7 @@ void ChainLearner::decide(const AccessPointMap& map, Timestamp time, ChainMemory
   } else if (!is_learning) {
     ap.forget_until_sure();
   }
-  if (ap.heard.size() < ChainMemory::kLeastBursts ||
+  if (ap.heard.size() < ChainMemory::kMinBursts ||
       (ap.unrefined < kCompareAfter && ap.heard.size() != kChainBurstsNeeded)) {
     return;
   }
@@ -356,7 +356,7 @@ void ChainLearner::decide(const AccessPointMap& map, Timestamp time, ChainMemory
   ap.state.bursts_needed = std::clamp(
       static_cast<std::size_t>(std::ceil(bursts * kChainEvidenceNeeded / std::max(lead, 1.0))),
       std::max(ap.state.bursts + 1, kChainBurstsNeeded),
-      ap.state.bursts + kMostNeeded);
+      ap.state.bursts + kMaxNeeded);
 }
 
 void ChainLearner::believe(const ChainFactors& refined, ChainMemory& ap) {

@@ -19,13 +19,13 @@ ChainMemory::ChainMemory(std::size_t chains, double turned)
 
 bool ChainMemory::is_known() const {
   return state.knowledge == ChainKnowledge::kLearned ||
-         (state.knowledge == ChainKnowledge::kAsCalibrated && heard.size() >= kLeastBursts &&
+         (state.knowledge == ChainKnowledge::kAsCalibrated && heard.size() >= kMinBursts &&
           belief.as_believed() > kSure);
 }
 
 bool ChainMemory::is_settled() const {
   const auto& sigma = state.factors.sigma;
-  return state.knowledge != ChainKnowledge::kLearning && heard.size() >= kLeastBursts &&
+  return state.knowledge != ChainKnowledge::kLearning && heard.size() >= kMinBursts &&
          belief.as_believed() > kSure &&
          (*std::max_element(sigma.begin(), sigma.end()) < kFineSigma || heard.size() == kMost);
 }

@@ -16,7 +16,7 @@ namespace rayloc {
 struct ChainMemory {
   // Counts of bursts, chosen.
   static constexpr std::size_t kMost = 48;        // remembered: a similar burst adds nothing new
-  static constexpr std::size_t kLeastBursts = 5;  // before the accepted state is given up
+  static constexpr std::size_t kMinBursts = 5;  // before the accepted state is given up
   static constexpr double kSure = 0.999;  // probability of the accepted state: nothing against it
 
   // turned: the probability that the chains are not as calibrated, before the first burst.

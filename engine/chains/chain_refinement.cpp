@@ -21,7 +21,7 @@ using Eigen::VectorXd;
 
 constexpr int kIterations = 8;     // a count, chosen: bounds the time
 constexpr double kStep = 0.02;     // [rad] and in ln: distance of the points of a difference
-constexpr double kMostStep = 0.3;  // [rad] and in ln, per iteration: places would change
+constexpr double kMaxStep = 0.3;  // [rad] and in ln, per iteration: places would change
 constexpr double kSmall = 1e-3;    // [rad], step of the last iteration
 
 // Unknowns: the phases of all chains but the first, then ln |factor| of all.
@@ -134,7 +134,7 @@ ChainFactors refine_chains(std::span<const PlacedBurst> bursts,
     const Shape shape = shape_at(f, at);
     VectorXd step = shape.information.llt().solve(shape.slope);
     const double longest = step.cwiseAbs().maxCoeff();
-    step *= std::min(1.0, kMostStep / std::max(longest, kSmall));
+    step *= std::min(1.0, kMaxStep / std::max(longest, kSmall));
     double next = f(at + step);
     while (next < value && step.cwiseAbs().maxCoeff() > kSmall) {
       step *= 0.5;

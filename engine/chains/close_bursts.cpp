@@ -15,14 +15,14 @@ namespace {
 
 using Value = std::complex<double>;
 
-constexpr std::size_t kMostKept = 48;    // a count, chosen: 30 kB per burst and access point
-constexpr std::size_t kLeastKept = 10;   // a count, chosen: as many as learning a state takes
+constexpr std::size_t kMaxKept = 48;    // a count, chosen: 30 kB per burst and access point
+constexpr std::size_t kMinKept = 10;   // a count, chosen: as many as learning a state takes
 constexpr std::size_t kRefineAfter = 4;  // a count, chosen: new bursts before factors are refined
 constexpr std::size_t kSample = 64;      // a count of places, chosen
 constexpr double kStale = 0.05;          // [rad], chosen: change after which places are drawn again
-constexpr double kMostTurn =
+constexpr double kMaxTurn =
     0.25;  // [rad], chosen, per step: the drawn places delay the change or exaggerate it
-constexpr double kMostElsewhere = 0.5;  // a probability, chosen: above it the burst is not used
+constexpr double kMaxOutlierShare = 0.5;  // a probability, chosen: above it the burst is not used
 
 // Log-likelihood of a burst with the accepted states of the chains.
 double as_believed(const ChainMoments& moments) {
@@ -53,7 +53,7 @@ void CloseBursts::add(const Localizer& localizer, const RoomObservation& observa
   if (!sample(localizer, burst)) {
     return;
   }
-  if (bursts_.size() == kMostKept) {
+  if (bursts_.size() == kMaxKept) {
     bursts_.pop_front();
   }
   bursts_.push_back(std::move(burst));
@@ -64,7 +64,7 @@ void CloseBursts::add(const Localizer& localizer, const RoomObservation& observa
 bool CloseBursts::sample(const Localizer& localizer, Burst& burst) const {
   const RoomObservation& observation = burst.observation;
   const Localizer::Evidence evidence = localizer.evidence(observation, Localizer::Look::kPlaces);
-  if (evidence.log_likelihood.empty() || evidence.elsewhere > kMostElsewhere) {
+  if (evidence.log_likelihood.empty() || evidence.elsewhere > kMaxOutlierShare) {
     return false;
   }
   const std::vector<SampledPlace> places = sample_places(localizer, observation, evidence, kSample);
@@ -142,7 +142,7 @@ PlacedBurst CloseBursts::placed(const Burst& burst, std::size_t access_point) co
         result.log_weight[i] + likelihood_exponent_ * as_believed(result.places[i]);
     sum = i == 0 ? value : log_add(sum, value);
   }
-  result.floor = sum - ChainBelief::kMostOfBurst;
+  result.floor = sum - ChainBelief::kMaxOfBurst;
   return result;
 }
 
@@ -163,7 +163,7 @@ bool CloseBursts::tells_of(std::size_t access_point) const {
   const auto count = std::count_if(bursts_.begin(), bursts_.end(), [&](const Burst& burst) {
     return burst.heard.contains(access_point);
   });
-  return static_cast<std::size_t>(count) >= kLeastKept;
+  return static_cast<std::size_t>(count) >= kMinKept;
 }
 
 ChainFactors CloseBursts::refined(std::size_t access_point) const {
@@ -177,9 +177,9 @@ ChainFactors CloseBursts::refined(std::size_t access_point) const {
   ChainFactors refined =
       refine_chains(bursts, std::vector<Value>(chains, 1.0), likelihood_exponent_);
   const double turned = distance(refined.factor, std::vector<Value>(chains, 1.0));
-  if (turned > kMostTurn) {
+  if (turned > kMaxTurn) {
     for (Value& factor : refined.factor) {
-      factor = std::polar(std::abs(factor), std::arg(factor) * kMostTurn / turned);
+      factor = std::polar(std::abs(factor), std::arg(factor) * kMaxTurn / turned);
     }
   }
   return refined;

@@ -37,7 +37,7 @@ LocationEstimate locate_coarsely(const Localizer& localizer, std::span<const Csi
   CellBelief belief(localizer.grid().size());
   bool is_heard = false;
   for (const HeardArray& heard : observation.arrays) {
-    if (heard.map->antennas() <= kMostChains) {
+    if (heard.map->antennas() <= kMaxChains) {
       belief.hear(cells_of(heard, room.likelihood_exponent), kWrong);
       is_heard = true;
     }
@@ -48,7 +48,7 @@ LocationEstimate locate_coarsely(const Localizer& localizer, std::span<const Csi
   estimate.reason.clear();
   std::vector<double> log_probability = belief.log_probability();
   const double outside = take_outside(localizer.area(), 1.0, log_probability);
-  if (outside > WatchedArea::kMostElsewhere) {
+  if (outside > WatchedArea::kMaxOutlierShare) {
     estimate.reason = WatchedArea::kBeside;
     return std::move(estimate);
   }

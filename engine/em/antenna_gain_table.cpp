@@ -18,7 +18,7 @@ constexpr std::size_t kFewestPhi = 4;     // a count of columns, chosen: one eve
 constexpr std::size_t kFewestTheta = 3;   // a count of lines, chosen: the poles and the horizon
 constexpr double kLowestGain = -200.0;    // [dBi]
 constexpr double kHighestGain = 60.0;     // [dBi]
-constexpr std::size_t kMostCells = 3601;  // per line, and maximum of lines: a tenth of a degree
+constexpr std::size_t kMaxCells = 3601;  // per line, and maximum of lines: a tenth of a degree
 constexpr double kStepTolerance = 1e-3;   // of a rounded angle, in steps
 
 struct Line {
@@ -61,7 +61,7 @@ class TableReader {
   explicit TableReader(const std::string& name) : name_(name) {}
 
   Expected<void> read(std::string_view text) {
-    CsvReader reader(text, name_, ErrorKind::kConfiguration, kMostCells);
+    CsvReader reader(text, name_, ErrorKind::kConfiguration, kMaxCells);
     for (CsvReader::Record record;;) {
       const auto more = reader.next(record);
       if (!more) {
@@ -71,9 +71,9 @@ class TableReader {
       if (!*more) {
         return {};
       }
-      if (lines_.size() == kMostCells) {
+      if (lines_.size() == kMaxCells) {
         return error_at(record.cells[0].line,
-                        "more than " + std::to_string(kMostCells) + " lines of theta");
+                        "more than " + std::to_string(kMaxCells) + " lines of theta");
       }
       lines_.push_back({record.cells[0].line, std::move(record)});
     }

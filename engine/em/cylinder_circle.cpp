@@ -19,7 +19,7 @@ using C = Complex<double>;
 // loss, whose resonances are narrow.
 constexpr double kWidestStep = 0.1;
 constexpr double kNarrowestStep = 0.02;   // as above, chosen: bounds the size of the table
-constexpr std::size_t kMostOrders = 132;  // cylinder_order_count(kLargestSection), with a reserve
+constexpr std::size_t kMaxOrders = 132;  // cylinder_order_count(kLargestSection), with a reserve
 
 // A resonance is about x |Im eps| / (2 eps) wide.
 std::size_t sample_count(double k_radius, const C& relative_permittivity) {
@@ -53,7 +53,7 @@ class CircularSection final : public CylinderSection {
   CircularSection(double k_radius, const C& relative_permittivity)
       : orders_(cylinder_order_count(k_radius)),
         table_(mode_table(k_radius, relative_permittivity, orders_)) {
-    RAYLOC_CHECK(orders_ + 1 <= kMostOrders);
+    RAYLOC_CHECK(orders_ + 1 <= kMaxOrders);
   }
 
  private:
@@ -72,8 +72,8 @@ class CircularSection final : public CylinderSection {
 
   template <bool kSlopes>
   SectionResponse sum(const SectionRays& rays) const {
-    std::array<C, kMostOrders> in;  // Hankel functions, one order more for their slopes
-    std::array<C, kMostOrders> out;
+    std::array<C, kMaxOrders> in;  // Hankel functions, one order more for their slopes
+    std::array<C, kMaxOrders> out;
     hankel_orders(rays.kt_rho_in, std::span(in).first(orders_ + 1));
     hankel_orders(rays.kt_rho_out, std::span(out).first(orders_ + 1));
     const ElevationTable::Place place = table_.at(rays.cos_elevation);

@@ -108,7 +108,7 @@ Expected<void> validate(const RadioMaterial& material) {
   }
   const SurfaceScattering& scattering = material.scattering;
   const auto is_share = [](double value) { return value >= 0.0 && value <= 1.0; };
-  const auto is_exponent = [](double value) { return value > 0.0 && value <= kMostAlpha; };
+  const auto is_exponent = [](double value) { return value > 0.0 && value <= kMaxAlpha; };
   if (!is_share(scattering.scattering_coefficient)) {
     return refuse("scattering_coefficient", scattering.scattering_coefficient, "must be 0 to 1");
   }

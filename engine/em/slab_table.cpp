@@ -12,12 +12,12 @@ namespace rayloc {
 namespace {
 
 // A cosine of incidence, chosen: 87 degrees; beyond, the slab is computed exactly.
-constexpr double kLeastCosine = 0.05;
+constexpr double kMinCosine = 0.05;
 constexpr double kTolerance = 1e-13;  // a ratio, chosen: slightly above the rounding of a double
 // A count, chosen: the first trial for a thin slab.
 constexpr std::size_t kFewestIntervals = 16;
 // A count, chosen: a slab that needs more has no table.
-constexpr std::size_t kMostIntervals = 1024;
+constexpr std::size_t kMaxIntervals = 1024;
 
 // Interpolation at Chebyshev nodes of [-1, 1] by divided differences, then expanded in powers.
 template <std::size_t N, typename F>
@@ -71,14 +71,14 @@ SlabTable::SlabTable(const Complex<double>& relative_permittivity,
                                           s.t_excess.re,
                                           s.t_excess.im};
   };
-  for (std::size_t count = kFewestIntervals; count <= kMostIntervals; count *= 2) {
-    const double width = (1.0 - kLeastCosine) / static_cast<double>(count);
+  for (std::size_t count = kFewestIntervals; count <= kMaxIntervals; count *= 2) {
+    const double width = (1.0 - kMinCosine) / static_cast<double>(count);
     intervals_.clear();
     double worst = 0.0;
     double largest = 1.0;
     // The first intervals, near grazing incidence, are the hardest.
     for (std::size_t i = 0; i < count && worst <= kTolerance * largest; ++i) {
-      const double middle = kLeastCosine + (static_cast<double>(i) + 0.5) * width;
+      const double middle = kMinCosine + (static_cast<double>(i) + 0.5) * width;
       const auto f = [&](double x) { return exact(middle + 0.5 * x * width); };
       intervals_.push_back(interpolate<kPolynomialDegree + 1>(f));
       for (const double x : {-1.0, -0.55, -0.1, 0.3, 0.75, 1.0}) {  // between the nodes
@@ -91,7 +91,7 @@ SlabTable::SlabTable(const Complex<double>& relative_permittivity,
       }
     }
     if (worst <= kTolerance * largest) {
-      least_cosine_ = kLeastCosine;
+      least_cosine_ = kMinCosine;
       per_interval_ = 1.0 / width;
       return;
     }

@@ -23,7 +23,7 @@ enum class ScatteringPattern : std::uint8_t {
   kBackscattering,  // lambda of that, 1 - lambda of alpha_i about the direction back
 };
 
-inline constexpr double kMostAlpha = 100.0;  // an exponent: above it ScatteringLobe is coarse
+inline constexpr double kMaxAlpha = 100.0;  // an exponent: above it ScatteringLobe is coarse
 
 // Names in Sionna RT, in the order of ScatteringPattern.
 inline constexpr std::array<std::string_view, 3> kScatteringPatternNames{

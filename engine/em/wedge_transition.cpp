@@ -13,14 +13,14 @@ using C = Complex<double>;
 // Above this the asymptotic series has all digits of a double; below, the knife edge loses none.
 constexpr double kSeriesBegin = 6.0;
 constexpr double kMinTransitionTerm = 1e-17;  // of a term of the series
-constexpr int kMostTerms = 36;                // the smallest term at kSeriesBegin
+constexpr int kMaxTerms = 36;                // the smallest term at kSeriesBegin
 
 // The sum over m >= 1 of (2 m - 1)!! (j / (2 w^2))^m.
 C series_excess(double w) {
   const double step = 1.0 / (2.0 * w * w);
   C term{0.0, step};
   C sum = term;
-  for (int m = 2; m < kMostTerms && abs2(term) > kMinTransitionTerm * kMinTransitionTerm; ++m) {
+  for (int m = 2; m < kMaxTerms && abs2(term) > kMinTransitionTerm * kMinTransitionTerm; ++m) {
     term = C{0.0, (2.0 * m - 1.0) * step} * term;
     sum = sum + term;
   }

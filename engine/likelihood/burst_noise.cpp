@@ -15,12 +15,12 @@ namespace {
 
 using Value = std::complex<double>;
 
-constexpr double kLeastCounted = 0.2;  // ratio to n; below, the error is a unit of log-likelihood
+constexpr double kMinCounted = 0.2;  // ratio to n; below, the error is a unit of log-likelihood
 
 }  // namespace
 
 bool lacks_noise(const PlaceModel& place, const ObservedArray& observed) {
-  return place.noise > 0.0F && observed.noise > kLeastCounted * static_cast<double>(place.noise);
+  return place.noise > 0.0F && observed.noise > kMinCounted * static_cast<double>(place.noise);
 }
 
 double log_likelihood_with_noise(const PlaceModel& place,

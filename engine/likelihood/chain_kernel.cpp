@@ -15,7 +15,7 @@ HWY_BEFORE_NAMESPACE();
 namespace rayloc::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-constexpr float kLeastPower = 1e-12F;  // a ratio, chosen: keeps divisions from zero
+constexpr float kMinPower = 1e-12F;  // a ratio, chosen: keeps divisions from zero
 
 HWY_INLINE Complex zero() { return {hn::Zero(kLanes), hn::Zero(kLanes)}; }
 HWY_INLINE void store(const Complex& value, std::size_t t, LaneSums& sums) {
@@ -48,7 +48,7 @@ void whiten_chains(const std::complex<float>* whitener,
     const std::complex<float>* w = whitener;
     for (std::size_t i = 0; i < size; ++i) {
       const std::size_t last = i / of_chain;
-      std::array<Complex, kMostChains> u;
+      std::array<Complex, kMaxChains> u;
       for (std::size_t m = 0; m <= last; ++m) {
         u[m] = zero();
         const std::size_t end = m == last ? i + 1 : (m + 1) * of_chain;
@@ -89,7 +89,7 @@ HWY_INLINE Others others_of(const ChainProducts& products,
                             std::size_t state,
                             std::size_t t) {
   const std::size_t last = question.chains - 1;
-  std::array<std::complex<float>, kMostChains> z;
+  std::array<std::complex<float>, kMaxChains> z;
   z[0] = 1.0F;
   for (std::size_t m = last; m-- > 1; state /= question.turns.size()) {
     z[m] = question.turns[state % question.turns.size()];
@@ -129,7 +129,7 @@ void best_of_turns(const ChainProducts& products,
                                              others.cross.im,
                                              hn::Mul(hn::Set(kLanes, z.real()), others.cross.re));
         const Vector power =
-            hn::Max(hn::MulAdd(doubled, product, others.power), hn::Set(kLanes, kLeastPower));
+            hn::Max(hn::MulAdd(doubled, product, others.power), hn::Set(kLanes, kMinPower));
         const Complex along = add_product(z, own, others.along);
         const Vector value = hn::Add(best_profile(power, along, dimension), offset);
         top = hn::Max(top, value);
@@ -158,7 +158,7 @@ ChainProducts whiten_chains(const std::complex<float>* whitener,
                             std::span<const LaneRow> im,
                             std::span<const std::complex<float>> means,
                             std::size_t chains) {
-  RAYLOC_CHECK(re.size() == im.size() && chains > 0 && chains <= kMostChains &&
+  RAYLOC_CHECK(re.size() == im.size() && chains > 0 && chains <= kMaxChains &&
                re.size() % chains == 0 && means.size() <= 2 * re.size());
   ChainProducts products;
   HWY_DYNAMIC_DISPATCH(whiten_chains)(whitener, re, im, means, chains, products);

@@ -20,22 +20,22 @@
 
 namespace rayloc {
 
-inline constexpr std::size_t kMostChains = 4;  // a count: of the radios that have a decoder
+inline constexpr std::size_t kMaxChains = 4;  // a count: of the radios that have a decoder
 // A count: pairs of two chains.
-inline constexpr std::size_t kChainPairs = kMostChains * (kMostChains - 1) / 2;
+inline constexpr std::size_t kChainPairs = kMaxChains * (kMaxChains - 1) / 2;
 
 constexpr std::size_t chain_pair(std::size_t m, std::size_t n) {  // m < n
   return n * (n - 1) / 2 + m;
 }
 
 struct ChainProducts {
-  std::array<LaneRow, kMostChains> power{};                  // |u_m|^2
+  std::array<LaneRow, kMaxChains> power{};                  // |u_m|^2
   std::array<LaneSums, kChainPairs> cross{};                 // [chain_pair(m, n)] u_m^H u_n
-  std::array<std::array<LaneSums, kMostChains>, 2> along{};  // [mean][m], (W mu)^H u_m
+  std::array<std::array<LaneSums, kMaxChains>, 2> along{};  // [mean][m], (W mu)^H u_m
 };
 
 // x is [coordinate], one chain after another; `means` [mean][coordinate], at most two. REQUIRES:
-// chains <= kMostChains, divides re.size() == im.size().
+// chains <= kMaxChains, divides re.size() == im.size().
 ChainProducts whiten_chains(const std::complex<float>* whitener,
                             std::span<const LaneRow> re,
                             std::span<const LaneRow> im,

@@ -24,7 +24,7 @@ SpotArrays::SpotArrays(const RoomModel& room, std::size_t access_point)
 
 std::vector<Ray> SpotArrays::rays(const Vec3d& position, const DeviceModel& device) const {
   const Transmitter transmitter{{position, {}, device.pattern, device.polarization}};
-  return rays_of(tracer_.trace(transmitter), room_, position, kMostRays);
+  return rays_of(tracer_.trace(transmitter), room_, position, kMaxRays);
 }
 
 std::vector<std::complex<double>> SpotArrays::expected(const std::vector<Ray>& rays,

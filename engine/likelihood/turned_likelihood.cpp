@@ -74,7 +74,7 @@ ChainMoments moments_of(const PlaceModel& place,
 }  // namespace
 
 TurnGrid::TurnGrid(std::size_t chains) : chains_(chains) {
-  RAYLOC_CHECK(chains > 0 && chains <= kMostChains);
+  RAYLOC_CHECK(chains > 0 && chains <= kMaxChains);
   const std::size_t steps = chains > 3 ? kStepsOfMany : kSteps;
   for (std::size_t turn = 0; turn < steps; ++turn) {
     undoing_.emplace_back(std::polar(

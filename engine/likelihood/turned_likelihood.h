@@ -18,7 +18,7 @@ namespace rayloc {
 // States of the chains: each but the first rotated relative to it by a multiple of a step.
 class TurnGrid {
  public:
-  explicit TurnGrid(std::size_t chains);  // REQUIRES: 1 to kMostChains
+  explicit TurnGrid(std::size_t chains);  // REQUIRES: 1 to kMaxChains
 
   std::size_t chains() const { return chains_; }
   std::size_t size() const { return size_; }
@@ -54,12 +54,12 @@ void log_likelihood_of_turns(const PlaceModel& place,
 // Terms of a burst at a place and the best-fitting delay, for any factors of the chains.
 struct ChainMoments {
   struct Mean {
-    std::array<std::complex<double>, kMostChains> along{};
+    std::array<std::complex<double>, kMaxChains> along{};
     double offset = 0.0;
   };
   std::size_t chains = 0;
   double dimension = 0.0;
-  std::array<double, kMostChains> power{};
+  std::array<double, kMaxChains> power{};
   std::array<std::complex<double>, kChainPairs> cross{};
   std::array<Mean, 2> means{};
   std::size_t mean_count = 0;

@@ -25,7 +25,7 @@ constexpr std::size_t kMaxKeptBoxes = 16'384;
 constexpr std::size_t kFieldBytes = std::size_t{48} << 20U;
 // A count, chosen: heights in the mixture of a whole cell; each costs as much as one more
 // cell.
-constexpr std::size_t kMostInColumn = 5;
+constexpr std::size_t kMaxInColumn = 5;
 
 // At most this many heights with the same mean and about the same spread.
 std::vector<HeightSlice> coarsened(const HeightLayers& layers, std::size_t most) {
@@ -90,7 +90,7 @@ struct AccessPointMap::Tracing {
   std::vector<Ray> rays_to(const Vec3d& position) const {
     const DeviceModel& device = source.room->device;
     const Transmitter transmitter{{position, {}, device.pattern, device.polarization}};
-    return rays_of(tracer.trace(transmitter), *source.room, position, kMostRays);
+    return rays_of(tracer.trace(transmitter), *source.room, position, kMaxRays);
   }
 
   Tracing(const Source& of, PathGridStore* store)
@@ -101,7 +101,7 @@ struct AccessPointMap::Tracing {
     const RoomModel& room = *source.room;
     rays = make_path_grid(
         {grid.size(), [&](std::size_t cell) { return rays_to(grid.centre(cell)); }},
-        path_grid_key(room, room.access_points[source.access_point], grid, kMostRays),
+        path_grid_key(room, room.access_points[source.access_point], grid, kMaxRays),
         store);
   }
 };
@@ -163,7 +163,7 @@ void AccessPointMap::build_cells() {
       cells_[cell] = likelihood_->place({tracing_->rays[cell], offsets_, cell_size()}, error);
       return;
     }
-    const std::vector<HeightSlice> coarse = coarsened(source_.heights, kMostInColumn);
+    const std::vector<HeightSlice> coarse = coarsened(source_.heights, kMaxInColumn);
     std::vector<std::vector<Ray>> rays;
     std::vector<Likelihood::WeightedPlace> heights;
     rays.reserve(coarse.size());

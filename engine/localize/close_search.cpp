@@ -17,8 +17,8 @@ namespace {
 // The best cells are refined place by place: those whose tempered log-likelihood is within this
 // margin of the best.
 constexpr double kRefinedMargin = 6.0;
-constexpr std::size_t kMostRefined = 100;  // a count of cells, chosen: bounds the time of a fix
-constexpr std::size_t kMostFine =
+constexpr std::size_t kMaxRefined = 100;  // a count of cells, chosen: bounds the time of a fix
+constexpr std::size_t kMaxFine =
     25;  // at most this many at half the distance, which costs as much
 // For an unknown height. A whole cell is less informative than its places, so more cells are
 // evaluated, layer by layer: those whose tempered log-likelihood is within this of the best.
@@ -26,7 +26,7 @@ constexpr double kColumnMargin = 12.0;
 constexpr std::size_t kMaxCloseColumns = 400;  // a count of cells, chosen: bounds the time of a fix
 constexpr double kBoxMargin = 8.0;             // the same for boxes that are refined place by place
 constexpr std::size_t kMaxCloseBoxes = 480;    // a count, of all access points together
-constexpr double kLeastWeight = 1e-4;          // least weight of an evaluated layer
+constexpr double kMinWeight = 1e-4;          // least weight of an evaluated layer
 
 // The entries with the highest scores, best first, at most `margin` below the best.
 std::vector<std::size_t> best_of(const std::vector<double>& score,
@@ -128,12 +128,12 @@ void search_cells(const CloseSearch& search, RoomMap& map) {
   const double exponent = search.likelihood_exponent;
   std::vector<double>& values = map.log_likelihood;
   const std::vector<std::size_t> order =
-      best_of(scores(search, map, exponent), kMostRefined, kRefinedMargin);
+      best_of(scores(search, map, exponent), kMaxRefined, kRefinedMargin);
   const CellMoments uniform = uniform_moments(search.grid);
   for (const std::size_t n : order) {
     map.within.push_back({search.compared.cell(n), {uniform, uniform, 1.0, {}}});
   }
-  const double finer = order.size() <= kMostFine ? 0.5 : 1.0;
+  const double finer = order.size() <= kMaxFine ? 0.5 : 1.0;
   const Lattice lattice = places_of_cell(search.grid, finer * search.wavelength);
   const Searcher searcher(search);
   parallel_for(order.size(), 1, [&](std::size_t rank) {
@@ -215,7 +215,7 @@ class BoxSearch {
     box.cell = cell;
     box.layer = layer;
     box.doubt.resize(search_.heard.size());
-    if (weight_[layer] < kLeastWeight) {
+    if (weight_[layer] < kMinWeight) {
       box.log_mass = AccessPointFusion::kNothing;
       return box;
     }

@@ -33,11 +33,11 @@ constexpr double kCoarseMargin = 35.0;
 constexpr double kFarBelow = 1e4;  // [nat], chosen: penalty of such a cell, to give it no weight
 // Share of the prior mass, chosen: with more outside the boxes of the tracked search, the choice of
 // boxes would decide between peaks.
-constexpr double kMostNotLookedAt = 0.1;
+constexpr double kMaxUnevaluated = 0.1;
 // Nearly all power of a burst from this room lies in the basis of delays; q / tones for noise.
-constexpr double kLeastCaptured = 0.5;
+constexpr double kMinCaptured = 0.5;
 // A ratio, chosen: a perfect fit is -300 dB and not infinite.
-constexpr double kLeastResidual = 1e-30;
+constexpr double kMinResidual = 1e-30;
 
 // Log-likelihoods of every access point and cell, relative to the null model.
 struct AccessPointMaps {
@@ -148,7 +148,7 @@ std::optional<HeardArray> Localizer::Impl::heard_by(std::size_t number,
   const double noise = burst.noise_variance * static_cast<double>(map->dimension()) /
                        static_cast<double>(burst.h.size());
   HeardArray heard{number, map, map->observe(burst.h, noise), burst.h, {}};
-  if (heard.observed.array.captured < kLeastCaptured) {
+  if (heard.observed.array.captured < kMinCaptured) {
     estimate.warnings.push_back("access point " + ap.id +
                                 ": what it heard is no channel of this room");
     return std::nullopt;
@@ -254,7 +254,7 @@ double Localizer::Impl::model_residual(const std::vector<HeardArray>& heard,
   for (std::size_t i = 0; i < heard.size(); ++i) {
     residual += 1.0 - aligner.align(heard[i].map->expected(rays[i]), heard[i].h).correlation;
   }
-  return 10.0 * std::log10(std::max(residual / static_cast<double>(heard.size()), kLeastResidual));
+  return 10.0 * std::log10(std::max(residual / static_cast<double>(heard.size()), kMinResidual));
 }
 
 RoomObservation Localizer::Impl::hear_burst(std::span<const CsiFrame> frames) const {
@@ -318,7 +318,7 @@ LocationEstimate Localizer::Impl::locate(std::span<const CsiFrame> frames,
       log_mean_exp(map.log_likelihood, likelihood_exponent), options_.faults.elsewhere);
   const double outside = take_outside(area_, likelihood_exponent, map.log_likelihood);
   const double elsewhere = 1.0 - (1.0 - contradicted) * (1.0 - outside);
-  if (elsewhere > WatchedArea::kMostElsewhere) {
+  if (elsewhere > WatchedArea::kMaxOutlierShare) {
     estimate.reason =
         outside > contradicted
             ? WatchedArea::kBeside
@@ -352,7 +352,7 @@ Localizer::Evidence Localizer::Impl::evidence(const RoomObservation& observation
   std::vector<HeardArray> heard = observation.arrays;
   if (look == Look::kPlaces && !focus.cells.empty() && heard.front().map->has_fields()) {
     TrackedSearch search(search_room(), heard, focus);
-    if (search.not_looked_at() < kMostNotLookedAt) {
+    if (search.not_looked_at() < kMaxUnevaluated) {
       return tracked_evidence(search, std::move(heard), focus);
     }
   }

@@ -22,7 +22,7 @@ constexpr std::size_t kMaxTrackedBoxes = 640;
 // Share of the mass, chosen: with more outside its own share of boxes, an access point also uses
 // those of the others. An uncertain position has many peaks, and none of them may be given up.
 constexpr double kWide = 0.02;
-constexpr std::size_t kMostClosely =
+constexpr std::size_t kMaxClosely =
     96;                               // a count, chosen: of kMaxTrackedBoxes, with all their places
 constexpr double kCloseMargin = 8.0;  // [nat], below the best
 constexpr std::size_t kFewX = 2;      // a count: every second place in x ...
@@ -30,7 +30,7 @@ constexpr std::size_t kFewZ = 4;      // a count: ... and every fourth in height
 // A count of cells, and their margin below the best of a room, both as in the local refinement.
 constexpr std::size_t kMaxTrackedColumns = 400;
 constexpr double kTrackedColumnMargin = 12.0;  // [nat], as in the local refinement
-constexpr double kLeastSum = 1e-37;            // least sum of a mass in single precision
+constexpr double kMinSum = 1e-37;            // least sum of a mass in single precision
 
 }  // namespace
 
@@ -68,7 +68,7 @@ void TrackedSearch::choose_boxes(const SearchFocus& focus) {
   while (kept < order.size() && left > (kept < share ? kNotLookedAt : kWide) * sum) {
     left -= prior[order[kept++]];
   }
-  most_closely_ = std::max<std::size_t>(1, kMostClosely * std::max(share, kept) / kMaxTrackedBoxes);
+  most_closely_ = std::max<std::size_t>(1, kMaxClosely * std::max(share, kept) / kMaxTrackedBoxes);
   order.resize(kept);
   not_looked_at_ = left / sum;
   std::sort(order.begin(), order.end());
@@ -169,7 +169,7 @@ std::vector<std::vector<double>> TrackedSearch::look(std::span<const double> now
         weights += weight;
       }
       maps[array][n] = static_cast<double>(top) +
-                       std::log(std::max(sum / weights, kLeastSum)) / room_.likelihood_exponent;
+                       std::log(std::max(sum / weights, kMinSum)) / room_.likelihood_exponent;
     });
   }
   return maps;
@@ -303,7 +303,7 @@ void TrackedSearch::put_together(const AccessPointFusion& fusion, RoomMap& map) 
     Mass& of_box = masses[closely[n]];
     const auto [sum, where] =
         summarise_masses(lattice_.plan, at, {mass.front().data(), mass.size() * kLaneCount});
-    if (sum > kLeastSum) {
+    if (sum > kMinSum) {
       of_box.sum = sum / static_cast<double>(lattice_.plan.size());
       of_box.where = where;
     }
@@ -331,7 +331,7 @@ void TrackedSearch::put_cell(std::size_t first,
     looked += weight;
     best = peak(b) > peak(best) ? b : best;
   }
-  const double mean = std::max(sum / looked, kLeastSum);
+  const double mean = std::max(sum / looked, kMinSum);
   CellMass cell;
   std::vector<WeightedMoments> parts;
   cell.layers.assign(layer_weight_.size(), 0.0F);
@@ -339,7 +339,7 @@ void TrackedSearch::put_cell(std::size_t first,
   for (std::size_t layer = 0; layer < layer_weight_.size(); ++layer) {
     const bool is_looked_at = b < last && boxes_[b].layer == layer;
     const double share =
-        layer_weight_[layer] * (is_looked_at && sum > kLeastSum ? masses[b].sum / mean : 1.0);
+        layer_weight_[layer] * (is_looked_at && sum > kMinSum ? masses[b].sum / mean : 1.0);
     const Mass mass = is_looked_at ? masses[b] : uniform({0, layer, 0.0}, mean);
     parts.push_back({share, mass.where.all});
     cell.layers[layer] = static_cast<float>(share);

@@ -18,7 +18,7 @@ namespace rayloc {
 
 struct WatchedArea {
   // Outlier probability above which there is no fix, ...
-  static constexpr double kMostElsewhere = 2.0 / 3.0;
+  static constexpr double kMaxOutlierShare = 2.0 / 3.0;
   // ... and the reason reported if the device is outside the area.
   static constexpr const char* kBeside =
       "the device is beside the area: the scene explains it better there";

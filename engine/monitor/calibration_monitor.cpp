@@ -43,7 +43,7 @@ constexpr double kShiftStep = 0.01;        // [m], a sixth of a wavelength
 constexpr double kYawStep = 2.0 * kDegree;
 constexpr double kSlowness = 0.05;  // weight of a new window in the slow mean: twenty windows
 // [rad], 75 degrees: a bound on phases that grows with their sigma must not hide a quarter turn.
-constexpr double kMostJumpBound = 1.309;
+constexpr double kMaxJumpBound = 1.309;
 // [rad]: chips start at least a quarter turn apart. A phase less certain than that shows no jump.
 constexpr double kQuarterTurn = 1.571;
 // A motion is accepted when it leaves at most this share of the power unexplained by the chains.
@@ -55,7 +55,7 @@ std::string percent(double share) { return rounded(100.0 * share) + " %"; }
 
 bool is_worse(double unexplained, double usual, double strictness) {
   return unexplained > usual * (1.0 + (CalibrationMonitor::kDriftRatio - 1.0) * strictness) &&
-         unexplained > usual + CalibrationMonitor::kLeastDrift * strictness;
+         unexplained > usual + CalibrationMonitor::kMinDrift * strictness;
 }
 
 // Array that an access point received from one spot in a window, chains removed.
@@ -252,8 +252,8 @@ double CalibrationMonitor::AccessPoint::correlation(const std::vector<HeardSpot>
 
 // The best motion on a grid, refined from there with ever smaller steps.
 ArrayMotion CalibrationMonitor::AccessPoint::scan(const std::vector<HeardSpot>& heard) const {
-  const int shifts = static_cast<int>(std::lround(kMostShift / kShiftStep));
-  const int yaws = static_cast<int>(std::lround(kMostYaw / kYawStep));
+  const int shifts = static_cast<int>(std::lround(kMaxShift / kShiftStep));
+  const int yaws = static_cast<int>(std::lround(kMaxYaw / kYawStep));
   std::vector<ArrayMotion> grid;
   for (int yaw = -yaws; yaw <= yaws; ++yaw) {
     for (int x = -shifts; x <= shifts; ++x) {
@@ -317,7 +317,7 @@ std::vector<double> CalibrationMonitor::AccessPoint::jumps_of_calibration(
       sigma = std::hypot(sigma, one.spot->sigma[m]);
     }
     const double bound =
-        std::hypot(std::clamp(3.0 * sigma / spots, kJump, kMostJumpBound), 3.0 * misfit);
+        std::hypot(std::clamp(3.0 * sigma / spots, kJump, kMaxJumpBound), 3.0 * misfit);
     if (bound >= kQuarterTurn) {
       return std::vector<double>(turn.size());
     }

@@ -14,9 +14,9 @@
 //   be detected, chains are compared with the first windows that agreed: then only jumps after the
 //   start are detected. A record from the calibration of the room removes this limit.
 // - kAccessPointMoved: chain phases do not explain the observations, a shift or rotation within
-//   kMostShift and kMostYaw does. The reported motion is the best fit to few transmitters.
+//   kMaxShift and kMaxYaw does. The reported motion is the best fit to few transmitters.
 // - kResidualDrift: the slow mean of the unexplained share is more than kDriftRatio times the usual
-//   one and kLeastDrift above it; it is cleared when half of that is left.
+//   one and kMinDrift above it; it is cleared when half of that is left.
 //
 // Thread safety: none; call it from the owner's thread only.
 #pragma once
@@ -68,10 +68,10 @@ class CalibrationMonitor {
   // Windows from one scan to the next: a scan costs as much as ten fixes.
   static constexpr int kRescan = 10;
   static constexpr double kJump = 0.785;       // [rad]
-  static constexpr double kMostShift = 0.05;   // [m], along x and y of the room
-  static constexpr double kMostYaw = 0.105;    // [rad], 6 degrees
+  static constexpr double kMaxShift = 0.05;   // [m], along x and y of the room
+  static constexpr double kMaxYaw = 0.105;    // [rad], 6 degrees
   static constexpr double kDriftRatio = 3.0;   // people and doors change the share by less
-  static constexpr double kLeastDrift = 0.05;  // noise changes the unexplained share by less
+  static constexpr double kMinDrift = 0.05;  // noise changes the unexplained share by less
   static constexpr double kPlaceSigma = 0.01;  // [m], of stated positions
 
   // `usual_fit`: median squared normalised correlation of each access point at calibration;

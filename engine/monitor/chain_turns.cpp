@@ -36,8 +36,8 @@ std::vector<double> ChainTurns::turns() const {
 }
 
 double turn_variance(double share) {
-  constexpr double kLeastShare = 1e-3;  // below this share the phase carries no information
-  const double explained = std::clamp(share, kLeastShare, 1.0);
+  constexpr double kMinShare = 1e-3;  // below this share the phase carries no information
+  const double explained = std::clamp(share, kMinShare, 1.0);
   return 2.0 * (1.0 - explained) / explained;
 }
 

@@ -332,8 +332,8 @@ Expected<BurstObservation> combine_burst(std::span<const CsiFrame> frames,
   scale_to_unit(result.h);
   const auto count = static_cast<double>(readings.size());
   result.noise_variance = frame_noise / (count * power);
-  constexpr double kLeastNoise = 1e-12;  // a noiseless simulation has a finite level as well
-  result.snr_db = 10.0 * std::log10(power / std::max(frame_noise, kLeastNoise));
+  constexpr double kMinNoise = 1e-12;  // a noiseless simulation has a finite level as well
+  result.snr_db = 10.0 * std::log10(power / std::max(frame_noise, kMinNoise));
   result.transmitter = chosen.front()->transmitter;
   result.level_dbm = level_of(readings);
   result.first = readings.front().time;

@@ -23,7 +23,7 @@ using SharedScene = std::shared_ptr<const Scene>;
 // Name of the method's only stage, in a calibration's history.
 constexpr const char* kStage = "objects and materials";
 // A material that is lossless in the table may still become lossy, in steps of this size.
-constexpr double kLeastConductivity = 0.01;  // [S/m]
+constexpr double kMinConductivity = 0.01;  // [S/m]
 
 struct State {
   Values values;
@@ -64,7 +64,7 @@ std::vector<double> material_rates(const PaperParameters& parameters, double sha
   std::vector<double> rate;
   for (std::size_t i = 0; i < start.size(); ++i) {
     const bool conductivity = parameters.materials()[i].kind == Parameter::Kind::kConductivity;
-    rate.push_back(share * (conductivity ? std::max(start[i], kLeastConductivity) : start[i]));
+    rate.push_back(share * (conductivity ? std::max(start[i], kMinConductivity) : start[i]));
   }
   return rate;
 }

@@ -62,10 +62,10 @@ Expected<void> check_counts(const RoomModel& room,
   };
   for (std::size_t ap = 0; ap < room.access_points.size(); ++ap) {
     const std::size_t usable = count(training, ap);
-    if (count(all, ap) > 0 && usable < kLeastPaperSamples) {
+    if (count(all, ap) > 0 && usable < kMinPaperSamples) {
       return bad_input("access point " + room.access_points[ap].id + ": " + std::to_string(usable) +
                        " calibration points can be used, at least " +
-                       std::to_string(kLeastPaperSamples) + " are needed");
+                       std::to_string(kMinPaperSamples) + " are needed");
     }
   }
   return {};

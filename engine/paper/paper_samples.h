@@ -15,7 +15,7 @@
 
 namespace rayloc {
 
-inline constexpr std::size_t kLeastPaperSamples = 4;  // minimum points of an access point
+inline constexpr std::size_t kMinPaperSamples = 4;  // minimum points of an access point
 
 // The burst that one access point received from the device at one point.
 struct PaperSample {
@@ -32,7 +32,7 @@ struct PaperSamples {
 };
 
 // Excludes samples with an antenna without a path in the given room. Errors, with the name of the
-// access point: unknown gains, a single antenna, or fewer than kLeastPaperSamples usable points
+// access point: unknown gains, a single antenna, or fewer than kMinPaperSamples usable points
 // among those that it received. Access points without any samples are ignored, unless none has
 // samples.
 // REQUIRES: h of each point has an entry for each access point, empty or [core][tone].

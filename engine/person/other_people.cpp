@@ -14,7 +14,7 @@ AccompaniedGaussian::AccompaniedGaussian(const WhitenedGaussian& gaussian,
     : gaussian_(gaussian),
       columns_(company.spread.size()),
       shift_(whiten(gaussian, company.added)) {
-  RAYLOC_CHECK(columns_ <= OtherPeople::kMostColumns);
+  RAYLOC_CHECK(columns_ <= OtherPeople::kMaxColumns);
   for (std::size_t c = 0; c < columns_; ++c) {
     b_[c] = whiten(gaussian, company.spread[c]);
   }

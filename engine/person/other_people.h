@@ -22,7 +22,7 @@ namespace rayloc {
 
 struct OtherPeople {
   // A count, chosen: the strongest error components of the others.
-  static constexpr std::size_t kMostColumns = 6;
+  static constexpr std::size_t kMaxColumns = 6;
   std::vector<std::complex<double>> added;                // [coordinate]; empty: no other people
   std::vector<std::vector<std::complex<double>>> spread;  // S, [column][coordinate]
 
@@ -32,7 +32,7 @@ struct OtherPeople {
 // One Gaussian with co-occupants. Holds a reference to the Gaussian.
 class AccompaniedGaussian {
  public:
-  // REQUIRES: company is not empty and has at most kMostColumns columns.
+  // REQUIRES: company is not empty and has at most kMaxColumns columns.
   AccompaniedGaussian(const WhitenedGaussian& gaussian, const OtherPeople& company);
 
   // (I - B M^-1 B^H) u, for u = W y.
@@ -45,15 +45,15 @@ class AccompaniedGaussian {
   double log_determinant() const { return log_determinant_; }
 
  private:
-  using Column = std::array<std::complex<double>, OtherPeople::kMostColumns>;
+  using Column = std::array<std::complex<double>, OtherPeople::kMaxColumns>;
 
   void solve(std::span<std::complex<double>> x) const;
   Column along(std::span<const std::complex<double>> u) const;  // C^-1 B^H u
 
   const WhitenedGaussian& gaussian_;
   std::size_t columns_;
-  std::array<std::vector<std::complex<double>>, OtherPeople::kMostColumns> b_;
-  std::array<Column, OtherPeople::kMostColumns> factor_{};  // C
+  std::array<std::vector<std::complex<double>>, OtherPeople::kMaxColumns> b_;
+  std::array<Column, OtherPeople::kMaxColumns> factor_{};  // C
   std::vector<std::complex<double>> shift_;
   double log_determinant_ = 0.0;
 };

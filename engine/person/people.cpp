@@ -7,7 +7,7 @@ namespace rayloc {
 namespace {
 
 // A count, chosen: one array does not distinguish a pair from one person.
-constexpr std::size_t kLeastArrays = 2;
+constexpr std::size_t kMinArrays = 2;
 // A person explained this well (PersonMap::misfit) is alone: 37 of 38 pairs were not.
 constexpr double kExplained = 1.2;
 // Places of one person from which a pair is searched for: four find the same pairs as two, in twice
@@ -44,7 +44,7 @@ std::optional<PersonPair> best_pair(const PersonLocalizer& localizer,
                                     const PersonObservation& observation,
                                     double likelihood_exponent,
                                     const PersonMap& alone) {
-  if (observation.arrays.size() < kLeastArrays || alone.misfit < kExplained) {
+  if (observation.arrays.size() < kMinArrays || alone.misfit < kExplained) {
     return std::nullopt;
   }
   std::optional<PersonPair> best;

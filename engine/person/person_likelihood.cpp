@@ -25,7 +25,7 @@ using Eigen::Index;
 constexpr double kDelayStep = 2e-9;       // [s], between the delays that are tried
 constexpr double kDelayDeviation = 1e-9;  // [s], sigma_T
 
-constexpr double kLeastPower = 1e-12;  // a ratio, chosen: keeps divisions from zero
+constexpr double kMinPower = 1e-12;  // a ratio, chosen: keeps divisions from zero
 
 // Noise power of one value, by second differences along the tones, where noise has six times its
 // variance. The array is aligned to the empty room: from one tone to the next, a room's echoes
@@ -100,7 +100,7 @@ PersonLikelihood::PersonLikelihood(const OfdmGrid& grid,
       reference_(link.empty),
       diffuse_(basis_.diffuse_covariance(kDiffuseDecay)) {
   RAYLOC_CHECK(reference_.size() == antennas_ * grid_.size());
-  scale_ = 1.0 / std::sqrt(std::max(power_of(reference_), kLeastPower * kLeastPower));
+  scale_ = 1.0 / std::sqrt(std::max(power_of(reference_), kMinPower * kMinPower));
   for (Value& v : reference_) {
     v *= scale_;
   }
@@ -151,7 +151,7 @@ PersonLikelihood::Observed PersonLikelihood::observe(std::span<const Value> h) c
     }
   }
   observed.noise = noise_power(aligned, grid_.size()) * static_cast<double>(dimension()) /
-                   std::max(power_of(aligned), kLeastPower);
+                   std::max(power_of(aligned), kMinPower);
   return observed;
 }
 
@@ -325,7 +325,7 @@ OtherPeople PersonLikelihood::company(std::span<const PersonStand> people,
            noise * Eigen::MatrixXcd::Identity(n, n);
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXcd> eigen(sum);
-  for (Index i = n; i-- > 0 && company.spread.size() < OtherPeople::kMostColumns;) {  // ascending
+  for (Index i = n; i-- > 0 && company.spread.size() < OtherPeople::kMaxColumns;) {  // ascending
     const double variance = eigen.eigenvalues()(i);
     if (variance <= noise) {
       break;
@@ -344,7 +344,7 @@ double PersonLikelihood::log_likelihood(const WhitenedGaussian& gaussian,
     LaneRow power = rayloc::whiten(
         gaussian.whitener.data(), observed.re, observed.im, gaussian.mean, {&along, 1});
     for (float& one : power) {
-      one = std::max(one, static_cast<float>(kLeastPower));
+      one = std::max(one, static_cast<float>(kMinPower));
     }
     const LaneRow best = at_best_gain(power, along, dimension());
     return static_cast<double>(*std::max_element(best.begin(), best.end())) - gaussian.mean_power -
@@ -360,7 +360,7 @@ double PersonLikelihood::log_likelihood(const WhitenedGaussian& gaussian,
   for (const auto& y : observed.y) {
     const auto u = whiten(gaussian, y);
     best = std::max(best,
-                    gain_profile(std::max(with.power(u), kLeastPower),
+                    gain_profile(std::max(with.power(u), kMinPower),
                                  std::abs(inner_product(reduced, u)),
                                  static_cast<double>(dimension())));
   }
@@ -382,7 +382,7 @@ class PersonLikelihood::AccompaniedPlace {
       : place_(place), with_(place.close, company) {
     for (std::size_t t = 0; t < kDelays; ++t) {
       const auto u = whiten(place.close, observed.y[t]);
-      power_[t] = std::max(with_.power(u), kLeastPower);
+      power_[t] = std::max(with_.power(u), kMinPower);
       reduced_[t] = with_.reduced(u);
     }
   }
@@ -418,7 +418,7 @@ void PersonLikelihood::log_likelihood(const PersonPlace& place,
     LaneRow power =
         rayloc::whiten(place.close.whitener.data(), observed.re, observed.im, place.mean, along);
     for (float& one : power) {
-      one = std::max(one, static_cast<float>(kLeastPower));
+      one = std::max(one, static_cast<float>(kMinPower));
     }
     for (std::size_t p = 0; p < out.size(); ++p) {
       const LaneRow best = at_best_gain(power, along[p], dimension());

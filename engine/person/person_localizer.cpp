@@ -18,9 +18,9 @@ namespace rayloc {
 namespace {
 
 // Squares for detailed evaluation: those within this of the best as a whole, in units of the
-// tempered log-likelihood, and no more than kMostClose.
+// tempered log-likelihood, and no more than kMaxClose.
 constexpr double kCloseMargin = 25.0;
-constexpr std::size_t kMostClose = 600;  // a count of squares, chosen: bounds the time of a fix
+constexpr std::size_t kMaxClose = 600;  // a count of squares, chosen: bounds the time of a fix
 constexpr double kNowhere = -1e4;        // [nat], chosen: no mass at all
 // Radius about a place [m].
 constexpr double kAbout = 0.3;
@@ -62,7 +62,7 @@ std::vector<std::size_t> best_cells(std::span<const std::size_t> cells,
   });
   std::stable_sort(
       best.begin(), best.end(), [&](std::size_t a, std::size_t b) { return total[a] > total[b]; });
-  best.resize(std::min(best.size(), kMostClose));
+  best.resize(std::min(best.size(), kMaxClose));
   return best;
 }
 

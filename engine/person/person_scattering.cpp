@@ -17,7 +17,7 @@ using Value = std::complex<double>;
 constexpr double kNegligible = 1e-3;
 // Largest change of a ray's strength over a metre: a ray at a shadow edge of the room fades over
 // centimetres, and its logarithm has no useful slope.
-constexpr double kMostGrowth = 10.0;
+constexpr double kMaxGrowth = 10.0;
 
 // Rays to two antennas over the same surfaces before and behind the body are one path if their
 // departures agree to this. A cosine, 8 degrees, chosen: arrays are small beside their distance.
@@ -50,7 +50,7 @@ class Ways {
 
 Value log_slope(const PathDerivatives::Derivative& slope, const Value& a, double angular_carrier) {
   const Value relative = Value(slope.a.re, slope.a.im) / a;
-  return {std::clamp(relative.real(), -kMostGrowth, kMostGrowth),
+  return {std::clamp(relative.real(), -kMaxGrowth, kMaxGrowth),
           relative.imag() - angular_carrier * slope.tau};
 }
 

@@ -15,15 +15,15 @@ namespace {
 constexpr double kKernel = 0.1;            // [m], standard deviation
 constexpr double kPeakRadius = 0.15;       // [m], the position is the mean within it
 constexpr double kHypothesisRadius = 0.3;  // [m], mass that belongs to one hypothesis
-constexpr double kLeastWeight = 0.02;      // least weight of a reported hypothesis
-constexpr double kLeastPart = 1e-9;        // share of a peak's mass, for a cell to be part of it
+constexpr double kMinWeight = 0.02;      // least weight of a reported hypothesis
+constexpr double kMinPart = 1e-9;        // share of a peak's mass, for a cell to be part of it
 constexpr double kAmbiguousRatio = 0.3;    // weight of another place's hypothesis to the first
 // Parts of one broad peak: at most this far apart [m], and at most this many of their spreads.
 // Neighbouring parts are 1.5 to 2 apart, peaks with a valley between them 3 and more.
 constexpr double kTouch = 0.65;
 constexpr double kSpreads = 2.3;            // a ratio to the sum of both spreads
-constexpr double kMostSpread = 0.5;         // share of the room's area: above it the map is flat
-constexpr double kMostConfidence = 0.9999;  // largest confidence with a reported radius
+constexpr double kMaxSpread = 0.5;         // share of the room's area: above it the map is flat
+constexpr double kMaxConfidence = 0.9999;  // largest confidence with a reported radius
 constexpr double kHeightSigma = 0.05;       // [m], of the assumed height
 constexpr double kHeightShare = 0.5;        // of the prior's variance: below it z was estimated
 
@@ -223,7 +223,7 @@ double radius_of(const Masses& masses, const Vec3d& centre, double confidence, d
 // mass spread over the whole room.
 double accuracy_of(const Masses& masses, const Vec3d& position, const PosteriorOptions& options) {
   const double of_map = options.accuracy_confidence / (1.0 - options.outlier);
-  return of_map <= kMostConfidence
+  return of_map <= kMaxConfidence
              ? radius_of(masses, position, of_map, 0.0)
              : radius_of(masses, position, options.accuracy_confidence, options.outlier);
 }
@@ -328,7 +328,7 @@ void add_hypotheses(Masses masses, const PosteriorOptions& options, LocationEsti
       return horizontal_distance(masses.grid.centre(i), peak) <= kHypothesisRadius;
     };
     const Mean mean = mean_position(masses, near);
-    if (mean.mass < kLeastWeight) {
+    if (mean.mass < kMinWeight) {
       break;
     }
     estimate.hypotheses.push_back(
@@ -341,7 +341,7 @@ void add_hypotheses(Masses masses, const PosteriorOptions& options, LocationEsti
     }
     for (std::size_t i = 0; i < masses.mass.size(); ++i) {
       if (near(i)) {
-        if (is_heaviest && masses.mass[i] > kLeastPart * mean.mass) {
+        if (is_heaviest && masses.mass[i] > kMinPart * mean.mass) {
           add_parts(masses, i, heaviest);
         }
         masses.mass[i] = 0.0;
@@ -397,7 +397,7 @@ void summarise_posterior(const RoomGrid& grid,
                       uniform_moments(grid),
                       options.least_sigma};
   const double cells = std::max(static_cast<double>(grid.size()), options.cells_of_room);
-  if (effective_cells(masses.mass) > kMostSpread * cells) {
+  if (effective_cells(masses.mass) > kMaxSpread * cells) {
     estimate.reason = "the likelihood is flat: the frames fit everywhere in the room";
     return;
   }

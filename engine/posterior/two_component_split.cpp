@@ -11,8 +11,8 @@ namespace rayloc {
 namespace {
 
 constexpr int kIterations = 30;      // a count, chosen: of expectation and maximisation
-constexpr double kLeastGain = 0.1;   // [nat]
-constexpr double kLeastMass = 1e-4;  // least share of a component in the peak's mass
+constexpr double kMinGain = 0.1;   // [nat]
+constexpr double kMinMass = 1e-4;  // least share of a component in the peak's mass
 constexpr double kStartShare = 0.5;  // of the peak's mass, the densest, that initialises the core
 
 double determinant(const HillMass& g) { return g.xx * g.yy - g.xy * g.xy; }
@@ -104,7 +104,7 @@ std::optional<std::array<HillMass, 2>> two_component_split(std::span<const HillM
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     std::transform(share.begin(), share.end(), rest.begin(), [](double s) { return 1.0 - s; });
     components = {weighted_sum(parts, share), weighted_sum(parts, rest)};
-    if (std::min(components[0].mass, components[1].mass) < kLeastMass * whole.mass) {
+    if (std::min(components[0].mass, components[1].mass) < kMinMass * whole.mass) {
       return std::nullopt;
     }
     const LogDensity of_core(components[0]);
@@ -123,7 +123,7 @@ std::optional<std::array<HillMass, 2>> two_component_split(std::span<const HillM
       }
     }
   }
-  if (gain < kLeastGain) {
+  if (gain < kMinGain) {
     return std::nullopt;
   }
   if (determinant(components[0]) > determinant(components[1])) {

@@ -16,7 +16,7 @@ constexpr double kMotionWarning = 0.1;  // a ratio, as Burst::motion_residual; c
 // had none below -18.3; without an antenna, noise and coupling leave -23 or less.
 constexpr double kDeadChain = -20.0;
 // A ratio, chosen: a silent chain is -120 dB, not minus infinity.
-constexpr double kLeastShare = 1e-12;
+constexpr double kMinShare = 1e-12;
 
 }  // namespace
 
@@ -80,7 +80,7 @@ std::optional<BurstObservation> hear(const RoomModel& room,
 
 std::optional<DeadChain> dead_chain(const BurstObservation& burst) {
   if (burst.absent) {
-    return DeadChain{burst.absent->row, 10.0 * std::log10(kLeastShare), burst.absent};
+    return DeadChain{burst.absent->row, 10.0 * std::log10(kMinShare), burst.absent};
   }
   const std::size_t rows = burst.cores.size();
   if (rows < 2) {
@@ -93,7 +93,7 @@ std::optional<DeadChain> dead_chain(const BurstObservation& burst) {
   const auto weakest = std::min_element(power.begin(), power.end());
   const double others = std::accumulate(power.begin(), power.end(), -*weakest);
   const double share = *weakest * static_cast<double>(rows - 1) / others;
-  const double level_db = 10.0 * std::log10(std::max(share, kLeastShare));
+  const double level_db = 10.0 * std::log10(std::max(share, kMinShare));
   if (!(level_db < kDeadChain)) {
     return std::nullopt;
   }

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kReach = 2.25;      // standard deviations to either side: 97.6 % of the prior
 constexpr double kThickest = 0.15;   // [m], chosen: a path's direction is the same across a layer
-constexpr double kLeastAbove = 0.1;  // [m], chosen: clearance to floor and ceiling
+constexpr double kMinAbove = 0.1;  // [m], chosen: clearance to floor and ceiling
 
 // Probability of a standard normal variable below x.
 double below(double x) { return 0.5 * std::erfc(-x / std::numbers::sqrt2); }
@@ -21,8 +21,8 @@ HeightLayers height_layers(const DeviceModel& device, double floor, double ceili
     return {{0.0}, {1.0}, 0.0};
   }
   const double reach = kReach * device.height_sigma;
-  const double low = std::max(-reach, std::min(floor + kLeastAbove - device.height, 0.0));
-  const double high = std::min(reach, std::max(ceiling - kLeastAbove - device.height, 0.0));
+  const double low = std::max(-reach, std::min(floor + kMinAbove - device.height, 0.0));
+  const double high = std::min(reach, std::max(ceiling - kMinAbove - device.height, 0.0));
   const auto count = std::max<std::size_t>(
       1, static_cast<std::size_t>(std::ceil((high - low) / kThickest - 1e-9)));
   HeightLayers layers;

@@ -7,8 +7,8 @@
 namespace rayloc {
 namespace {
 
-constexpr double kLeastGain = 0.05;  // a ratio, chosen: near a null the ratio is unreliable
-constexpr double kMostChange = 3.0;  // a ratio, chosen: largest change of an amplitude
+constexpr double kMinGain = 0.05;  // a ratio, chosen: near a null the ratio is unreliable
+constexpr double kMaxChange = 3.0;  // a ratio, chosen: largest change of an amplitude
 
 double gain(const AntennaPattern& pattern,
             const Mat3d& world_from_antenna,
@@ -40,14 +40,14 @@ std::vector<Ray> raised_rays(std::span<const Ray> rays,
     const Vec3d at_array = normalized(Vec3d{
         static_cast<double>(back.x), static_cast<double>(back.y), static_cast<double>(back.z)});
     const auto change = [](double now, double before) {
-      return std::max(now, kLeastGain) / std::max(before, kLeastGain);
+      return std::max(now, kMinGain) / std::max(before, kMinGain);
     };
     const double factor =
         ray.length / length *
         change(gain(device.pattern, upright, at_device),
                gain(device.pattern, upright, ray.at_device)) *
         change(gain(array.pattern, mounted, at_array), gain(array.pattern, mounted, ray.at_array));
-    ray.amplitude *= std::min(factor, kMostChange);
+    ray.amplitude *= std::min(factor, kMaxChange);
     ray.length = length;
     ray.at_device = at_device;
     ray.at_array = at_array;

@@ -44,7 +44,7 @@ inline Vec3d image_of(const Ray& ray, const Vec3d& element_offset) {
 }
 
 // Largest number of rays per position in a likelihood.
-inline constexpr std::size_t kMostRays = 64;
+inline constexpr std::size_t kMaxRays = 64;
 
 // The paths from `device` (transmitter) to the centre of the array (receiver), strongest first, at
 // most `most`, each with the corrections of the surfaces that it meets.

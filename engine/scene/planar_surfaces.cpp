@@ -19,7 +19,7 @@ constexpr double kParallel = 1.0 - 5e-7;
 constexpr double kLargestTilt = 1e-3;  // [rad], acos(kParallel)
 // A plane fitted to some triangles extends to the triangles around them, which improve it: its
 // range at least doubles, so 2^10 triangles a side are one surface.
-constexpr int kMostFits = 10;
+constexpr int kMaxFits = 10;
 constexpr double kNoChange = 0.01;  // of a plane, in tolerances
 // The list of free facets is rebuilt when an eighth of it is taken.
 constexpr std::size_t kCompaction = 8;
@@ -102,7 +102,7 @@ class PlaneFinder {
     const Facet3& first = facets_[seed];
     Plane<double> plane{first.normal, dot(first.normal, first.corners[0])};
     std::vector<std::size_t> members;
-    for (int i = 0; i < kMostFits; ++i) {
+    for (int i = 0; i < kMaxFits; ++i) {
       std::vector<std::size_t> met;
       for (const FreeFacet& facet : free_) {
         if (facet.number == seed || fits(plane, facet)) {

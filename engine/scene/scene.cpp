@@ -12,7 +12,7 @@
 namespace rayloc {
 namespace {
 
-constexpr double kLeastHeight = 1e-6;  // [m], of a triangle
+constexpr double kMinHeight = 1e-6;  // [m], of a triangle
 // Above this size it is no room, and tolerances are below the rounding of a double [m].
 constexpr double kFarthest = 100'000.0;
 constexpr double kFarthestPlace = 1e8;  // [m], of coordinates of the earth
@@ -22,7 +22,7 @@ bool is_degenerate(const Mesh& mesh, const std::array<std::uint32_t, 3>& t) {
   const Vec3d ac = mesh.vertices[t[2]] - mesh.vertices[t[0]];
   const Vec3d bc = mesh.vertices[t[2]] - mesh.vertices[t[1]];
   const double longest = std::max({norm(ab), norm(ac), norm(bc)});
-  return !(norm(cross(ab, ac)) > kLeastHeight * longest);
+  return !(norm(cross(ab, ac)) > kMinHeight * longest);
 }
 
 std::string in_metres(double x) { return std::to_string(std::llround(x)); }

@@ -16,7 +16,7 @@ namespace {
 
 // A ratio to the largest volume of a face with the mesh's first corner: above rounding, far below
 // a sheet of metal.
-constexpr double kLeastVolume = 1e-12;
+constexpr double kMinVolume = 1e-12;
 
 // For each vertex of the mesh the number of its position.
 std::vector<std::uint32_t> weld(const Mesh& mesh) {
@@ -86,7 +86,7 @@ Solid classify_solid(const Mesh& mesh) {
     largest = std::max(largest, std::abs(part));
   }
   // Faces drawn from both sides enclose only rounding errors.
-  const double least = kLeastVolume * largest;
+  const double least = kMinVolume * largest;
   const auto outwards = [&](const auto& shell) { return shell.second > least; };
   const auto inwards = [&](const auto& shell) { return shell.second < -least; };
   const int shells = static_cast<int>(volume.size());

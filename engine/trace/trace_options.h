@@ -12,7 +12,7 @@ inline constexpr int kDefaultMaxDepth = 3;
 inline constexpr std::size_t kDefaultRays = std::size_t{1} << 18U;
 
 // A count, chosen: reflections and crossings on each side of an edge.
-inline constexpr int kMostBesideEdge = 2;
+inline constexpr int kMaxBesideEdge = 2;
 
 // Method that proposes the sequences of mirrors.
 enum class CandidateGenerator : std::uint8_t {
@@ -29,7 +29,7 @@ struct TraceOptions {
   // Distance from its edge over which a surface begins to reflect and to shadow [m] (visibility.h);
   // 0: hard edges, as in geometrical optics.
   double softness = 0.0;
-  // Waves are also diffracted at one edge, with up to kMostBesideEdge interactions on each side
+  // Waves are also diffracted at one edge, with up to kMaxBesideEdge interactions on each side
   // (diffraction/edge_finder.h); the edge counts towards max_depth. Hard edges only.
   bool diffraction = false;
   // Also at two edges in a row (diffraction/edge_pair_finder.h), which count towards max_depth;

@@ -73,8 +73,8 @@ struct SoftSegment {
 template <typename T>
 T slant_softness2(const Vec3<T>& normal, const Vec3<T>& other, double softness) {
   // The sine between planes, chosen: 1.1 degrees count as parallel.
-  constexpr double kLeastSlant = 0.02;
-  const T least(kLeastSlant * kLeastSlant);
+  constexpr double kMinSlant = 0.02;
+  const T least(kMinSlant * kMinSlant);
   const Vec3<T> across = cross(normal, other);
   const T slant2 = dot(across, across);
   return T(softness * softness) * (slant2 > least ? slant2 : least);

@@ -6,13 +6,13 @@
 namespace rayloc {
 namespace {
 
-constexpr double kLeastMass = 1e-300;  // a probability, chosen: keeps its logarithm finite
+constexpr double kMinMass = 1e-300;  // a probability, chosen: keeps its logarithm finite
 
 }  // namespace
 
 std::vector<double> log_masses(std::vector<double> mass) {
   for (double& value : mass) {
-    value = std::log(std::max(value, kLeastMass));
+    value = std::log(std::max(value, kMinMass));
   }
   return mass;
 }

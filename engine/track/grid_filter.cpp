@@ -19,7 +19,7 @@ constexpr int kDirections = 8;  // a count, METHODS B6: 45 degrees apart
 constexpr float kEmpty = 1e-30F;
 // Lower limit of the probability of being outside the window, chosen: the window may be wrong, and
 // bursts are compared with only a sample of the rest of the room.
-constexpr double kLeastAway = 1e-4;
+constexpr double kMinAway = 1e-4;
 
 double sum_of(const std::vector<float>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0);
@@ -54,7 +54,7 @@ void GridFilter::normalise() {
     sum += sum_of(mode.mass);
   }
   if (!window_.is_all_of(space_->grid)) {
-    away_ = std::max(away_, kLeastAway * (sum + away_));
+    away_ = std::max(away_, kMinAway * (sum + away_));
     sum += away_;
     away_ /= sum;
   }
@@ -368,7 +368,7 @@ std::vector<double> GridFilter::mass() const {
 }
 
 double GridFilter::standing() const {
-  return sum_of(modes_.front().mass) / std::max(1.0 - away_, kLeastAway);
+  return sum_of(modes_.front().mass) / std::max(1.0 - away_, kMinAway);
 }
 
 }  // namespace rayloc

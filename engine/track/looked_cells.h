@@ -13,7 +13,7 @@ namespace rayloc {
 // Probabilities, chosen: mass left out of the window of a filter that is followed ...
 inline constexpr double kOutOfWindow = 1e-4;
 // ... and mass outside the window from which on the whole room is evaluated.
-inline constexpr double kMostAway = 0.02;
+inline constexpr double kMaxAway = 0.02;
 // Chosen: time between two evaluations of the whole room, after the target might have been
 // anywhere. A wrongly followed peak explains enough to be followed on, and most such peaks are
 // chosen while little is known of the position.

@@ -131,7 +131,7 @@ PersonMap PersonTracker::map(const PersonObservation& observation,
 // undecided, if no person is seen in these cells, and at regular intervals.
 PersonMap PersonTracker::look(const PersonObservation& observation) {
   Life& life = *life_;
-  if (life.time - life.looked >= kWholeRoomPeriod || life.filter.away() > kMostAway) {
+  if (life.time - life.looked >= kWholeRoomPeriod || life.filter.away() > kMaxAway) {
     life.filter.widen();
   }
   const LookedCells looked = looked_cells(life.filter, *space_, life.moments);

@@ -12,7 +12,7 @@ namespace rayloc {
 namespace {
 
 constexpr double kMinBurstWeight = 0.02;  // least weight of a burst for which the map is computed
-constexpr double kLeastChange = 1e-12;    // of the power; a smaller change is rounding
+constexpr double kMinChange = 1e-12;    // of the power; a smaller change is rounding
 // Counts of cells, chosen: kept by a resting track, with 17 modes 29 KiB ...
 constexpr std::size_t kRestingCells = 400;
 constexpr std::size_t kRestingWithin = 64;  // a count, chosen: ... with positions in the cell
@@ -57,7 +57,7 @@ std::optional<double> Track::change_of(const RoomObservation& observation) const
       }
     }
   }
-  return count > 0.0 ? std::optional(std::max(sum / count, kLeastChange)) : std::nullopt;
+  return count > 0.0 ? std::optional(std::max(sum / count, kMinChange)) : std::nullopt;
 }
 
 // 0: the change is explained by noise and the radio, 1: the device must have moved.
@@ -154,7 +154,7 @@ bool Track::widens(bool is_joining) const {
   };
   const bool is_due = number(time_) != number(looked_);
   return !filter_.window().is_all_of(space_->grid) &&
-         (is_due || filter_.away() > kMostAway || is_joining);
+         (is_due || filter_.away() > kMaxAway || is_joining);
 }
 
 // Also evaluates the whole room if no place in the window explains the burst: then `is_wide`.

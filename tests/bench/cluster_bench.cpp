@@ -37,7 +37,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kDatagramBytes = 566;  // of the bundled meeting room
 constexpr std::size_t kBatch = 64;
-constexpr std::size_t kMostOnTheirWay = 200;  // batches, of 8 MiB some
+constexpr std::size_t kMaxInFlight = 200;  // batches, of 8 MiB some
 
 double own_seconds() {
   rusage usage{};
@@ -140,7 +140,7 @@ Cost run_bare(const cluster::NatsServer& server, const std::string& site, double
   natsConnection_ConnectTo(&connection, server.url().c_str());
   jsOptions options;
   jsOptions_Init(&options);
-  options.PublishAsync.MaxPending = kMostOnTheirWay;
+  options.PublishAsync.MaxPending = kMaxInFlight;
   options.PublishAsync.StallWait = 10'000;
   natsConnection_JetStream(&jetstream, connection, &options);
   static std::atomic<std::uint64_t> received;
@@ -273,7 +273,7 @@ Cost run_ours(const cluster::NatsServer& server, const std::string& site, double
   std::uint64_t sent = 0;
   for (const auto end = Clock::now() + std::chrono::duration<double>(seconds);
        Clock::now() < end;) {
-    while (node.sender->counters().ring.unacknowledged > kMostOnTheirWay) {
+    while (node.sender->counters().ring.unacknowledged > kMaxInFlight) {
       std::this_thread::sleep_for(std::chrono::microseconds(200));
     }
     const auto datagrams = some_datagrams(payload);

@@ -197,12 +197,12 @@ void run(const PersonLocalizer& localizer, const std::vector<Spot>& spots, bool 
   }
   alone.print("one person");
   constexpr std::size_t kApart = 17;  // in the file, of the spots that make a pair
-  constexpr double kLeastDistance = 0.5;
+  constexpr double kMinDistance = 0.5;
   Study two(localizer, verbose);
   for (std::size_t i = 0; i < spots.size(); ++i) {
     const Spot& one = spots[i];
     const Spot& other = spots[(i + kApart) % spots.size()];
-    if (distance(one.position, other.position) < kLeastDistance) {
+    if (distance(one.position, other.position) < kMinDistance) {
       continue;
     }
     const Frames frames = together(localizer.room(), localizer.reference(), one, other);

@@ -43,7 +43,7 @@ nlohmann::json status_of(const LiveDaemon& daemon) {
 }
 
 TEST(Field, RaylocdCutsOffMessagesWithoutAnEndAndKeepsItsMemory) {
-  constexpr std::size_t kMostBytes = 400'000'000;
+  constexpr std::size_t kMaxBytes = 400'000'000;
   const TemporaryFolder folder;
   LiveDaemon daemon(folder.path(), receiving_only());
   ASSERT_TRUE(daemon.ready()) << daemon.errors();
@@ -53,7 +53,7 @@ TEST(Field, RaylocdCutsOffMessagesWithoutAnEndAndKeepsItsMemory) {
   for (const std::size_t part_bytes : {1U, 4000U}) {
     for (const auto& [endpoint, type] :
          {std::pair(daemon.endpoint(), "SUB"), std::pair(daemon.snapshot(), "DEALER")}) {
-      EXPECT_LT(send_endless_message(endpoint, type, part_bytes, kMostBytes), kMostBytes);
+      EXPECT_LT(send_endless_message(endpoint, type, part_bytes, kMaxBytes), kMaxBytes);
       most = std::max(most, daemon.resident_kib());
       ++cut;
       EXPECT_TRUE(eventually(kPatience, [&] {

@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::string_view kSeparator = "\n%%\n";
 // Images grow with the square of the surfaces; time is better spent on other inputs.
-constexpr std::size_t kMostSurfaces = 64;
+constexpr std::size_t kMaxSurfaces = 64;
 
 void require(bool condition) {
   if (!condition) {
@@ -58,7 +58,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   auto scene = rayloc::parse_scene(input.substr(0, split), "scene.xml", options, read_mesh);
   if (!scene) {
     require(!scene.error().message.empty());
-  } else if (scene->surfaces().size() <= kMostSurfaces) {
+  } else if (scene->surfaces().size() <= kMaxSurfaces) {
     trace(std::move(*scene));
   }
   return 0;

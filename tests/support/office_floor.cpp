@@ -16,7 +16,7 @@ constexpr double kFloorHeight = 2.8;
 constexpr double kPartition = 0.1;
 constexpr double kSlab = 0.3;
 constexpr std::size_t kTrianglesPerBox = 12;
-constexpr std::size_t kLeastBoxes = 8;
+constexpr std::size_t kMinBoxes = 8;
 constexpr std::size_t kShellBoxes = 5;
 
 // Relative to the corner of the room where the corridor begins; the door is a gap in the south.
@@ -47,7 +47,7 @@ SceneBox moved(SceneBox box, const Vec3d& by, std::size_t room) {
 }  // namespace
 
 std::shared_ptr<const Scene> office_floor(std::size_t triangles) {
-  const std::size_t count = std::max(triangles / kTrianglesPerBox, kLeastBoxes);
+  const std::size_t count = std::max(triangles / kTrianglesPerBox, kMinBoxes);
   const std::size_t in_room = room_boxes().size();
   const std::size_t rooms = (count - kShellBoxes + in_room - 1) / in_room;
   const auto columns = static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(rooms))));

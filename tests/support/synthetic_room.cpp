@@ -105,7 +105,7 @@ std::vector<Ray> rays_to(const PathTracer& tracer,
                          const AntennaArray& array,
                          const Vec3d& position) {
   const Transmitter device{{position, {}, room.device.pattern, room.device.polarization}};
-  return rays_of(tracer.trace(device, array_origin<Receiver>(array)), room, position, kMostRays);
+  return rays_of(tracer.trace(device, array_origin<Receiver>(array)), room, position, kMaxRays);
 }
 
 std::vector<CsiFrame> frames_of(const RoomModel& room,

@@ -13,7 +13,7 @@ namespace rayloc::cli {
 namespace {
 
 // More reflections than are observable, and few enough for the memory with a small scene.
-constexpr int kMostDepth = 16;
+constexpr int kMaxDepth = 16;
 
 // "A" or "A,B": for both ends, or for the transmitter and the receiver.
 std::pair<std::string, std::string> of_both_ends(const std::string& text) {
@@ -87,7 +87,7 @@ void declare_scene(OptionParser& app, std::string& scene, std::optional<double>&
 
 void declare_paths(OptionParser& app, TraceOptions& options) {
   app.add_option("--depth", options.max_depth, "Most interactions of a path")
-      ->check(in_range(0, kMostDepth))
+      ->check(in_range(0, kMaxDepth))
       ->capture_default_str();
   app.add_flag("--transmission",
                options.transmission,

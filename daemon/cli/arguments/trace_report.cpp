@@ -85,7 +85,7 @@ std::string path_line(const Path& path, const Scene& scene) {
 // Power by delay, in bins of a nanosecond from the first echo on.
 std::string diffuse_json(const DiffuseDensity& density) {
   constexpr double kBin = 1e-9;           // [s]
-  constexpr double kMostBins = 10'000.0;  // a count, chosen: 3 km
+  constexpr double kMaxBins = 10'000.0;  // a count, chosen: 3 km
   double first = density.echoes().empty() ? 0.0 : density.echoes().front().tau;
   double last = first;
   for (const DiffuseEcho& echo : density.echoes()) {
@@ -93,7 +93,7 @@ std::string diffuse_json(const DiffuseDensity& density) {
     last = std::max(last, echo.tau);
   }
   const PowerDelay found = density.power_delay();
-  const double bins = std::min(std::floor((last - first) / kBin) + 1.0, kMostBins);
+  const double bins = std::min(std::floor((last - first) / kBin) + 1.0, kMaxBins);
   return fmt::format(
       R"({{"power":{},"mean_delay":{},"delay_spread":{},"first":{},"step":{},"profile":{}}})",
       number(found.power),

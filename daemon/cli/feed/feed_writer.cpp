@@ -36,7 +36,7 @@ void FeedWriter::add(v1::Envelope envelope) {
     ++without_form_;
     return;
   }
-  if (held_.size() >= kMostHeld) {
+  if (held_.size() >= kMaxHeld) {
     held_.pop_front();
     ++dropped_;
   }

@@ -1,7 +1,7 @@
 // FeedWriter: converts messages to the lines that `rayloc sub` prints, in the requested format.
 //
 // GeoJSON and omlox need the site's georeference, which the heartbeat states each second: until the
-// first one is received, messages are held (at most kMostHeld; beyond that the oldest are dropped
+// first one is received, messages are held (at most kMaxHeld; beyond that the oldest are dropped
 // and counted). csv, geojson and omlox represent locations only; other messages are left out.
 #pragma once
 
@@ -23,7 +23,7 @@ const std::vector<std::string>& feed_format_names();
 
 class FeedWriter {
  public:
-  static constexpr std::size_t kMostHeld = 10'000;
+  static constexpr std::size_t kMaxHeld = 10'000;
 
   explicit FeedWriter(FeedFormat format) : format_(format) {}
 

@@ -93,7 +93,7 @@ void TopModel::add_heartbeat(const v1::Heartbeat& heartbeat, Clock::time_point n
 void TopModel::forget_old(Clock::time_point now) {
   std::erase_if(targets_,
                 [&](const auto& target) { return now - target.second.heard > kForgetAfter; });
-  while (targets_.size() > kMostTargets) {
+  while (targets_.size() > kMaxTargets) {
     targets_.erase(
         std::min_element(targets_.begin(), targets_.end(), [](const auto& a, const auto& b) {
           return a.second.heard < b.second.heard;

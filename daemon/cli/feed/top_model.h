@@ -5,7 +5,7 @@
 // of their content. The two machines need not agree on the time of day.
 //
 // Memory is bounded: a target is removed after kForgetAfter without a
-// message, and beyond kMostTargets the one that has been silent longest.
+// message, and beyond kMaxTargets the one that has been silent longest.
 #pragma once
 
 #include <chrono>
@@ -26,7 +26,7 @@ class TopModel {
  public:
   using Clock = std::chrono::steady_clock;
   static constexpr auto kForgetAfter = std::chrono::minutes(5);
-  static constexpr std::size_t kMostTargets = 1024;
+  static constexpr std::size_t kMaxTargets = 1024;
   static constexpr auto kRateWindow = std::chrono::seconds(5);
 
   // In order of arrival. `from_snapshot`: an earlier message, which does not count for rates.

@@ -37,9 +37,9 @@ namespace fs = std::filesystem;
 // Largest difference between the clocks of access points and survey.
 constexpr Duration kReferenceClockSlack = std::chrono::milliseconds(20);
 // Number of frames of the empty room averaged for each access point.
-constexpr std::size_t kMostEmptyFrames = 1024;
+constexpr std::size_t kMaxEmptyFrames = 1024;
 // Largest change of the channel of an empty room within its recording, as a share of its power.
-constexpr double kMostChange = 0.02;
+constexpr double kMaxChange = 0.02;
 
 struct ReferenceOptions {
   std::string site;
@@ -186,7 +186,7 @@ Transmitter surveyed_place(const SiteTransmitter& transmitter) {
 Expected<std::vector<EmptyRoom>> Reference::hear_empty(const std::vector<CsiFrame>& frames,
                                                        bool occupied) {
   BurstOptions burst_options;
-  burst_options.max_frames = kMostEmptyFrames;
+  burst_options.max_frames = kMaxEmptyFrames;
   std::vector<EmptyRoom> heard;
   for (std::size_t a = 0; a < room_.access_points.size(); ++a) {
     const RoomAccessPoint& ap = room_.access_points[a];
@@ -206,7 +206,7 @@ Expected<std::vector<EmptyRoom>> Reference::hear_empty(const std::vector<CsiFram
     if (!burst) {
       return bad_input(warnings.front());
     }
-    if (!occupied && burst->motion_residual > kMostChange) {
+    if (!occupied && burst->motion_residual > kMaxChange) {
       return bad_input("access point " + ap.id + ": the channel of " +
                        to_string(frames.front().transmitter) +
                        " changes during the recording of the empty room; record it again with no "

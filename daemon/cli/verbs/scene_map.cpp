@@ -28,7 +28,7 @@ namespace rayloc::cli {
 namespace {
 
 constexpr double kUsualCells = 10'000.0;       // count, chosen: resolution of a picture
-constexpr std::size_t kMostCells = 4'000'000;  // count, chosen: at most a gibibyte of memory
+constexpr std::size_t kMaxCells = 4'000'000;  // count, chosen: at most a gibibyte of memory
 constexpr double kMinCellStep = 0.05;          // [m], chosen: finer cells add nothing (no phases)
 constexpr double kUsualMapHeight = 1.2;        // [m], device height if no site states one
 
@@ -118,12 +118,12 @@ Expected<RadioMapGrid> grid_of(const SceneMapArguments& arguments, const SceneSo
         fmt::format(
             "--height {:g}: the room reaches from {:g} to {:g} m", height, lower.z, upper.z));
   }
-  if (area / (step * step) > static_cast<double>(kMostCells)) {
+  if (area / (step * step) > static_cast<double>(kMaxCells)) {
     return make_error(ErrorKind::kUsage,
                       fmt::format("--step {:g}: that would be {:.0f} cells, and {} are the most",
                                   step,
                                   area / (step * step),
-                                  kMostCells));
+                                  kMaxCells));
   }
   return radio_map_grid(lower, upper, height, step);
 }

@@ -134,7 +134,7 @@ void show(const Receive& receive, const TopArguments& arguments) {
 // Connects with a snapshot of the last messages, so that zones and quiet targets are available at
 // once. If no snapshot is given or found at the usual address, it connects without one.
 Expected<Receive> connect_top(const MessageSource& from, double patience) {
-  constexpr double kMostPatience = 2.0;  // [s]
+  constexpr double kMaxPatience = 2.0;  // [s]
   const std::vector<std::string> all = {"v1/"};
   const std::optional<std::string> usual =
       from.snapshot.empty() ? usual_snapshot(from.endpoint) : std::nullopt;
@@ -142,7 +142,7 @@ Expected<Receive> connect_top(const MessageSource& from, double patience) {
     MessageSource late = from;
     late.snapshot = *usual;
     late.patience =
-        std::chrono::milliseconds(std::llround(1000.0 * std::min(patience, kMostPatience)));
+        std::chrono::milliseconds(std::llround(1000.0 * std::min(patience, kMaxPatience)));
     if (Expected<Receive> receive = connect(late, all)) {
       return receive;
     }

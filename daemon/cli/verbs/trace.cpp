@@ -34,7 +34,7 @@ struct TraceArguments {
 
 // The tones CENTRE + (j - COUNT / 2) SPACING, as those of 802.11 are numbered.
 Expected<OfdmGrid> parse_grid(const std::string& text) {
-  constexpr double kMostTones = 65'536;
+  constexpr double kMaxTones = 65'536;
   std::array<double, 3> v{};
   const std::string example = "5.19e9,312500,128";
   if (auto parsed = parse_number_list("--cfr", text, example, v); !parsed) {
@@ -42,7 +42,7 @@ Expected<OfdmGrid> parse_grid(const std::string& text) {
   }
   const auto [centre, spacing, count] = v;
   if (!(centre > 0.0) || !(spacing > 0.0) || count != std::trunc(count) || count < 1.0 ||
-      count > kMostTones) {
+      count > kMaxTones) {
     return make_error(ErrorKind::kUsage,
                       "--cfr " + text +
                           ": write the centre and the spacing of the tones in Hz, and their number "

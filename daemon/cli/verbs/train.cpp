@@ -34,7 +34,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kMostHeldOut = 0.8;  // share of the points, as in `rayloc calibrate`
+constexpr double kMaxHeldOut = 0.8;  // share of the points, as in `rayloc calibrate`
 
 struct TrainOptions {
   std::string site;
@@ -91,7 +91,7 @@ class Train {
 };
 
 Expected<void> Train::read() {
-  if (!(options_.holdout >= 0.0 && options_.holdout <= kMostHeldOut)) {
+  if (!(options_.holdout >= 0.0 && options_.holdout <= kMaxHeldOut)) {
     return make_error(ErrorKind::kUsage, "--holdout is a share of the points from 0 to 0.8");
   }
   for (const std::string& text : options_.baseline) {

@@ -13,13 +13,13 @@
 namespace rayloc {
 namespace {
 
-constexpr std::size_t kLeastFixes = 10;
+constexpr std::size_t kMinFixes = 10;
 constexpr double kSameHeight = 0.05;  // [m]
 // Exponents are tried in order until the score has fallen this many times.
 constexpr std::size_t kFalls = 2;
 // Map errors are common to all access points, so the likelihoods
 // of several carry less information than their product.
-constexpr double kMostOfSeveral = 0.8;
+constexpr double kMaxOfSeveral = 0.8;
 
 // A fix assumes the height: at other heights its error does not measure its certainty.
 std::vector<HeldOutSpot> at_height(std::span<const HeldOutSpot> spots, double height) {
@@ -81,13 +81,13 @@ Expected<std::vector<HeldOutFixes>> fit_certainty_of(std::shared_ptr<const RoomM
                                                      double survey_sigma) {
   const std::vector<HeldOutSpot> spots = at_height(all, room->device.height);
   const double usual = room->likelihood_exponent;
-  const double most = room->access_points.size() > 1 ? kMostOfSeveral : kExponents.front();
+  const double most = room->access_points.size() > 1 ? kMaxOfSeveral : kExponents.front();
   const std::array usual_sigma{room->least_sigma};
   const auto localizer = Localizer::create(std::move(room), {});
   if (!localizer) {
     return tl::make_unexpected(localizer.error());
   }
-  if (spots.size() < kLeastFixes) {
+  if (spots.size() < kMinFixes) {
     return std::vector<HeldOutFixes>{
         fixes_with(*localizer, spots, usual, usual_sigma, survey_sigma).outcome};
   }
@@ -98,10 +98,10 @@ Expected<std::vector<HeldOutFixes>> fit_certainty_of(std::shared_ptr<const RoomM
     if (exponent > most) {
       continue;
     }
-    auto [outcome, judgement] = fixes_with(*localizer, spots, exponent, kLeastSigmas, survey_sigma);
+    auto [outcome, judgement] = fixes_with(*localizer, spots, exponent, kMinSigmas, survey_sigma);
     outcomes.push_back(outcome);
     judged.push_back(std::move(judgement));
-    if (outcome.fixes < kLeastFixes) {
+    if (outcome.fixes < kMinFixes) {
       return std::vector<HeldOutFixes>{
           fixes_with(*localizer, spots, usual, usual_sigma, survey_sigma).outcome};
     }

@@ -47,7 +47,7 @@ std::vector<TransmitterLevel> fit_levels(const Site& site,
     } else {
       refused.push_back({ap.id + " " + to_string(transmitter.mac),
                          "its constant power is not used: " + std::to_string(samples.size()) +
-                             " points state a level, " + std::to_string(kLeastLevelSamples) +
+                             " points state a level, " + std::to_string(kMinLevelSamples) +
                              " are needed"});
     }
   }

@@ -19,9 +19,9 @@ constexpr Duration kPairSpacing = std::chrono::milliseconds(150);  // a walking 
 constexpr Duration kLongestPair = std::chrono::seconds(2);
 constexpr Duration kFinestStep = std::chrono::milliseconds(50);
 constexpr Duration kCoarsestStep = std::chrono::seconds(1);
-constexpr double kMostComparisons = 2e8;              // pairs of a point and an offset
+constexpr double kMaxComparisons = 2e8;              // pairs of a point and an offset
 constexpr std::size_t kFewestMatches = 3;             // two points fit nearly every recording
-constexpr double kMostOfPoints = 0.6;                 // a share
+constexpr double kMaxOfPoints = 0.6;                 // a share
 constexpr double kRivalShare = 0.75;                  // share of the best offset's points
 constexpr double kMoves = 0.15;                       // spread of the correlations of a walk
 constexpr Duration kZone = std::chrono::minutes(15);  // time zones are multiples of this
@@ -213,7 +213,7 @@ class OffsetSearch {
     }
     const double span = to_seconds(end_ - begin_) + to_seconds(survey_end_ - survey_begin_);
     const double step = std::max(to_seconds(kFinestStep),
-                                 span * static_cast<double>(points_.size()) / kMostComparisons);
+                                 span * static_cast<double>(points_.size()) / kMaxComparisons);
     if (step > to_seconds(kCoarsestStep)) {
       return false;  // far from all other times
     }
@@ -276,7 +276,7 @@ class OffsetSearch {
 
   bool is_better(const TimeOffset& found) const {
     const std::size_t margin = std::max<std::size_t>(2, points_.size() / 4);
-    const double least = kMostOfPoints * static_cast<double>(points_.size());
+    const double least = kMaxOfPoints * static_cast<double>(points_.size());
     return found.points >= found.as_stated + margin && found.points >= kFewestMatches &&
            static_cast<double>(found.points) >= least;
   }

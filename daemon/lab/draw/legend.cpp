@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kLegendLineHeight = 17.0;
 constexpr double kLegendTextSize = 10.5;
-constexpr std::size_t kMostMaterials = 16;
+constexpr std::size_t kMaxMaterials = 16;
 
 Polygon rectangle(const PagePoint& corner, double width, double height, const Colour& fill) {
   return {{corner,
@@ -155,7 +155,7 @@ Legend draw_legend(const ScenePicture& picture,
   }
   column.heading("Materials");
   const auto& materials = picture.scene->materials();
-  for (std::size_t i = 0; i < std::min(materials.size(), kMostMaterials); ++i) {
+  for (std::size_t i = 0; i < std::min(materials.size(), kMaxMaterials); ++i) {
     column.material(materials[i].name);
   }
   return column.finish();

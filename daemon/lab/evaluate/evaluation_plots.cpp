@@ -87,8 +87,8 @@ Drawing draw_error_map(const Scene& scene,
     map.dots.push_back({at, error, false});
     map.lines.push_back({at, *matches[i]->position, error});
   }
-  constexpr double kLeastScale = 0.01;  // [m]
-  map.highest = std::max(largest, kLeastScale);
+  constexpr double kMinScale = 0.01;  // [m]
+  map.highest = std::max(largest, kMinScale);
   return draw_room_map(map);
 }
 

@@ -165,8 +165,8 @@ class ExperimentReader {
     std::size_t count = 1;
     for (const Stated& one : stated) {
       count *= one.values.size();
-      if (count > kMostConditions) {
-        table.error("the lists of the study make more than " + std::to_string(kMostConditions) +
+      if (count > kMaxConditions) {
+        table.error("the lists of the study make more than " + std::to_string(kMaxConditions) +
                     " conditions; shorten them");
         return study;
       }

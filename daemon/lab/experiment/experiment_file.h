@@ -41,7 +41,7 @@ struct Experiment {
   std::vector<Study> studies;
 };
 
-inline constexpr std::size_t kMostConditions = 10'000;  // per study
+inline constexpr std::size_t kMaxConditions = 10'000;  // per study
 
 Expected<Experiment> load_experiment(const std::filesystem::path& file);
 // `file` is used in messages and for relative paths.

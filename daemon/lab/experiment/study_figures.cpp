@@ -15,8 +15,8 @@ namespace {
 using draw::Chart;
 using draw::ChartCurve;
 
-constexpr std::size_t kMostWithIntervals = 4;  // curves: more intervals overlap
-constexpr std::size_t kMostDistributions = 8;  // curves per chart
+constexpr std::size_t kMaxWithIntervals = 4;  // curves: more intervals overlap
+constexpr std::size_t kMaxDistributions = 8;  // curves per chart
 
 // "method paper, alpha 0.5": the values of all axes except `without`.
 std::string label_of(const Study& study, const Condition& condition, const std::string& without) {
@@ -60,7 +60,7 @@ draw::Drawing draw_over(const StudyResult& result,
     }
     chart.curves.push_back(std::move(curve));
   }
-  if (labels.size() <= kMostWithIntervals) {
+  if (labels.size() <= kMaxWithIntervals) {
     for (std::size_t i = 0; i < labels.size(); ++i) {
       for (const ConditionResult* condition : curves[labels[i]]) {
         const auto interval = condition->statistics.ci95.find(name);
@@ -88,7 +88,7 @@ std::vector<draw::Drawing> draw_study(const StudyResult& result) {
     drawings.push_back(
         draw_over(result, "share below 0.5 m", "below_0_5", &ErrorStatistics::below_0_5));
   }
-  if (result.conditions.size() <= kMostDistributions) {
+  if (result.conditions.size() <= kMaxDistributions) {
     std::vector<NamedErrors> distributions;
     for (const ConditionResult& condition : result.conditions) {
       NamedErrors& one = distributions.emplace_back();

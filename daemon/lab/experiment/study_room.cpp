@@ -21,7 +21,7 @@ namespace {
 
 constexpr double kClear = 0.05;              // [m], between a box and its neighbours
 constexpr double kClearOfAccessPoint = 0.3;  // [m]
-constexpr double kLeastTolerance = 2e-3;     // [m]: tolerance of the best calibration
+constexpr double kMinTolerance = 2e-3;     // [m]: tolerance of the best calibration
 constexpr const char* kWood = "clutter_wood";
 constexpr const char* kMetal = "clutter_metal";
 
@@ -227,7 +227,7 @@ Expected<RoomModel> make_room(const RoomPlan& plan, const Condition& condition) 
   room.device.height_sigma = condition.model_height_sigma_m;
   for (const SiteAccessPoint& ap : plan.access_points) {
     ModelError error;
-    error.plan_tolerance = std::max(condition.plan_error_m, kLeastTolerance);
+    error.plan_tolerance = std::max(condition.plan_error_m, kMinTolerance);
     room.access_points.push_back({ap.id, ap.array, ap.cores, {}, error});
   }
   return room;

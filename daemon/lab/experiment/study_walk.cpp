@@ -128,8 +128,8 @@ Expected<std::vector<std::vector<Vec3d>>> draw_walks(const StudyPlaces& places,
   std::vector<std::vector<Vec3d>> walks;
   for (std::size_t i = 0; i < static_cast<std::size_t>(condition.spots); ++i) {
     // One random stream per walk: another rate or duration does not change the paths.
-    constexpr std::size_t kMostWalks = 10'000;  // per layout: the limit of Condition::spots
-    RandomStream random = random_stream(seed, "walk", layout * kMostWalks + i);
+    constexpr std::size_t kMaxWalks = 10'000;  // per layout: the limit of Condition::spots
+    RandomStream random = random_stream(seed, "walk", layout * kMaxWalks + i);
     walks.push_back(draw_walk(shape, any_place, is_free, random));
     if (walks.back().empty()) {
       return make_error(ErrorKind::kConfiguration,

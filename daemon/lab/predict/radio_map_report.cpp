@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kNanosecond = 1e-9;  // [s]
 // Range of a picture [dB], chosen: weaker cells are equally dark.
-constexpr double kMostRange = 60.0;
+constexpr double kMaxRange = 60.0;
 
 double decibels(double ratio) { return 10.0 * std::log10(ratio); }
 
@@ -73,11 +73,11 @@ Words words_of(RadioMapQuantity quantity) {
 // Scale ends that contain nearly all values, so that a
 // single cell does not compress the colours of the others.
 void scale_to(const std::vector<double>& values, RadioMapQuantity quantity, draw::RoomMap& map) {
-  constexpr double kMostShown = 0.995;  // share, chosen
-  map.highest = std::ceil(quantile(values, kMostShown));
+  constexpr double kMaxShown = 0.995;  // share, chosen
+  map.highest = std::ceil(quantile(values, kMaxShown));
   map.lowest =
       quantity == RadioMapQuantity::kPathGain
-          ? std::max(std::floor(quantile(values, 1.0 - kMostShown)), map.highest - kMostRange)
+          ? std::max(std::floor(quantile(values, 1.0 - kMaxShown)), map.highest - kMaxRange)
           : 0.0;
   if (!(map.lowest < map.highest)) {
     map.lowest = values.empty() ? 0.0 : map.highest - 1.0;

@@ -109,9 +109,9 @@ CaptureSimulator::OnChannel::OnChannel(const RoomModel& room,
       chanspec(chanspec_of(room.grid.centre_hz, options.bandwidth_mhz)) {
   radio.turn_chains(options.chain_changes);
   if (number > 0) {
-    constexpr std::size_t kMostAccessPoints = 1024;
+    constexpr std::size_t kMaxAccessPoints = 1024;
     radio.draw_frames_from(
-        random_stream(options.seed, "hop", number * kMostAccessPoints + access_point));
+        random_stream(options.seed, "hop", number * kMaxAccessPoints + access_point));
   }
 }
 

@@ -51,7 +51,7 @@ void ChannelDraw::add_tail(double power, double first, const OfdmGrid& grid, Val
 ChannelDraw::Channel ChannelDraw::at(const Pose& pose, const OfdmGrid& grid) {
   const Transmitter device{
       {pose.position, pose.orientation, room_.device.pattern, room_.device.polarization}};
-  const std::vector<Ray> rays = rays_of(tracer_.trace(device), room_, pose.position, kMostRays);
+  const std::vector<Ray> rays = rays_of(tracer_.trace(device), room_, pose.position, kMaxRays);
   const std::size_t tones = grid.size();
   Channel channel{std::vector<Value>(offsets_.size() * tones), rays.size()};
   if (rays.empty()) {

@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kHandTime = 2.0;     // [s], correlation time of a moving hand
 constexpr std::size_t kWaves = 32;    // in a smooth random function: enough to be normal
-constexpr int kMostRedraws = 10'000;  // for a height that is not free
+constexpr int kMaxRedraws = 10'000;  // for a height that is not free
 
 // A random function of time with normal values of unit
 // variance, correlated by exp(-(t / kHandTime)^2 / 2).
@@ -110,7 +110,7 @@ Expected<void> raise(std::vector<SimulatedSpot>& spots,
     std::normal_distribution<double> normal(mean, handling.height_sigma);
     Vec3d& place = spots[i].position;
     bool found = false;
-    for (int n = 0; n < kMostRedraws && !found; ++n) {
+    for (int n = 0; n < kMaxRedraws && !found; ++n) {
       place.z = normal(random);
       found = heights.contain(place.z) && !objects.contain(place);
     }

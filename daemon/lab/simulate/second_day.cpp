@@ -16,8 +16,8 @@
 namespace rayloc {
 namespace {
 
-constexpr int kMostPlaces = 200;                  // attempts per thing
-constexpr std::uint64_t kMostAccessPoints = 256;  // streams per day
+constexpr int kMaxPlaces = 200;                  // attempts per thing
+constexpr std::uint64_t kMaxAccessPoints = 256;  // streams per day
 
 // The stream of one access point (or of the room, the 0th) on one day.
 RandomStream stream_of(std::uint64_t seed,
@@ -25,7 +25,7 @@ RandomStream stream_of(std::uint64_t seed,
                        std::string_view purpose,
                        std::size_t access_point = 0) {
   return random_stream(
-      seed, purpose, static_cast<std::uint64_t>(day.day) * kMostAccessPoints + access_point);
+      seed, purpose, static_cast<std::uint64_t>(day.day) * kMaxAccessPoints + access_point);
 }
 
 Vec3d draw_direction(RandomStream& random) {
@@ -82,7 +82,7 @@ Vec3d draw_move(const MovableThings& things,
                 RandomStream& random) {
   std::uniform_real_distribution<double> distance(day.moved_least_m, day.moved_most_m);
   std::uniform_real_distribution<double> angle(0.0, 2.0 * std::numbers::pi);
-  for (int n = 0; n < kMostPlaces; ++n) {
+  for (int n = 0; n < kMaxPlaces; ++n) {
     const double by = distance(random);
     const double towards = angle(random);
     const Vec3d move{by * std::cos(towards), by * std::sin(towards), 0.0};

@@ -21,7 +21,7 @@ Expected<void> check_times(std::span<const SurveyPoint> ordered,
   const SurveyPoint& point = ordered[i];
   if (i > 0) {
     const SurveyPoint& last = ordered[i - 1];
-    if (options.walk && point.t_start < last.t_start + kLeastFrameInterval) {
+    if (options.walk && point.t_start < last.t_start + kMinFrameInterval) {
       return tl::make_unexpected(error_at(file,
                                           point.line,
                                           "follows within 0.2 ms of line " +
@@ -37,7 +37,7 @@ Expected<void> check_times(std::span<const SurveyPoint> ordered,
     }
   }
   const auto count = static_cast<Duration::rep>(options.frames);
-  if (!options.walk && (point.t_end - point.t_start) / count < kLeastFrameInterval) {
+  if (!options.walk && (point.t_end - point.t_start) / count < kMinFrameInterval) {
     return tl::make_unexpected(
         error_at(file,
                  point.line,

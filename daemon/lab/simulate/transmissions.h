@@ -45,8 +45,8 @@ struct TransmissionOptions {
 };
 
 // In order of time. An Error names the row of `file` at which frames do not fit: a device sends one
-// at a time, at most every kLeastFrameInterval.
-inline constexpr Duration kLeastFrameInterval = std::chrono::microseconds(200);
+// at a time, at most every kMinFrameInterval.
+inline constexpr Duration kMinFrameInterval = std::chrono::microseconds(200);
 Expected<std::vector<SimulatedSpot>> plan_transmissions(std::span<const SurveyPoint> points,
                                                         const TransmissionOptions& options,
                                                         const std::string& file);

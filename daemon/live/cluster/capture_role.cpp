@@ -18,14 +18,14 @@ StreamOptions site_stream(const std::string& site, StreamOptions options) {
 
 StreamOptions fill_stream(StreamOptions options) {
   constexpr std::chrono::hours kDays{72};  // chosen: a weekend, and time for maintenance
-  constexpr std::int64_t kMostBytes = std::int64_t{4} << 30U;  // chosen: the disk has other uses
+  constexpr std::int64_t kMaxBytes = std::int64_t{4} << 30U;  // chosen: the disk has other uses
   options.name = kFillStream;
   options.subjects = kFillSubjects;
   options.republish_to.clear();
   options.in_memory = false;
   options.max_age = kDays;
   options.max_messages_per_subject = 0;
-  options.max_bytes = kMostBytes;
+  options.max_bytes = kMaxBytes;
   return options;
 }
 

@@ -9,9 +9,9 @@ namespace {
 constexpr const char* kAbsent = "the broker was absent";
 constexpr const char* kNotKept = "no longer kept";
 // Number of batches whose contents are remembered: an hour of 20 a second.
-constexpr std::size_t kMostRemembered = 72'000;
+constexpr std::size_t kMaxRemembered = 72'000;
 // Batches per request: further ones need another request.
-constexpr std::uint64_t kMostAsked = 4096;
+constexpr std::uint64_t kMaxRequested = 4096;
 
 bool covers(const std::vector<BatchGap>& gaps, std::uint64_t number) {
   return std::any_of(gaps.begin(), gaps.end(), [number](const BatchGap& gap) {
@@ -88,7 +88,7 @@ void NumberedRing::forget(Entries::iterator at) {
   asked_.erase(at->first);
   remembered_[at->first] = {std::move(entry.counts), std::move(entry.gaps)};
   entries_.erase(at);
-  if (remembered_.size() > kMostRemembered) {
+  if (remembered_.size() > kMaxRemembered) {
     remembered_.erase(remembered_.begin());
   }
 }
@@ -186,7 +186,7 @@ bool NumberedRing::is_marked(std::uint64_t number) const {
 
 void NumberedRing::ask(std::uint64_t from, std::uint64_t to) {
   from = std::max<std::uint64_t>(from, 1);
-  to = std::min({to, last_, from + kMostAsked - 1});
+  to = std::min({to, last_, from + kMaxRequested - 1});
   for (std::uint64_t number = from; number <= to; ++number) {
     if (const auto at = entries_.find(number); at != entries_.end()) {
       if (at->second.state == State::kAcknowledged) {

@@ -6,7 +6,7 @@
 namespace rayloc {
 namespace {
 
-constexpr std::size_t kMostHeld = 4096;  // batches of a node after a hole; then it is given up
+constexpr std::size_t kMaxHeld = 4096;  // batches of a node after a hole; then it is given up
 // Starts of a node whose batches are still recognised: one a second for the retention of streams.
 constexpr std::size_t kEpochsKnown = 60;
 
@@ -42,7 +42,7 @@ void Sequencer::push(const std::string& name, Batch batch, std::vector<Taken>& o
   node.held.emplace(batch.number, std::move(batch));
   ++held_;
   take_in_order(name, node, out);
-  while (node.held.size() > kMostHeld) {
+  while (node.held.size() > kMaxHeld) {
     pass_missing(name, node, out);
   }
 }

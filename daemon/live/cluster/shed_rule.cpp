@@ -29,7 +29,7 @@ std::optional<std::uint32_t> ShedRule::next_level(Timestamp heard,
     load_ = load;
     since_ = now;
   }
-  const bool is_more = load == Load::kTooMuch && level < kMostShed;
+  const bool is_more = load == Load::kTooMuch && level < kMaxShed;
   const bool is_less = load == Load::kLittle && level > 0;
   if ((!is_more && !is_less) || now - since_ < limits_.patience) {
     return std::nullopt;

@@ -12,7 +12,7 @@
 
 namespace rayloc {
 
-inline constexpr std::uint32_t kMostShed = 3;  // an eighth is used
+inline constexpr std::uint32_t kMaxShed = 3;  // an eighth is used
 
 // Returns true for the first of every 2^level windows of 400 ms.
 bool is_used(Timestamp time, std::uint32_t level);

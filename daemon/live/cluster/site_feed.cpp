@@ -19,7 +19,7 @@ constexpr milliseconds kFeedRound{20};     // between checks for missing data
 constexpr milliseconds kFull{5};           // between checks for free room
 constexpr std::chrono::seconds kAgain{1};  // until an unanswered request or record is repeated
 constexpr milliseconds kPlaces{100};       // between places for resuming
-constexpr std::size_t kMostPlaces = 4096;  // some minutes; then every other one is dropped
+constexpr std::size_t kMaxPlaces = 4096;  // some minutes; then every other one is dropped
 
 // Keeps the entries with wanted times; returns the number of removed entries.
 template <typename Wanted>
@@ -269,7 +269,7 @@ void SiteFeed::take_owner_record(const BrokerMessage& message) {
     return;
   }
   if (record.has_shed()) {
-    shed_level_ = std::min(record.shed().level(), kMostShed);
+    shed_level_ = std::min(record.shed().level(), kMaxShed);
     return;
   }
   const v1::NodeSilent& silent = record.silent();
@@ -421,7 +421,7 @@ void SiteFeed::note_place() {
     return;
   }
   checkpoints_.push_back({std::move(here), newest_});
-  if (checkpoints_.size() > kMostPlaces) {
+  if (checkpoints_.size() > kMaxPlaces) {
     std::size_t i = 0;
     std::erase_if(checkpoints_, [&](const Checkpoint&) { return i++ % 2 == 1; });
   }

@@ -26,7 +26,7 @@ SiteResume resume_of(const v1::StreamPosition& message) {
   SiteResume resume;
   resume.place.created = Timestamp(Duration(message.stream_created_ns()));
   resume.place.sequence = message.sequence();
-  resume.shed_level = std::min(message.shed_level(), kMostShed);
+  resume.shed_level = std::min(message.shed_level(), kMaxShed);
   for (const v1::NodePosition& node : message.nodes()) {
     resume.nodes[node.node()] = {
         node.epoch(), node.number(), {node.past_epochs().begin(), node.past_epochs().end()}};

@@ -28,7 +28,7 @@ Json amplitudes(std::span<const std::complex<double>> row, double scale) {
   return list;
 }
 
-constexpr std::size_t kMostPaths = 6;   // for one access point: more would be unreadable
+constexpr std::size_t kMaxPaths = 6;   // for one access point: more would be unreadable
 constexpr double kWeakestPath = -20.0;  // [dB] below the strongest
 
 // Paths of the wave from the device to the access point, the strongest first.
@@ -44,7 +44,7 @@ Json paths_json(const Paths& paths, const Vec3d& device, const Vec3d& access_poi
   Json list = Json::array();
   for (const Path* path : strongest_first) {
     const double level = 10.0 * std::log10(abs2(path->a) / abs2(strongest_first.front()->a));
-    if (list.size() >= kMostPaths || !(level >= kWeakestPath)) {
+    if (list.size() >= kMaxPaths || !(level >= kWeakestPath)) {
       break;
     }
     Json points = Json::array({{device.x, device.y, device.z}});
@@ -63,7 +63,7 @@ std::vector<std::complex<double>> simulate(const Paths& paths,
                                            const RoomAccessPoint& access_point,
                                            const Vec3d& position) {
   const std::vector<Vec3d> offsets = offsets_of(access_point.array);
-  const std::vector<Ray> rays = rays_of(paths, room, position, kMostRays);
+  const std::vector<Ray> rays = rays_of(paths, room, position, kMaxRays);
   ModelError none = access_point.error;
   none.plan_tolerance = 0.0;
   return ObservationModel(room.grid, offsets.size(), PathKnowledge::kFull)

@@ -21,7 +21,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // In a scene with more faces than a browser draws smoothly, furniture is shown by its outline.
-constexpr std::size_t kMostFaces = 20'000;
+constexpr std::size_t kMaxFaces = 20'000;
 
 Json flat(const Vec3d& point) { return {to_millimetre(point.x), to_millimetre(point.y)}; }
 
@@ -76,7 +76,7 @@ Json plan_json(const Scene& scene) {
   const std::vector<draw::ScenePart> parts = draw::scene_parts(scene);
   const draw::FloorPlan plan = draw::floor_plan(scene, parts);
   Json shapes = Json::array();
-  if (plan.below.size() <= kMostFaces) {
+  if (plan.below.size() <= kMaxFaces) {
     for (const draw::Face& face : plan.below) {
       const draw::ScenePart& part = parts[face.object];
       shapes.push_back(shape(name_of(part.kind), part, "area", flat(face.corners)));

@@ -19,7 +19,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kMostFacesOfOne = 200;
+constexpr std::size_t kMaxFacesOfOne = 200;
 
 Json rounded_point(const Vec3d& point) {
   return {to_millimetre(point.x), to_millimetre(point.y), to_millimetre(point.z)};
@@ -54,9 +54,9 @@ std::vector<draw::Face> few_faces(const Scene& scene, const std::vector<draw::Sc
   for (const draw::Face& face : all) {
     ++counts[face.object];
   }
-  std::erase_if(all, [&](const draw::Face& face) { return counts[face.object] > kMostFacesOfOne; });
+  std::erase_if(all, [&](const draw::Face& face) { return counts[face.object] > kMaxFacesOfOne; });
   for (std::uint32_t i = 0; i < parts.size(); ++i) {
-    if (counts[i] > kMostFacesOfOne) {
+    if (counts[i] > kMaxFacesOfOne) {
       for (draw::Face& side : box_of(parts[i].bounds, i)) {
         all.push_back(std::move(side));
       }

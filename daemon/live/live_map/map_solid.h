@@ -8,7 +8,7 @@
 
 namespace rayloc {
 
-// An object with more faces than kMostFacesOfOne, such as a scan,
+// An object with more faces than kMaxFacesOfOne, such as a scan,
 // is drawn as its bounding box.
 std::string map_solid_json(const Scene& scene);
 

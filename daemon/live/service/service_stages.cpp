@@ -31,10 +31,10 @@ Expected<void> Service::check_resources(bool estimators_ready) const {
   // Three of libzmq; guard, snapshot server, publisher, estimation, HTTP, channel, ring, one that
   // stops them; each source has its own and a recorder's.
   constexpr std::size_t kThreads = 12;
-  constexpr std::size_t kMostTracing = 8;
+  constexpr std::size_t kMaxTracing = 8;
   const std::size_t tracing =
       estimators_ready ? 0
-                       : std::min<std::size_t>(std::thread::hardware_concurrency(), kMostTracing);
+                       : std::min<std::size_t>(std::thread::hardware_concurrency(), kMaxTracing);
   // Some 20 of libzmq, two of HTTP; the others are for clients.
   constexpr std::size_t kDescriptors = 48;
   const std::size_t estimations = setup_.sites.size() - 1;  // besides that of the first

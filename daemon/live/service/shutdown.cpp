@@ -19,7 +19,7 @@ void Shutdown::begin(const std::string& name, std::function<void()> step) {
 
 bool Shutdown::run(const std::string& name, Time deadline, std::function<void()> step) {
   begin(name, std::move(step));
-  return wait_for(name, std::max(deadline, std::chrono::steady_clock::now() + kLeastTime));
+  return wait_for(name, std::max(deadline, std::chrono::steady_clock::now() + kMinTime));
 }
 
 bool Shutdown::wait_for(const std::string& name, Time deadline) {

@@ -24,7 +24,7 @@ class Shutdown {
   using Time = std::chrono::steady_clock::time_point;
 
   // Minimum time of every step, however late the earlier ones were.
-  static constexpr std::chrono::milliseconds kLeastTime{100};
+  static constexpr std::chrono::milliseconds kMinTime{100};
 
   Shutdown() = default;
   // Abandons steps that have not returned: the objects that they use must outlive the process.
@@ -34,7 +34,7 @@ class Shutdown {
 
   // Begins a step in parallel to the following ones; wait_for() reports if it has returned.
   void begin(const std::string& name, std::function<void()> step);
-  // False when `step` has not returned by `deadline`, nor after kLeastTime.
+  // False when `step` has not returned by `deadline`, nor after kMinTime.
   bool run(const std::string& name, Time deadline, std::function<void()> step);
   // Waits for a late step until `deadline`; false when it has not returned by then.
   bool wait_for(const std::string& name, Time deadline);

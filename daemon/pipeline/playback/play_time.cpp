@@ -15,13 +15,13 @@ PlayTime::PlayTime(const std::vector<TimeSpan>& busy, Duration max_gap) {
       skipped_.push_back({busy[i - 1].end + max_gap, busy[i].begin});
     }
   }
-  if (skipped_.size() > kMostSkipped) {
+  if (skipped_.size() > kMaxSkipped) {
     std::nth_element(
         skipped_.begin(),
-        skipped_.begin() + kMostSkipped,
+        skipped_.begin() + kMaxSkipped,
         skipped_.end(),
         [](const TimeSpan& a, const TimeSpan& b) { return a.end - a.begin > b.end - b.begin; });
-    skipped_.resize(kMostSkipped);
+    skipped_.resize(kMaxSkipped);
     std::sort(skipped_.begin(), skipped_.end(), [](const TimeSpan& a, const TimeSpan& b) {
       return a.begin < b.begin;
     });

@@ -22,8 +22,8 @@ class PlayTime {
   // The time at which that is reached: after any skipped span.
   Timestamp recorded(Duration played) const;
 
-  // In order. At most kMostSkipped, the longest.
-  static constexpr std::size_t kMostSkipped = 256;
+  // In order. At most kMaxSkipped, the longest.
+  static constexpr std::size_t kMaxSkipped = 256;
   const std::vector<TimeSpan>& skipped() const { return skipped_; }
 
  private:

@@ -10,7 +10,7 @@
 
 namespace rayloc {
 
-inline constexpr std::size_t kMostDrawnPoints = 2'000'000;  // chosen: drawing of a city
+inline constexpr std::size_t kMaxDrawnPoints = 2'000'000;  // chosen: drawing of a city
 
 struct DrawnLine {
   std::string layer;

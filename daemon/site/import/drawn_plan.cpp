@@ -17,7 +17,7 @@
 namespace rayloc {
 namespace {
 
-constexpr std::size_t kMostLines = 4000;  // a count, chosen: all pairs are compared
+constexpr std::size_t kMaxLines = 4000;  // a count, chosen: all pairs are compared
 constexpr double kCentimetre = 0.01;
 constexpr double kMillimetre = 0.001;
 
@@ -136,11 +136,11 @@ class PlanMaker {
   Expected<void> add(const DrawnLine& line) {
     const std::string kind = table_.layer(line.layer);
     const std::size_t before = kind == "wall" ? walls_.size() : windows_.size();
-    if ((kind == "wall" || kind == "window") && before + line.points.size() > kMostLines) {
+    if ((kind == "wall" || kind == "window") && before + line.points.size() > kMaxLines) {
       return bad_input(
           fmt::format("has more than {} lines of walls or windows; export one storey, "
                       "without hatches",
-                      kMostLines));
+                      kMaxLines));
     }
     if (kind == "wall" && line.is_closed) {
       if (const auto crossing = own_crossing(line.points)) {

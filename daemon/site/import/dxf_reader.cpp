@@ -20,7 +20,7 @@ namespace {
 
 constexpr int kMaxBlockDepth = 16;  // blocks within blocks, chosen
 constexpr const char* kArc = "arcs of polylines, of which the chords were taken";
-constexpr double kMostFlags = 65536.0;
+constexpr double kMaxFlags = 65536.0;
 
 // Metres per $INSUNITS number; 0: not stated here.
 constexpr std::array<double, 8> kDxfUnits = {0.0, 0.0254, 0.3048, 0.0, 0.001, 0.01, 1.0, 1000.0};
@@ -81,7 +81,7 @@ class Groups {
   // For flags.
   bool is_odd() {
     const double flags = number();
-    return std::abs(flags) < kMostFlags && (static_cast<int>(flags) & 1) != 0;
+    return std::abs(flags) < kMaxFlags && (static_cast<int>(flags) & 1) != 0;
   }
   double number() {
     double number = 0.0;
@@ -142,7 +142,7 @@ class DxfReader {
       return bad_input(groups_.error());
     }
     place(model_, {}, "", 0);
-    if (points_ > kMostDrawnPoints) {
+    if (points_ > kMaxDrawnPoints) {
       return bad_input(file_ + ": has more points than a plan of rooms; export one storey");
     }
     if (!is_finite_) {
@@ -342,7 +342,7 @@ class DxfReader {
   void place(const Block& block, const Placing& placing, const std::string& layer, int depth) {
     for (const DrawnLine& line : block.lines) {
       points_ += line.points.size();
-      if (points_ > kMostDrawnPoints) {
+      if (points_ > kMaxDrawnPoints) {
         return;
       }
       DrawnLine placed{
@@ -359,7 +359,7 @@ class DxfReader {
       left_out_[kind] += count;
     }
     for (const Insert& insert : block.inserts) {
-      if (++points_ > kMostDrawnPoints) {
+      if (++points_ > kMaxDrawnPoints) {
         return;
       }
       const auto found = blocks_.find(insert.block);

@@ -22,13 +22,13 @@ constexpr std::size_t kDenseTriangles = 1000;  // chosen; more than are drawn by
 constexpr std::size_t kDenseInScan = 48;       // chosen: four times a box
 constexpr double kDenseArea = 0.01;            // [m^2] per triangle, chosen
 constexpr double kSmoothing = 0.12;        // [m], chosen: ten times the roughness of a phone's scan
-constexpr double kLeastCosine = 0.85;      // in neighbourhoods of one plane, chosen: 32 degrees
+constexpr double kMinCosine = 0.85;      // in neighbourhoods of one plane, chosen: 32 degrees
 constexpr double kSeedCoherence = 0.85;    // share of the median, chosen: across a right angle 0.71
-constexpr double kLeastTolerance = 0.004;  // [m], chosen
-constexpr double kMostTolerance = 0.05;    // [m], chosen; more joins a wall and objects at it
-constexpr double kLeastRegion = 0.03;      // [m^2], chosen; smaller areas reflect little
+constexpr double kMinTolerance = 0.004;  // [m], chosen
+constexpr double kMaxTolerance = 0.05;    // [m], chosen; more joins a wall and objects at it
+constexpr double kMinRegion = 0.03;      // [m^2], chosen; smaller areas reflect little
 constexpr double kSnap = 0.08;             // [m], chosen: an edge this close ends at the plane
-constexpr double kLeastWidth = 0.01;  // [m], chosen; narrower strips are rounding of the outline
+constexpr double kMinWidth = 0.01;  // [m], chosen; narrower strips are rounding of the outline
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
 struct Triangle {
@@ -138,7 +138,7 @@ double roughness(const std::vector<Triangle>& triangles) {
       fit.add(one.middle, one.area);
       for (const std::uint32_t next : one.neighbours) {
         if (next != kNone && norm(triangles[next].middle - triangles[i].middle) < kSmoothing &&
-            dot(triangles[next].facing, triangles[i].facing) > kLeastCosine &&
+            dot(triangles[next].facing, triangles[i].facing) > kMinCosine &&
             seen.try_emplace(next, true).second) {
           near.push_back(next);
         }
@@ -149,7 +149,7 @@ double roughness(const std::vector<Triangle>& triangles) {
     }
   }
   if (errors.empty()) {
-    return kLeastTolerance;
+    return kMinTolerance;
   }
   std::nth_element(errors.begin(),
                    errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2),
@@ -178,16 +178,16 @@ Region grow(std::uint32_t seed,
     queue.pop_front();
     const Triangle& one = triangles[i];
     // A region smaller than a neighbourhood uses the plane of its seed, with a larger tolerance.
-    const double reach = region.area < kLeastRegion ? 2.0 * tolerance : tolerance;
+    const double reach = region.area < kMinRegion ? 2.0 * tolerance : tolerance;
     if (std::abs(dot(region.plane.normal, one.middle - region.plane.middle)) > reach ||
-        dot(region.plane.normal, one.facing) < kLeastCosine) {
+        dot(region.plane.normal, one.facing) < kMinCosine) {
       taken[i] = false;
       continue;
     }
     region.triangles.push_back(i);
     region.area += one.area;
     fit.add(one.middle, one.area);
-    if (region.area > kLeastRegion && region.area > 1.1 * fitted_area) {
+    if (region.area > kMinRegion && region.area > 1.1 * fitted_area) {
       const Vec3d facing = region.plane.normal;
       region.plane = fit.solve();
       if (dot(facing, region.plane.normal) < 0.0) {
@@ -291,7 +291,7 @@ void add_rectangle(const Coverage::Rectangle& r,
                    const Region& region,
                    const PlaneAxes& axes,
                    Mesh& mesh) {
-  if (r.high_u - r.low_u < kLeastWidth || r.high_v - r.low_v < kLeastWidth) {
+  if (r.high_u - r.low_u < kMinWidth || r.high_v - r.low_v < kMinWidth) {
     return;
   }
   const double offset = dot(region.plane.normal, region.plane.middle);
@@ -399,7 +399,7 @@ ScanPlanes find_planes(const Mesh& mesh, double tolerance) {
   ScanPlanes found;
   found.tolerance = tolerance > 0.0
                         ? tolerance
-                        : std::clamp(roughness(triangles), kLeastTolerance, kMostTolerance);
+                        : std::clamp(roughness(triangles), kMinTolerance, kMaxTolerance);
   std::vector<std::uint32_t> seeds(triangles.size());
   std::iota(seeds.begin(), seeds.end(), 0U);
   std::stable_sort(seeds.begin(), seeds.end(), [&](std::uint32_t a, std::uint32_t b) {
@@ -419,7 +419,7 @@ ScanPlanes find_planes(const Mesh& mesh, double tolerance) {
     }
     Region region = grow(seed, found.tolerance, triangles, taken);
     taken[seed] = true;
-    if (region.area >= kLeastRegion) {
+    if (region.area >= kMinRegion) {
       regions.push_back(std::move(region));
     }
   }

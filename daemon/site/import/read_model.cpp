@@ -23,7 +23,7 @@
 namespace rayloc {
 namespace {
 
-constexpr std::size_t kMostTriangles = 5'000'000;  // chosen: 2 GiB in memory
+constexpr std::size_t kMaxTriangles = 5'000'000;  // chosen: 2 GiB in memory
 // Heights of rooms [m], chosen.
 constexpr double kLowRoom = 1.9;
 constexpr double kHighRoom = 4.5;
@@ -55,7 +55,7 @@ class Collector {
 
   void add(const aiNode& node, const aiMatrix4x4& above) {
     const aiMatrix4x4 here = above * node.mTransformation;
-    for (unsigned i = 0; i < node.mNumMeshes && triangles_ <= kMostTriangles; ++i) {
+    for (unsigned i = 0; i < node.mNumMeshes && triangles_ <= kMaxTriangles; ++i) {
       add_mesh(node, *scene_.mMeshes[node.mMeshes[i]], here);
     }
     for (unsigned i = 0; i < node.mNumChildren; ++i) {
@@ -258,13 +258,13 @@ Expected<Model> read_model(const std::filesystem::path& file,
   if (!collector.is_finite()) {
     return bad_input(place + "has a coordinate that is not a finite number; export it again");
   }
-  if (collector.triangles() > kMostTriangles) {
+  if (collector.triangles() > kMaxTriangles) {
     return bad_input(
         fmt::format("{}has {} triangles, more than the {} that are read; export a "
                     "scan of fewer",
                     place,
                     collector.triangles(),
-                    kMostTriangles));
+                    kMaxTriangles));
   }
   model.parts = collector.finish();
   if (model.parts.empty()) {

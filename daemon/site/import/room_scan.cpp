@@ -24,7 +24,7 @@ using Json = nlohmann::json;
 constexpr std::array<int, 2> kVersions = {1, 2};
 constexpr double kRigid = 0.01;           // chosen: axes, deviation from unit length and square
 constexpr double kFarthest = 1000.0;      // [m], chosen: distance from the start of the scan
-constexpr std::size_t kMostParts = 5000;  // count, chosen: per list
+constexpr std::size_t kMaxParts = 5000;  // count, chosen: per list
 // Keys that are read, and keys without information on the shape of the room.
 constexpr std::array<std::string_view, 6> kLists = {
     "walls", "doors", "windows", "openings", "floors", "objects"};
@@ -102,8 +102,8 @@ class RoomScanReader {
   }
 
   Expected<void> read_list(std::string_view list, const Json& items) {
-    if (!items.is_array() || items.size() > kMostParts) {
-      return refuse(fmt::format("its '{}' is no list of at most {}", list, kMostParts));
+    if (!items.is_array() || items.size() > kMaxParts) {
+      return refuse(fmt::format("its '{}' is no list of at most {}", list, kMaxParts));
     }
     for (std::size_t i = 0; i < items.size(); ++i) {
       const Json& item = items[i];

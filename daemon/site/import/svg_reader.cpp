@@ -25,7 +25,7 @@ namespace {
 
 constexpr int kMaxGroupDepth = 64;      // groups within groups, chosen
 constexpr int kCorners = 16;            // for a circle, chosen
-constexpr double kLeastRoom = 1.5;      // [m], chosen: the longer side of a plan of rooms
+constexpr double kMinRoom = 1.5;      // [m], chosen: the longer side of a plan of rooms
 constexpr double kPixel = 0.0254 / 96;  // [m] on paper; CSS 2.1, 4.3.2
 
 constexpr std::array<std::string_view, 4> kGroups = {"g", "svg", "a", "switch"};
@@ -81,7 +81,7 @@ class SvgReader {
     if (auto read = xml_.check(); !read) {
       return tl::make_unexpected(std::move(read.error()));
     }
-    if (points_ > kMostDrawnPoints) {
+    if (points_ > kMaxDrawnPoints) {
       return refuse("has more points than a plan of rooms; export one storey");
     }
     if (drawing_.lines.empty()) {
@@ -139,7 +139,7 @@ class SvgReader {
             const std::string& layer,
             int depth) {
     for (const pugi::xml_node& node : parent.children()) {
-      if (node.type() == pugi::node_element && points_ <= kMostDrawnPoints) {
+      if (node.type() == pugi::node_element && points_ <= kMaxDrawnPoints) {
         draw(node, placing, layer, depth);
       }
     }
@@ -157,7 +157,7 @@ class SvgReader {
       ++left_out_["hidden"];
       return;
     }
-    if (depth == kMaxGroupDepth || ++points_ > kMostDrawnPoints) {
+    if (depth == kMaxGroupDepth || ++points_ > kMaxDrawnPoints) {
       ++left_out_["in groups that are too deep"];
       return;
     }
@@ -378,7 +378,7 @@ class SvgReader {
     if (paper <= 0.0) {
       return refuse(fmt::format("does not state its size: its lengths are pixels; {}", kCure));
     }
-    if (const double side = longer_side() * paper; side < kLeastRoom) {
+    if (const double side = longer_side() * paper; side < kMinRoom) {
       return refuse(fmt::format(
           "is {:.0f} mm large on paper, and does not state its scale; {}", 1e3 * side, kCure));
     }

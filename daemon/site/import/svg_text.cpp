@@ -150,7 +150,7 @@ class PathReader {
     return to.has_value();
   }
   void go(const FloorPoint& to) {
-    if (count_ <= kMostDrawnPoints) {  // one more exceeds the limit, which the reader reports
+    if (count_ <= kMaxDrawnPoints) {  // one more exceeds the limit, which the reader reports
       if (line_.points.empty()) {
         line_.points.push_back(at_);
       }

@@ -15,7 +15,7 @@ constexpr double kReach = 0.5;         // [m], of a side of the box to a face: a
 constexpr double kReachShare = 0.125;  // maximum share of the room's size
 constexpr double kSizeSlack = 0.6;     // [m], excess of a scene over its room: two walls
 constexpr double kSizeShare = 0.1;     // plus this share of it
-constexpr double kMostShare = 0.3;     // maximum share
+constexpr double kMaxShare = 0.3;     // maximum share
 constexpr double kSmallestRoom = 1.2;  // [m]; smaller ones match too many other objects
 constexpr double kSameOrigin = 0.1;    // [m]
 constexpr int kAllSides = 6;
@@ -42,7 +42,7 @@ bool is_as_large(const Vec3d& scene, const Vec3d& room) {
   const auto s = coordinates(scene);
   const auto r = coordinates(room);
   for (std::size_t i = 0; i < 3; ++i) {
-    const double slack = std::min(kSizeSlack + kSizeShare * r.at(i), kMostShare * r.at(i));
+    const double slack = std::min(kSizeSlack + kSizeShare * r.at(i), kMaxShare * r.at(i));
     if (std::abs(s.at(i) - r.at(i)) > slack) {
       return false;
     }

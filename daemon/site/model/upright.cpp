@@ -111,12 +111,12 @@ std::optional<NamedUp> wrong_up_by_name(const Scene& scene) {
   const Vector size = as_array(scene.bounds_max() - scene.bounds_min());
   for (const std::size_t axis : {1U, 0U}) {
     const bool both = floor.lies_across(axis) && ceiling.lies_across(axis);
-    constexpr double kLeastShare = 0.1;
+    constexpr double kMinShare = 0.1;
     if (both && std::abs(floor.place(axis) - ceiling.place(axis)) > 0.5 * size.at(axis)) {
       return NamedUp{axis, true};
     }
-    if ((floor.lies_across(axis) && floor.area > kLeastShare * all && ceiling.area == 0.0) ||
-        (ceiling.lies_across(axis) && ceiling.area > kLeastShare * all && floor.area == 0.0)) {
+    if ((floor.lies_across(axis) && floor.area > kMinShare * all && ceiling.area == 0.0) ||
+        (ceiling.lies_across(axis) && ceiling.area > kMinShare * all && floor.area == 0.0)) {
       return NamedUp{axis, false};
     }
   }

@@ -150,7 +150,7 @@ double nearness(const Face& face, const Vec3d& towards_viewer) {
 }  // namespace
 
 std::vector<Face> painter_order(std::vector<Face> faces, const Vec3d& towards_viewer) {
-  if (faces.size() > kMostSplit) {
+  if (faces.size() > kMaxSplit) {
     std::stable_sort(faces.begin(), faces.end(), [&](const Face& a, const Face& b) {
       return nearness(a, towards_viewer) < nearness(b, towards_viewer);
     });

@@ -19,7 +19,7 @@ constexpr double kMinRoomArea = 1e-2;   // [m^2]; the same for a room
 // Walls of two rooms with at most this distance everywhere
 // are one wall [m]: corners are written to the millimetre.
 constexpr double kSameWall = 1e-3;
-constexpr double kLeastPiece = 1e-10;  // [m^2]; smaller is rounding
+constexpr double kMinPiece = 1e-10;  // [m^2]; smaller is rounding
 
 double distance(const FloorPoint& a, const FloorPoint& b) {
   return std::hypot(a[0] - b[0], a[1] - b[1]);
@@ -180,9 +180,9 @@ std::string name_in(const PlanRoom& room, const std::string& part) {
 
 std::optional<std::string> outline_mistake(std::span<const FloorPoint> outline) {
   const std::size_t n = outline.size();
-  if (n < 3 || n > kMostOutlineCorners) {
+  if (n < 3 || n > kMaxOutlineCorners) {
     return "has " + std::to_string(n) + " corners; write 3 to " +
-           std::to_string(kMostOutlineCorners) + ", in the order of the outline";
+           std::to_string(kMaxOutlineCorners) + ", in the order of the outline";
   }
   for (std::size_t i = 0; i < n; ++i) {
     if (distance(outline[i], outline[(i + 1) % n]) < kShortestWall) {
@@ -283,7 +283,7 @@ Mesh ceiling_mesh(const PlanRoom& room) {
           piece = clipped(piece, planes[k], planes[j]);
         }
       }
-      if (piece.size() < 3 || std::abs(signed_area(piece)) < kLeastPiece) {
+      if (piece.size() < 3 || std::abs(signed_area(piece)) < kMinPiece) {
         continue;
       }
       const auto first = static_cast<std::uint32_t>(mesh.vertices.size());

@@ -59,7 +59,7 @@ struct PlanRoom {
 // "floor" of the only room, "kitchen_floor" of a room with a name.
 std::string name_in(const PlanRoom& room, const std::string& part);
 
-inline constexpr std::size_t kMostOutlineCorners = 256;
+inline constexpr std::size_t kMaxOutlineCorners = 256;
 // The error of the outline, with a remedy.
 std::optional<std::string> outline_mistake(std::span<const FloorPoint> outline);
 

@@ -12,7 +12,7 @@ namespace rayloc {
 namespace {
 
 constexpr NumberRange kHeight{0.1, 1e3, "m"};
-constexpr double kLeastLength = 1e-3;  // [m]; shorter ones are typing errors
+constexpr double kMinLength = 1e-3;  // [m]; shorter ones are typing errors
 // A steeper plane is a wall [m per metre].
 constexpr double kSteepest = 20.0;
 constexpr std::string_view kOutlineExample = "outline = [[0, 0], [6, 0], [6, 4], [0, 4]]";
@@ -184,7 +184,7 @@ void RoomReader::read_room(const TomlTable& table) {
   room.floor = single ? default_floor_ : material(table, "floor", default_floor_);
   room.ceiling = single ? default_ceiling_ : material(table, "ceiling", default_ceiling_);
   if (!read_outline(table, room)) {
-    for (std::size_t i = 0; i < kMostOutlineCorners; ++i) {
+    for (std::size_t i = 0; i < kMaxOutlineCorners; ++i) {
       table.ask_for(wall_key(i));  // the number of walls is unknown
     }
     sound_ = false;
@@ -324,7 +324,7 @@ void RoomReader::read_partitions(const std::vector<PlanRoom>& rooms) {
     }
     wall.from = *from;
     wall.to = *to;
-    if (wall.length() < kLeastLength) {
+    if (wall.length() < kMinLength) {
       table.error_at("to", "the wall ends where it begins; correct 'from' or 'to'");
       continue;
     }

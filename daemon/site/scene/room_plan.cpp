@@ -14,7 +14,7 @@
 namespace rayloc {
 namespace {
 
-constexpr double kLeastSize = 1e-3;       // [m]; smaller ones are typing errors
+constexpr double kMinSize = 1e-3;       // [m]; smaller ones are typing errors
 constexpr double kLargestRoom = 1'000.0;  // [m]
 constexpr std::array<std::string_view, 4> kWalls = {"west", "east", "south", "north"};
 
@@ -218,7 +218,7 @@ class PlanReader {
                             const Face& face,
                             PlanHole& opening) {
     for (std::size_t i = 0; i < 2; ++i) {
-      if (size.at(i) < kLeastSize) {
+      if (size.at(i) < kMinSize) {
         table.error_at("size",
                        "'size' has " + to_text(size.at(i)) + " m; write width and height, in m");
         return false;
@@ -274,7 +274,7 @@ class PlanReader {
     }
     const auto flat = std::count(size->begin(), size->end(), 0.0);
     const bool thin = std::any_of(size->begin(), size->end(), [](double value) {
-      return value != 0.0 && (value < kLeastSize || value > kLargestRoom);
+      return value != 0.0 && (value < kMinSize || value > kLargestRoom);
     });
     if (flat > 1 || thin) {
       table.error_at("size",

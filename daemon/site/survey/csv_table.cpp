@@ -11,9 +11,9 @@ namespace {
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-constexpr std::size_t kMostBytes = 64U << 20U;
-constexpr std::size_t kMostRows = 1'000'000;
-constexpr std::size_t kMostColumns = 256;
+constexpr std::size_t kMaxBytes = 64U << 20U;
+constexpr std::size_t kMaxRows = 1'000'000;
+constexpr std::size_t kMaxColumns = 256;
 
 std::string in_small_letters(std::string_view text) {
   std::string result(text);
@@ -33,7 +33,7 @@ std::size_t filled(const CsvReader::Record& record) {
 }
 
 std::string too_long(const std::string& name) {
-  return name + ": longer than " + std::to_string(kMostBytes >> 20U) +
+  return name + ": longer than " + std::to_string(kMaxBytes >> 20U) +
          " MiB: is this the file that you mean? Give it in parts";
 }
 
@@ -42,14 +42,14 @@ std::string too_long(const std::string& name) {
 std::optional<Duration> parse_decimal_seconds(std::string_view text) {
   constexpr std::int64_t kPerSecond = 1'000'000'000;
   // One second less than the maximum of Duration, so that the fraction always fits.
-  constexpr std::int64_t kMostSeconds = std::numeric_limits<std::int64_t>::max() / kPerSecond - 1;
+  constexpr std::int64_t kMaxSeconds = std::numeric_limits<std::int64_t>::max() / kPerSecond - 1;
   const bool negative = !text.empty() && text.front() == '-';
   std::size_t at = !text.empty() && (negative || text.front() == '+') ? 1 : 0;
   const std::size_t first_digit = at;
   std::int64_t seconds = 0;
   for (; at < text.size() && is_digit(text[at]); ++at) {
     seconds = seconds * 10 + (text[at] - '0');
-    if (seconds > kMostSeconds) {
+    if (seconds > kMaxSeconds) {
       return std::nullopt;
     }
   }
@@ -86,7 +86,7 @@ Expected<CsvTable> CsvTable::load(const std::filesystem::path& file) {
   // The length of a pipe is unknown in advance.
   std::string text;
   constexpr std::size_t kBlock = 64U << 10U;
-  while (stream && text.size() <= kMostBytes) {
+  while (stream && text.size() <= kMaxBytes) {
     const std::size_t size = text.size();
     text.resize(size + kBlock);
     stream.read(&text[size], static_cast<std::streamsize>(kBlock));
@@ -99,12 +99,12 @@ Expected<CsvTable> CsvTable::load(const std::filesystem::path& file) {
 }
 
 Expected<CsvTable> CsvTable::parse(std::string_view text, std::string name) {
-  if (text.size() > kMostBytes) {
+  if (text.size() > kMaxBytes) {
     return bad_input(too_long(name));
   }
   CsvTable table;
   table.name_ = std::move(name);
-  CsvReader reader(text, table.name_, ErrorKind::kBadInput, kMostColumns);
+  CsvReader reader(text, table.name_, ErrorKind::kBadInput, kMaxColumns);
   CsvReader::Record record;
   while (true) {
     const auto more = reader.next(record);
@@ -142,8 +142,8 @@ Expected<void> CsvTable::add_row(const CsvReader::Record& record) {
     return bad_input(place() + std::to_string(record.size()) + " values, but the header has " +
                      std::to_string(columns_.size()) + " columns");
   }
-  if (rows() == kMostRows) {
-    return bad_input(place() + "more than " + std::to_string(kMostRows) +
+  if (rows() == kMaxRows) {
+    return bad_input(place() + "more than " + std::to_string(kMaxRows) +
                      " rows: is this the file that you mean? Give it in parts");
   }
   for (std::size_t i = 0; i < columns_.size(); ++i) {

@@ -14,10 +14,10 @@ Expected<std::vector<SurveyPoint>> load_points_csv(const std::filesystem::path& 
     return bad_input(path.string() + ": no spots, only a header");
   }
   // A person walks the survey, and its rows are compared with each other.
-  constexpr std::size_t kMostSpots = 20'000;
-  if (points && points->size() > kMostSpots) {
+  constexpr std::size_t kMaxSpots = 20'000;
+  if (points && points->size() > kMaxSpots) {
     return bad_input(path.string() + ": " + std::to_string(points->size()) + " spots; at most " +
-                     std::to_string(kMostSpots) + " are read: is this the survey?");
+                     std::to_string(kMaxSpots) + " are read: is this the survey?");
   }
   return points;
 }

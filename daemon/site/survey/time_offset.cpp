@@ -8,8 +8,8 @@ namespace rayloc {
 
 Expected<Duration> parse_time_offset(const std::string& text) {
   const auto offset = parse_decimal_seconds(text);
-  constexpr auto kMostOffset = std::chrono::hours(24 * 365 * 100);
-  if (!offset || *offset > kMostOffset || *offset < -kMostOffset) {
+  constexpr auto kMaxOffset = std::chrono::hours(24 * 365 * 100);
+  if (!offset || *offset > kMaxOffset || *offset < -kMaxOffset) {
     return make_error(
         ErrorKind::kUsage,
         "--time-offset " + text + ": write seconds as a decimal number, at most a century");

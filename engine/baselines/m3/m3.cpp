@@ -17,7 +17,7 @@ namespace rayloc {
 namespace {
 
 constexpr int kAlignments = 5;              // of the hops to the paths, a count
-constexpr double kLeastSigmaTau = 1e-9;     // [s], of a delay after the first path
+constexpr double kMinSigmaTau = 1e-9;     // [s], of a delay after the first path
 constexpr double kSigmaOfResolution = 0.1;  // of 1 / band, a ratio
 constexpr double kDelays = 70e-9;           // [s], range of the delays of an unknown path
 
@@ -174,7 +174,7 @@ double M3::log_likelihood(const M3Paths& heard, const Vec3d& place) const {
   const SagePath& first = heard.paths.front();
   double sum = std::log(normal(off(first.u, place), options_.sigma_u) +
                         normal(4.0 * options_.sigma_u, options_.sigma_u));
-  const double sigma_tau = std::max(kLeastSigmaTau, kSigmaOfResolution / heard.band);
+  const double sigma_tau = std::max(kMinSigmaTau, kSigmaOfResolution / heard.band);
   const auto& mirrors = reflectors_[heard.access_point];
   // A phase of a wide array covers only a part of the circle of sines.
   const double anywhere = 1.0 / (std::min(2.0, kTwoPi / turns) * kDelays);

@@ -1,7 +1,7 @@
 // FrameSeries: the frames of one link, resampled in equal steps of time.
 //
 // Frames arrive at irregular times and some are lost. Samples are interpolated between two frames
-// that are at most kMostBridged steps apart; a longer gap ends the series. A retry is a sample like
+// that are at most kMaxBridged steps apart; a longer gap ends the series. A retry is a sample like
 // any other: it was sent at its own time through the channel of that time.
 #pragma once
 
@@ -14,7 +14,7 @@
 
 namespace rayloc {
 
-inline constexpr double kMostBridged = 4.5;  // [steps], from frame to frame: three are lost
+inline constexpr double kMaxBridged = 4.5;  // [steps], from frame to frame: three are lost
 
 class FrameSeries {
  public:

@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kSmoothingPasses = 3;   // a count, of the published release
 constexpr std::size_t kChord = 2;     // samples from end to end of a tangent
-constexpr double kLeastRange = 1e-3;  // [rad/s], chosen: lower limit of a rotation's range
+constexpr double kMinRange = 1e-3;  // [rad/s], chosen: lower limit of a rotation's range
 
 int odd_samples(double seconds, double step_s) {
   return 2 * static_cast<int>(std::lround(0.5 * (seconds / step_s - 1.0))) + 1;
@@ -83,7 +83,7 @@ std::vector<PathRate> path_rates(std::span<const std::complex<double>> ratio,
     const auto [least, most] =
         std::minmax_element(turning.begin() + static_cast<std::ptrdiff_t>(from),
                             turning.begin() + static_cast<std::ptrdiff_t>(to));
-    all[i] = {rate[i], 1.0 / (std::max(*most - *least, kLeastRange) * window)};
+    all[i] = {rate[i], 1.0 / (std::max(*most - *least, kMinRange) * window)};
   }
   return all;
 }

@@ -27,10 +27,10 @@ struct PathRate {
 };
 
 // Minimum samples in the window of the smoothing.
-inline constexpr int kLeastSmoothing = 5;
+inline constexpr int kMinSmoothing = 5;
 
 // One for each sample; values within half a window of each end are less accurate. `ratio`: of one
-// tone, `step_s` apart. REQUIRES: a window of kLeastSmoothing samples.
+// tone, `step_s` apart. REQUIRES: a window of kMinSmoothing samples.
 std::vector<PathRate> path_rates(std::span<const std::complex<double>> ratio,
                                  double step_s,
                                  double wavelength,

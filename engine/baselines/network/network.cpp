@@ -12,7 +12,7 @@ namespace rayloc {
 namespace {
 
 // Three poolings or strides by two leave at least one of so many columns.
-constexpr std::size_t kLeastColumns = 8;  // a count
+constexpr std::size_t kMinColumns = 8;  // a count
 constexpr std::size_t kLeNetRows = 5;     // a count: its last pooling covers all
 
 // --- The networks, from the image at the end to the loss at the beginning. ---------------------
@@ -187,7 +187,7 @@ class Network::ModelOf : public Network::Model {
 };
 
 bool is_possible(const NetworkShape& shape) {
-  return shape.classes > 1 && shape.image.channels > 0 && shape.image.columns >= kLeastColumns &&
+  return shape.classes > 1 && shape.image.channels > 0 && shape.image.columns >= kMinColumns &&
          (shape.kind == NetworkKind::kMobileNet ? shape.image.rows > 0
                                                 : shape.image.rows == kLeNetRows);
 }

@@ -11,7 +11,7 @@ namespace {
 
 // Allowed position error of an antenna relative to the spacing; a ratio, chosen: calibrated arrays
 // are off by 1 %, and at 5 % a bearing of 1.5 wavelengths is off by half a radian.
-constexpr double kMostOff = 0.05;
+constexpr double kMaxOff = 0.05;
 
 }  // namespace
 
@@ -33,7 +33,7 @@ std::optional<AntennaLine> antenna_line(const AntennaArray& array,
   for (std::size_t i = 0; i < elements.size(); ++i) {
     const Vec3d off =
         offset[elements[i]] - first - Vec3d{0.0, spacing * static_cast<double>(i), 0.0};
-    if (norm(off) > kMostOff * spacing) {
+    if (norm(off) > kMaxOff * spacing) {
       return std::nullopt;
     }
   }

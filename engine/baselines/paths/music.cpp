@@ -19,7 +19,7 @@ namespace {
 using std::complex;
 
 // Minimum share of a steering vector's power outside the paths already found; a ratio.
-constexpr double kLeastLeft = 1e-3;
+constexpr double kMinRemaining = 1e-3;
 constexpr int kNewtonSteps = 4;  // a count: the second already moves it by less than 1e-4 steps
 constexpr double kProbe = 0.05;  // of a grid step: for derivatives by differences
 
@@ -86,7 +86,7 @@ double score_of(const Eigen::MatrixXcd& found,
                 const Eigen::MatrixXcd& signal,
                 const Eigen::VectorXcd& vector) {
   const double left = vector.squaredNorm() - (found.adjoint() * vector).squaredNorm();
-  return left > kLeastLeft * vector.squaredNorm() ? (signal.adjoint() * vector).squaredNorm() / left
+  return left > kMinRemaining * vector.squaredNorm() ? (signal.adjoint() * vector).squaredNorm() / left
                                                   : 0.0;
 }
 
@@ -100,7 +100,7 @@ PathAtArray Music::highest(const Subspace& space) const {
   best.score = -1.0;
   for (Eigen::Index tau = 0; tau < signal.cols(); ++tau) {
     for (Eigen::Index psi = 0; psi < signal.rows(); ++psi) {
-      if (left(psi, tau) > kLeastLeft * whole && signal(psi, tau) / left(psi, tau) > best.score) {
+      if (left(psi, tau) > kMinRemaining * whole && signal(psi, tau) / left(psi, tau) > best.score) {
         best = {std::arg(antenna_(psi, 1)),
                 options_.most_tau *
                     (2.0 * static_cast<double>(tau) / static_cast<double>(tone_.rows() - 1) - 1.0),

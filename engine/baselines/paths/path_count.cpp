@@ -15,7 +15,7 @@ std::size_t by_drop(std::span<const double> e) {
   std::size_t last = 0;
   std::size_t steepest = 1;
   double most = 0.0;
-  for (std::size_t i = 0; i + 1 < e.size() && i < kMostPaths; ++i) {
+  for (std::size_t i = 0; i + 1 < e.size() && i < kMaxPaths; ++i) {
     if (!(e[i] > kMinEigenvalueShare * e[0])) {
       break;
     }
@@ -36,7 +36,7 @@ std::size_t by_description_length(std::span<const double> e, std::size_t snapsho
   const auto t = static_cast<double>(snapshots);
   std::size_t best = 0;
   double least = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < e.size() && i <= kMostPaths; ++i) {
+  for (std::size_t i = 0; i < e.size() && i <= kMaxPaths; ++i) {
     const auto n = static_cast<double>(e.size() - i);
     double logs = 0.0;
     double sum = 0.0;
@@ -70,7 +70,7 @@ std::size_t count_paths(std::span<const double> eigenvalues,
   const std::size_t count = rule == PathCountRule::kDrop
                                 ? by_drop(eigenvalues)
                                 : by_description_length(eigenvalues, snapshots);
-  return std::clamp(count, kFewestPaths, kMostPaths);
+  return std::clamp(count, kFewestPaths, kMaxPaths);
 }
 
 }  // namespace rayloc

@@ -19,9 +19,9 @@ enum class PathCountRule {
 std::span<const std::string_view> path_count_rule_names();
 
 inline constexpr std::size_t kFewestPaths = 2;  // a count, lower limit
-inline constexpr std::size_t kMostPaths = 5;    // a count, of a room [SF]
+inline constexpr std::size_t kMaxPaths = 5;    // a count, of a room [SF]
 
-// From kFewestPaths to kMostPaths. `eigenvalues`: descending, not negative; `snapshots`: number of
+// From kFewestPaths to kMaxPaths. `eigenvalues`: descending, not negative; `snapshots`: number of
 // snapshots in the covariance.
 std::size_t count_paths(std::span<const double> eigenvalues,
                         std::size_t snapshots,

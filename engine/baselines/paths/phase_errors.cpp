@@ -11,7 +11,7 @@ namespace {
 constexpr std::size_t kLeast = 10;  // errors, a count, chosen
 constexpr int kRounds = 500;  // of expectation maximisation, a count: it converges far earlier
 constexpr double kMinPhaseSigma = 0.02;   // [rad], chosen: below that of any known array
-constexpr double kLeastOutliers = 0.005;  // a share, chosen: none in a few dozen is no proof
+constexpr double kMinOutliers = 0.005;  // a share, chosen: none in a few dozen is no proof
 
 }  // namespace
 
@@ -33,7 +33,7 @@ PhaseErrors fit_phase_errors(std::span<const double> errors) {
       squares += share * error * error;
     }
     fit.sigma = std::max(kMinPhaseSigma, std::sqrt(squares / std::max(inside, 1.0)));
-    fit.outliers = std::max(kLeastOutliers, 1.0 - inside / count);
+    fit.outliers = std::max(kMinOutliers, 1.0 - inside / count);
   }
   return fit;
 }

@@ -5,8 +5,8 @@
 namespace rayloc {
 namespace {
 
-constexpr std::size_t kMostTones = 32;  // of a comb, a count: the cost of a fix grows with its cube
-constexpr std::size_t kLeastTones = 8;  // of a comb, a count, chosen: fewer resolve no delays
+constexpr std::size_t kMaxTones = 32;  // of a comb, a count: the cost of a fix grows with its cube
+constexpr std::size_t kMinTones = 8;  // of a comb, a count, chosen: fewer resolve no delays
 constexpr int kLargestStep = 64;        // [tones], for a channel of 160 MHz with HE's narrow tones
 
 }  // namespace
@@ -27,7 +27,7 @@ ToneComb tone_comb(const OfdmGrid& grid) {
       lower.push_back(place(-index));
     }
     const std::size_t tones = 2 * upper.size();
-    if (tones >= kLeastTones && tones <= kMostTones) {
+    if (tones >= kMinTones && tones <= kMaxTones) {
       ToneComb comb{{lower.rbegin(), lower.rend()}, step * grid.spacing_hz};
       comb.tone.insert(comb.tone.end(), upper.begin(), upper.end());
       return comb;

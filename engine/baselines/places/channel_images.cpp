@@ -9,7 +9,7 @@
 namespace rayloc {
 namespace {
 
-constexpr std::size_t kMostFrames = 64;  // limit of a burst at an access point, a count, chosen
+constexpr std::size_t kMaxFrames = 64;  // limit of a burst at an access point, a count, chosen
 
 // The planes of each frame of an access point: [frame][plane][tone].
 std::vector<std::vector<float>> rows_of(const RoomModel& room,
@@ -25,7 +25,7 @@ std::vector<std::vector<float>> rows_of(const RoomModel& room,
   std::vector<std::vector<float>> rows;
   std::vector<std::string> of_single_frames;  // already reported for the burst
   for (const CsiFrame& frame : frames) {
-    if (frame.access_point != static_cast<int>(access_point) || rows.size() == kMostFrames) {
+    if (frame.access_point != static_cast<int>(access_point) || rows.size() == kMaxFrames) {
       continue;
     }
     const auto one = hear(room, access_point, {&frame, 1}, {}, of_single_frames);

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kMinSurveyPlaces = 10;  // a count, chosen: fewer are no survey
 constexpr std::size_t kHeldOutEvery = 5;      // one in so many classes is held out at first
-constexpr double kLeastDeviation = 1e-6;      // of a plane's values, chosen: for a constant plane
+constexpr double kMinDeviation = 1e-6;      // of a plane's values, chosen: for a constant plane
 constexpr std::size_t kStages = 2;            // of learning, a count
 // Weight of the empty room in places, a count, chosen: it is not one place among many.
 constexpr std::size_t kNobodyCounts = 8;
@@ -143,7 +143,7 @@ void Trainer::measure_planes() {
     }
     learned_.mean[p] = sum / count;
     const double variance = squares / count - learned_.mean[p] * learned_.mean[p];
-    learned_.deviation[p] = std::max(kLeastDeviation, std::sqrt(std::max(0.0, variance)));
+    learned_.deviation[p] = std::max(kMinDeviation, std::sqrt(std::max(0.0, variance)));
   }
 }
 

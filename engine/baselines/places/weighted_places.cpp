@@ -14,9 +14,9 @@
 namespace rayloc {
 namespace {
 
-constexpr double kLeastSurroundings = 0.05;  // [m], chosen: a survey is no finer
-constexpr double kLeastWeight = 1e-9;        // a share, chosen: negligible in the map
-constexpr double kLeastResidual = 0.02;      // a probability, chosen
+constexpr double kMinSurroundings = 0.05;  // [m], chosen: a survey is no finer
+constexpr double kMinWeight = 1e-9;        // a share, chosen: negligible in the map
+constexpr double kMinResidual = 0.02;      // a probability, chosen
 constexpr double kRegion = 0.99;             // a probability: region for the share of missed truths
 constexpr double kCoolest = 0.25;            // a ratio, chosen: lowest temperature tried
 constexpr double kWarmest = 64.0;            // a ratio, chosen: highest temperature tried
@@ -66,7 +66,7 @@ double quantile_of(const WeightedPlaces& weighted, double share, const Value& va
   const std::vector<double> weights = weighted.tempered();
   std::vector<std::pair<double, double>> values;
   for (std::size_t i = 0; i < weights.size(); ++i) {
-    if (weights[i] > kLeastWeight) {
+    if (weights[i] > kMinWeight) {
       for (const Vec3d& off : kPoints) {
         values.emplace_back(value(weighted.places[i] + weighted.sigma * off), weights[i]);
       }
@@ -144,7 +144,7 @@ double surroundings_of(const std::vector<Vec3d>& places) {
     }
     nearest.push_back(std::sqrt(least));
   }
-  return std::max(kLeastSurroundings, 0.5 * median(std::move(nearest)));
+  return std::max(kMinSurroundings, 0.5 * median(std::move(nearest)));
 }
 
 PlaceCertainty fit_certainty(std::vector<HeldOutPlace> held) {
@@ -168,7 +168,7 @@ PlaceCertainty fit_certainty(std::vector<HeldOutPlace> held) {
   }
   if (!held.empty()) {
     best.residual =
-        std::max(kLeastResidual, static_cast<double>(outside) / static_cast<double>(held.size()));
+        std::max(kMinResidual, static_cast<double>(outside) / static_cast<double>(held.size()));
   }
   return best;
 }
@@ -183,7 +183,7 @@ void summarise_places(const RoomModel& room,
   const std::vector<double> weights = weighted.tempered();
   std::vector<std::pair<Vec3d, double>> telling;
   for (std::size_t i = 0; i < weights.size(); ++i) {
-    if (weights[i] > kLeastWeight) {
+    if (weights[i] > kMinWeight) {
       telling.emplace_back(weighted.places[i], weights[i]);
     }
   }

@@ -14,7 +14,7 @@
 namespace rayloc {
 namespace {
 
-constexpr double kMostWidening = 3.0;  // of sigma, a ratio, chosen: for an unlikely direct path
+constexpr double kMaxWidening = 3.0;  // of sigma, a ratio, chosen: for an unlikely direct path
 
 }  // namespace
 
@@ -150,7 +150,7 @@ LocationEstimate Spotfi::locate(std::span<const CsiFrame> frames, std::uint64_t 
     estimate.warnings.emplace_back("one bearing and no range: it ends at the walls of the room");
   }
   for (Heard& one : heard) {
-    one.sigma *= std::min(kMostWidening, std::sqrt(most / one.path.likelihood));
+    one.sigma *= std::min(kMaxWidening, std::sqrt(most / one.path.likelihood));
   }
   summarise_plan(
       *room_,

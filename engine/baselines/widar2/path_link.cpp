@@ -15,13 +15,13 @@ namespace {
 constexpr double kRateStep = 0.3;          // [m/s]
 constexpr double kDelayStep = 15e-9;       // [s]
 constexpr double kPsiStep = 0.6;           // [rad]
-constexpr double kMostCost = 8.0;          // a logarithm, measured with a prototype
+constexpr double kMaxCost = 8.0;          // a logarithm, measured with a prototype
 constexpr double kMinEnergyShare = 1e-12;  // of the energy
 
 double square(double x) { return x * x; }
 
 double edge(const MotionPath& from, const MotionPath& to) {
-  return std::min(kMostCost,
+  return std::min(kMaxCost,
                   square((to.rate - from.rate) / kRateStep) +
                       0.5 * square((to.delay - from.delay) / kDelayStep) +
                       square(wrapped(to.psi - from.psi) / kPsiStep));

@@ -20,13 +20,13 @@ namespace {
 
 constexpr double kLowest = 2.0;             // [Hz], of the band of motion, as published
 constexpr double kHighest = 50.0;           // [Hz], as published
-constexpr double kMostOfBand = 0.45;        // of the frame rate, if that is less
+constexpr double kMaxOfBand = 0.45;        // of the frame rate, if that is less
 constexpr double kBefore = 1.5;             // [s], before a window, for the filter to settle
 constexpr double kAfter = 0.5;              // [s], the same after it
 constexpr double kWidar2StillTime = 1.0;    // [s], without motion: no estimate
 constexpr double kWidar2MotionRatio = 2.0;  // energy of the band over that of noise, 3 dB
-constexpr double kLeastDetour = 0.1;        // [m], of a path via a person
-constexpr std::size_t kLeastSamples = 10;   // of a window, a count, chosen
+constexpr double kMinDetour = 0.1;        // [m], of a path via a person
+constexpr std::size_t kMinSamples = 10;   // of a window, a count, chosen
 constexpr double kElsewhere = 0.1;          // a probability, chosen: wrong path
 
 Vec3d in_plan(const Vec3d& v) { return {v.x, v.y, 0.0}; }
@@ -77,7 +77,7 @@ Expected<Widar2> Widar2::create(std::shared_ptr<const RoomModel> room,
       RangeSmootherOptions range;
       range.rate_sigma = options.rate_sigma;
       range.lag = options.windows;
-      range.least = norm(in_plan(made.link_.position - ap.array.pose.position)) + kLeastDetour;
+      range.least = norm(in_plan(made.link_.position - ap.array.pose.position)) + kMinDetour;
       made.receivers_.push_back({.access_point = i,
                                  .line = *std::move(line),
                                  .series = {},
@@ -216,7 +216,7 @@ std::optional<Widar2::Heard> Widar2::hear_window(Receiver& receiver, Timestamp w
     return std::nullopt;
   }
   const double rate = 1.0 / to_seconds(receiver.sample);
-  const BandPass filter(kLowest, std::min(kHighest, kMostOfBand * rate), rate);
+  const BandPass filter(kLowest, std::min(kHighest, kMaxOfBand * rate), rate);
   Eigen::MatrixXcd band(made.product.rows(), made.product.cols());
   for (Eigen::Index i = 0; i < band.rows(); ++i) {
     const Eigen::VectorXcd row = made.product.row(i).transpose();
@@ -230,7 +230,7 @@ std::optional<Widar2::Heard> Widar2::hear_window(Receiver& receiver, Timestamp w
     for (const std::size_t k : tones_) {
       tone_hz.push_back(room_->grid.frequency_hz(k) - room_->grid.centre_hz);
     }
-    const auto samples = std::max<std::int64_t>(length / receiver.sample, kLeastSamples);
+    const auto samples = std::max<std::int64_t>(length / receiver.sample, kMinSamples);
     receiver.sage.emplace(std::move(tone_hz),
                           receiver.line.element.size(),
                           static_cast<std::size_t>(samples),

@@ -49,7 +49,7 @@ double range_of(double length, const Vec3d& to_transmitter, const Vec3d& directi
 class Widar2 {
  public:
   // Maximum delay of a position after the last frame.
-  static constexpr Duration kMostLag = std::chrono::milliseconds(2500);
+  static constexpr Duration kMaxLag = std::chrono::milliseconds(2500);
 
   // An Error without a calibrated access point that has two antennas in a line.
   static Expected<Widar2> create(std::shared_ptr<const RoomModel> room,

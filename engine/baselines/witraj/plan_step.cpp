@@ -8,7 +8,7 @@
 namespace rayloc {
 namespace {
 
-constexpr double kLeastDeterminant = 0.05;  // of the normal equations, 1 for good geometry, chosen
+constexpr double kMinDeterminant = 0.05;  // of the normal equations, 1 for good geometry, chosen
 constexpr double kRidge = 0.1;              // added to their diagonal if that is smaller, chosen
 constexpr double kMinAntennaDistance = 0.05;  // [m], chosen: a person cannot be inside an antenna
 
@@ -35,7 +35,7 @@ Solved solve(const Vec3d& transmitter,
     b(i) = one.rate * seconds;
   }
   Eigen::Matrix2d normal = a.transpose() * a;
-  if (normal.determinant() < kLeastDeterminant) {
+  if (normal.determinant() < kMinDeterminant) {
     normal += kRidge * Eigen::Matrix2d::Identity();
   }
   const Eigen::Matrix2d inverse = normal.inverse();

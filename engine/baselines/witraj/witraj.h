@@ -48,7 +48,7 @@ class Witraj {
   static constexpr Duration kLag = std::chrono::milliseconds(250);
 
   // Maximum delay of a position after the last frame: at the beginning.
-  static constexpr Duration kMostLag = std::chrono::milliseconds(1500);
+  static constexpr Duration kMaxLag = std::chrono::milliseconds(1500);
 
   // `start`: [m], in plan. An Error with fewer than two calibrated access points, or without a
   // start.

@@ -22,11 +22,11 @@ struct Usual {
 };
 
 std::optional<Usual> usual_fit(const std::vector<double>& shares) {
-  if (shares.size() < kLeastPairs) {
+  if (shares.size() < kMinPairs) {
     return std::nullopt;
   }
   // Lower bound: shares that agree to the last digit must not cause a refusal of the next one.
-  constexpr double kLeastDeviation = 0.3;
+  constexpr double kMinDeviation = 0.3;
   // A ratio: sigma of a normal distribution over its median deviation.
   constexpr double kOfNormal = 1.4826;
   // Uncertainty of the deviation of n values itself: twice its relative error, 1.17 / sqrt(n).
@@ -39,7 +39,7 @@ std::optional<Usual> usual_fit(const std::vector<double>& shares) {
   for (const double share : shares) {
     away.push_back(std::abs(log_odds(share) - usual.log_odds));
   }
-  usual.deviation = allowance * std::max(kOfNormal * median(std::move(away)), kLeastDeviation);
+  usual.deviation = allowance * std::max(kOfNormal * median(std::move(away)), kMinDeviation);
   return usual;
 }
 

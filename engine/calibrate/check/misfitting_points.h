@@ -20,7 +20,7 @@ struct PointRefusal {
 // Points whose PointFit::`share` lies far below those of the others at the same access points: on
 // the scale log(c / (1 - c)), by more than kFarBelow robust standard deviations (1.4826 times the
 // median absolute deviation, and an allowance for its own error), combined over the access points
-// that received the point. Empty where fewer than kLeastPairs points were received.
+// that received the point. Empty where fewer than kMinPairs points were received.
 constexpr double kFarBelow = 3.5;
 std::vector<PointRefusal> misfitting_points(const RoomModel& room,
                                             std::span<const PointFit> fits,

@@ -16,12 +16,12 @@ namespace rayloc {
 using Correlations = std::vector<std::optional<double>>;
 
 // Pairs of a point and an access point from which on their spread counts as well estimated.
-constexpr std::size_t kLeastPairs = 12;
+constexpr std::size_t kMinPairs = 12;
 // With fewer pairs than this no result is given. A ratio, chosen: half as many.
-constexpr std::size_t kFewestPairs = kLeastPairs / 2;
+constexpr std::size_t kFewestPairs = kMinPairs / 2;
 // Quantiles of Student's t: the number of standard errors as rare as 3 of a normal distribution
 // (0.99865), for kFewestPairs pairs and each one more (JCGM 100:2008, table G.2).
-constexpr std::array<double, kLeastPairs - kFewestPairs> kThreeOfFew = {
+constexpr std::array<double, kMinPairs - kFewestPairs> kThreeOfFew = {
     5.51, 4.90, 4.53, 4.28, 4.09, 3.96};
 
 class PairedComparison {
@@ -44,7 +44,7 @@ class PairedComparison {
   double gained() const { return other_ - stated_; }  // summed over the pairs
 
   // Mean difference over its standard error; 0 with too few pairs or no error. With fewer than
-  // kLeastPairs pairs it is reduced, so that 3 is as rare as with many.
+  // kMinPairs pairs it is reduced, so that 3 is as rare as with many.
   double significance() const {
     const auto count = static_cast<double>(difference_.size());
     if (difference_.size() < kFewestPairs) {
@@ -56,7 +56,7 @@ class PairedComparison {
       square += (d - mean) * (d - mean);
     }
     const double error = std::sqrt(square / (count * (count - 1.0)));
-    const double known = difference_.size() < kLeastPairs
+    const double known = difference_.size() < kMinPairs
                              ? 3.0 / kThreeOfFew.at(difference_.size() - kFewestPairs)
                              : 1.0;
     return error > 0.0 ? known * mean / error : 0.0;

@@ -21,11 +21,11 @@ namespace {
 using Kind = Unknown::Kind;
 
 constexpr double kTolerance = 0.01;  // largest decrease of the correlation in a round
-constexpr double kLeastStep = 0.2;   // share of the least-squares step
+constexpr double kMinStep = 0.2;   // share of the least-squares step
 constexpr int kShortenedPasses = 3;  // passes of a round with shortened steps
 // Selection of the surfaces whose other half-wave cycles are tried.
 constexpr double kTriedShare = 0.05;   // of the strongest's power, at least
-constexpr std::size_t kMostTried = 8;  // a count, chosen: bounds the time of the trials
+constexpr std::size_t kMaxTried = 8;  // a count, chosen: bounds the time of the trials
 constexpr int kTrialIterations = 5;    // a count, chosen: a better state is then fitted fully
 // Progress steps of a part besides the iterations: the scan, and Ceres's call before the first.
 constexpr int kStepsBesides = 2;
@@ -192,7 +192,7 @@ bool JointCalibration::solve(const JointRound& round,
 bool JointCalibration::settle(const JointRound& round) {
   const std::vector<char> free = released(round);
   const auto samples = used(kFitted);
-  const auto strongest = strongest_surfaces(power_, kTriedShare, kMostTried);
+  const auto strongest = strongest_surfaces(power_, kTriedShare, kMaxTried);
   WaveCycleSearch search{
       strongest, half_wave(), joint_options(round, free), [&] { return progress_.go_on(); }};
   search.options.iterations = kTrialIterations;
@@ -279,7 +279,7 @@ Expected<double> JointCalibration::go_from(const JointState& before,
                                            const JointRound& round,
                                            std::span<const Use> uses) {
   const JointState solved = state_;
-  for (double share = 1.0; share > kLeastStep; share *= 0.5) {
+  for (double share = 1.0; share > kMinStep; share *= 0.5) {
     state_ = between(before, solved, share);
     if (auto traced = retrace(); !traced) {
       return tl::make_unexpected(std::move(traced.error()));

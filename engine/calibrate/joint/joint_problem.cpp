@@ -17,8 +17,8 @@
 namespace rayloc {
 namespace {
 
-constexpr double kLeastSurveySigma = 0.001;  // [m], chosen: no survey is better ...
-constexpr double kMostSurveySigma = 0.1;     // [m], chosen: ... or worse than this
+constexpr double kMinSurveySigma = 0.001;  // [m], chosen: no survey is better ...
+constexpr double kMaxSurveySigma = 0.1;     // [m], chosen: ... or worse than this
 
 // All values that Ceres changes, contiguous: its parameter blocks point into them.
 struct Values {
@@ -289,7 +289,7 @@ double spread_of(const Eigen::VectorXd& said, const Eigen::VectorXd& error, doub
       weights += share * share;
     }
   }
-  return weights > 0.0 ? std::clamp(std::sqrt(sum / weights), kLeastSurveySigma, kMostSurveySigma)
+  return weights > 0.0 ? std::clamp(std::sqrt(sum / weights), kMinSurveySigma, kMaxSurveySigma)
                        : std::sqrt(assumed);
 }
 

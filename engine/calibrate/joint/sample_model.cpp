@@ -16,9 +16,9 @@ namespace {
 using Value = std::complex<double>;
 
 constexpr double kTurn = 2.0 * std::numbers::pi;  // [rad], one full cycle
-constexpr double kLeastLeftOver = 0.03;           // of the largest residual of a coordinate
+constexpr double kMinLeftOver = 0.03;           // of the largest residual of a coordinate
 constexpr int kAlignmentSteps = 3;    // a count, chosen: each is linear in the remaining delay
-constexpr double kLeastShare = 0.02;  // residual of a sample, below which its weight saturates
+constexpr double kMinShare = 0.02;  // residual of a sample, below which its weight saturates
 
 // A ray's delay and amplitude at the requested point.
 struct RayValue {
@@ -188,7 +188,7 @@ SampleModel SampleModel::weighed(const Eigen::MatrixXcd& left_over) const {
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXcd> eigen(left_over);
   // The weight of a coordinate is bounded.
   const Eigen::VectorXd power =
-      eigen.eigenvalues().cwiseMax(kLeastLeftOver * eigen.eigenvalues().maxCoeff());
+      eigen.eigenvalues().cwiseMax(kMinLeftOver * eigen.eigenvalues().maxCoeff());
   SampleModel result = *this;
   result.weighed_ = true;
   result.weight_ = eigen.eigenvectors() *
@@ -206,7 +206,7 @@ void SampleModel::add_left_over(const TracedSample& sample,
                                 std::span<const Value> h,
                                 Eigen::MatrixXcd& sum) const {
   const SampleResidual left = residual(sample, measured(sample, at, h), at, {});
-  const double share = kLeastShare + left.unexplained();
+  const double share = kMinShare + left.unexplained();
   for (Eigen::Index row = 0; row < left.value.size(); row += sum.rows()) {
     const auto one = left.value.segment(row, sum.rows());
     sum += one * one.adjoint() / share;

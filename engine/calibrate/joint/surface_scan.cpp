@@ -12,7 +12,7 @@ namespace rayloc {
 namespace {
 
 constexpr double kMinScanPower = 1e-3;     // of the strongest surface's power
-constexpr std::size_t kMostSurfaces = 40;  // largest number of scanned surfaces
+constexpr std::size_t kMaxSurfaces = 40;  // largest number of scanned surfaces
 // Other surfaces that would move are held: an alternative is likelier than the scan indicates.
 constexpr double kHeldOthers = 0.5;
 
@@ -107,7 +107,7 @@ void scan_surfaces(const JointContext& context,
                    std::span<const double> power,
                    const ScanOptions& options,
                    JointState& state) {
-  for (const std::uint32_t surface : strongest_surfaces(power, kMinScanPower, kMostSurfaces)) {
+  for (const std::uint32_t surface : strongest_surfaces(power, kMinScanPower, kMaxSurfaces)) {
     const std::uint32_t unknown = context.unknowns.surface_offset(surface);
     const auto values = places(state.values[unknown], options.range, options.step);
     const auto cost = profile(context, options.floor, state, unknown, values);

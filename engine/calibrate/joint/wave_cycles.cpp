@@ -13,7 +13,7 @@ namespace {
 using Kind = Unknown::Kind;
 
 // Cost decrease of an improvement: more than extra iterations gain if nothing has moved.
-constexpr double kLeastGain = 1.0;
+constexpr double kMinGain = 1.0;
 constexpr int kMaxSurfacePasses =
     8;  // over all surfaces, at most: a moved surface can correct another one
 constexpr std::size_t kPaired = 4;  // first surfaces that are tried in pairs
@@ -134,7 +134,7 @@ bool WaveCycleSettler::try_moves(std::span<const Move> moves, std::vector<WaveCy
   bool better = false;
   for (std::size_t i = 0; i < moves.size(); ++i) {
     const Trial& trial = trials[i];
-    if (trial.cost < cost - kLeastGain) {
+    if (trial.cost < cost - kMinGain) {
       state_ = trial.state;
       cost = trial.cost;
       better = true;
@@ -187,7 +187,7 @@ bool WaveCycleSettler::fit_anew() {
                                            std::min(worse_.size(), kFittedAnew),
                                            [&](std::size_t i) { return worse_[i].state; });
   for (const Trial& trial : trials) {
-    if (trial.cost < cost - kLeastGain) {
+    if (trial.cost < cost - kMinGain) {
       state_ = trial.state;
       return true;
     }

@@ -19,7 +19,7 @@ using Value = std::complex<double>;
 constexpr int kFactorRounds = 20;  // a count, chosen: factors converge to a thousandth of a degree
 // Share of an empty room's power that chairs and bumps may change: more is another transmitter, or
 // another place of it. A ratio, chosen: moved chairs changed 0.1 to 1 % in two rooms.
-constexpr double kMostChanged = 0.1;
+constexpr double kMaxChanged = 0.1;
 // A count of standard deviations, chosen: chains that differ by less are unchanged.
 constexpr double kTurned = 2.0;
 // [rad], 3 degrees: a bump that rotates an access point by 0.3 degrees changes its antennas' phases
@@ -157,7 +157,7 @@ Expected<TurnedChains> compare_days(const OfdmGrid& grid,
   TurnedChains chains;
   chains.turn = fit.turn();
   chains.changed = fit.left();
-  if (!(chains.changed < kMostChanged)) {
+  if (!(chains.changed < kMaxChanged)) {
     return bad_input(
         "the empty rooms of the two days have too little in common: " +
         std::to_string(std::lround(100.0 * std::min(chains.changed, 1.0))) +

@@ -15,8 +15,8 @@ namespace {
 constexpr std::size_t kFolds = 3;  // a count, chosen: each third is tested with a fit of the others
 // Spots needed to estimate the largest gain of a second person, and the smallest value reported for
 // it.
-constexpr std::size_t kLeastSpots = 20;
-constexpr double kLeastGain = 20.0;  // [nat], chosen: lower bound of a second person's gain
+constexpr std::size_t kMinSpots = 20;
+constexpr double kMinGain = 20.0;  // [nat], chosen: lower bound of a second person's gain
 
 // Gain of the best second person; 0 where none is searched for.
 double second_gain(const PersonLocalizer& localizer, const PersonObservation& observation) {
@@ -42,7 +42,7 @@ Expected<PersonCertainty> fit_person_certainty(const RoomModel& room,
   same_body.radius_steps.clear();
   std::array<std::vector<LocationEstimate>, kExponents.size()> estimates;  // by spot
   KnownSpots known{{}, options.place_sigma, room.area()};
-  double gain = kLeastGain;
+  double gain = kMinGain;
   for (std::size_t part = 0; part < kFolds; ++part) {
     std::vector<PersonSpot> others;
     for (std::size_t s = 0; s < spots.size(); ++s) {
@@ -81,7 +81,7 @@ Expected<PersonCertainty> fit_person_certainty(const RoomModel& room,
     }
     certainty.likelihood_exponent = judged[best_exponent(judged)].exponent;
   }
-  if (known.places.size() >= kLeastSpots) {
+  if (known.places.size() >= kMinSpots) {
     certainty.second_person = gain;
   }
   return certainty;

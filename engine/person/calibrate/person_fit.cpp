@@ -258,9 +258,9 @@ Expected<PersonFit> fit_body(const RoomModel& room,
     fit.spots = std::max(fit.spots, link.heard.size());
     scales.push_back(fitter.best_scale(link, person));
   }
-  if (fit.spots < kLeastPersonSpots) {
+  if (fit.spots < kMinPersonSpots) {
     return bad_input("people were observed at " + std::to_string(fit.spots) + " places; " +
-                     std::to_string(kLeastPersonSpots) +
+                     std::to_string(kMinPersonSpots) +
                      " are needed to fit the model of a person");
   }
   person = fitter.best_errors(*links, scales, person);

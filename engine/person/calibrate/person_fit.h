@@ -40,9 +40,9 @@ struct PersonFit {
   std::size_t spots = 0;        // number of spots used
 };
 
-// An Error when fewer than kLeastPersonSpots spots can be used. `likelihood_exponent` is not fitted
+// An Error when fewer than kMinPersonSpots spots can be used. `likelihood_exponent` is not fitted
 // here.
-inline constexpr std::size_t kLeastPersonSpots = 8;
+inline constexpr std::size_t kMinPersonSpots = 8;
 Expected<PersonFit> fit_person(const RoomModel& room,
                                const PersonReference& reference,
                                std::span<const PersonSpot> spots,

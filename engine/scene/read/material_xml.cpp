@@ -17,7 +17,7 @@ constexpr std::string_view kMaterialPrefix = "mat-";  // prefix of ids from Mits
 constexpr std::string_view kItuPrefix = "itu_";  // prefix of ITU-R P.2040-4 materials in Sionna RT
 constexpr std::string_view kRadio = "radio-material";         // a type of bsdf of Sionna RT
 constexpr std::string_view kItuRadio = "itu-radio-material";  // a type of bsdf of Sionna RT
-constexpr std::size_t kMostLevels = 64;  // of nested bsdfs; files have two or three
+constexpr std::size_t kMaxLevels = 64;  // of nested bsdfs; files have two or three
 
 std::string_view without_prefix(std::string_view text, std::string_view prefix) {
   return text.starts_with(prefix) ? text.substr(prefix.size()) : text;
@@ -80,7 +80,7 @@ std::vector<pugi::xml_node> MaterialReader::levels_of(const pugi::xml_node& bsdf
   std::vector<pugi::xml_node> levels{bsdf};
   std::set<std::ptrdiff_t> seen{bsdf.offset_debug()};
   const auto add = [&](const pugi::xml_node& found) {
-    if (levels.size() < kMostLevels && seen.insert(found.offset_debug()).second) {
+    if (levels.size() < kMaxLevels && seen.insert(found.offset_debug()).second) {
       levels.push_back(found);
     }
   };
@@ -121,7 +121,7 @@ std::optional<RadioMaterial> MaterialReader::read(const pugi::xml_node& bsdf,
                                                   const std::string& user) {
   const std::vector<pugi::xml_node> levels = levels_of(bsdf);
   Stated stated = named(levels, user);
-  if (levels.size() == kMostLevels) {
+  if (levels.size() == kMaxLevels) {
     file_.complain(bsdf, "material '" + stated.name + "' is made of too many <bsdf>s");
     return std::nullopt;
   }

@@ -11,7 +11,7 @@ void note_materials(const std::set<std::string>& materials,
   std::string names;
   std::size_t count = 0;
   for (const std::string& material : materials) {
-    if (count == kMostNamedMaterials) {
+    if (count == kMaxNamedMaterials) {
       names += " and more";
       break;
     }

@@ -11,7 +11,7 @@
 namespace rayloc {
 
 // A count, chosen: the limit for names in a message.
-inline constexpr std::size_t kMostNamedMaterials = 8;
+inline constexpr std::size_t kMaxNamedMaterials = 8;
 
 // Adds a note if the faces have more than one material. `name` is that of the file.
 void note_materials(const std::set<std::string>& materials,

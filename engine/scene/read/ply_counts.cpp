@@ -8,7 +8,7 @@
 namespace rayloc {
 namespace {
 
-constexpr double kLeastCorners = 3.0;
+constexpr double kMinCorners = 3.0;
 
 struct PlyCount {
   std::size_t element = 0;  // index in PlyHeader::elements
@@ -103,7 +103,7 @@ class CountSearch {
     for (const PlyProperty& property : element.properties) {
       const bool is_face = use_of(element, property) == PlyUse::kFace;
       const auto length = property.count_type ? next(*property.count_type) : std::optional(1.0);
-      if (!length || !(*length >= (is_face ? kLeastCorners : 0.0)) ||
+      if (!length || !(*length >= (is_face ? kMinCorners : 0.0)) ||
           *length > static_cast<double>(body.bytes_left())) {
         return false;
       }

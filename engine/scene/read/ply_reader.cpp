@@ -144,7 +144,7 @@ class MeshReader {
   }
 
   void note_material(const PlyProperty& property, double value) {
-    if (materials_.size() <= kMostNamedMaterials) {
+    if (materials_.size() <= kMaxNamedMaterials) {
       materials_.insert(property.name + " " + std::to_string(std::llround(value)));
     }
   }

@@ -13,7 +13,7 @@ namespace rayloc {
 namespace {
 
 // A face narrower than this in all places has no area [m].
-constexpr double kLeastWidth = 1e-6;
+constexpr double kMinWidth = 1e-6;
 // A corner that rounding has moved across a line by this much is on the line [m].
 constexpr double kOnLine = 1e-9;
 
@@ -40,7 +40,7 @@ bool has_no_area(std::span<const std::uint32_t> corners, const Mesh& mesh) {
   }
   const double length = norm(along);
   return std::all_of(corners.begin(), corners.end(), [&](std::uint32_t corner) {
-    return norm(cross(along, mesh.vertices[corner] - first)) <= kLeastWidth * length;
+    return norm(cross(along, mesh.vertices[corner] - first)) <= kMinWidth * length;
   });
 }
 
@@ -243,9 +243,9 @@ void append_fan(std::span<const std::uint32_t> corners, Mesh& mesh) {
 }  // namespace
 
 Expected<void> append_triangles(std::span<const std::uint32_t> corners, Mesh& mesh) {
-  if (corners.size() > kMostCorners) {
+  if (corners.size() > kMaxCorners) {
     return bad_input("it has " + std::to_string(corners.size()) + " corners, " +
-                     std::to_string(kMostCorners) + " are read" + kAdvice);
+                     std::to_string(kMaxCorners) + " are read" + kAdvice);
   }
   if (corners.empty()) {
     return {};
@@ -260,7 +260,7 @@ Expected<void> append_triangles(std::span<const std::uint32_t> corners, Mesh& me
   }
   const Vec3d twice_area = twice_area_vector(corners, mesh);
   const double size = norm(twice_area);
-  if (!(size > kLeastWidth * kLeastWidth)) {
+  if (!(size > kMinWidth * kMinWidth)) {
     return bad_input("its edges cross each other: parts of it lie either way round" + kAdvice);
   }
   const std::vector<Point2> points = flattened(corners, mesh, (1.0 / size) * twice_area);

@@ -18,7 +18,7 @@ namespace rayloc {
 
 // A face with more corners is refused: the time of cutting grows with their square, and hand-drawn
 // faces have fewer.
-inline constexpr std::size_t kMostCorners = 4096;
+inline constexpr std::size_t kMaxCorners = 4096;
 
 // Appends the triangles of the face with the outline `corners`, indices into mesh.vertices; they
 // have the winding of the face. A face without area gives triangles without area, which the scene

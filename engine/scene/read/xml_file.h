@@ -31,13 +31,13 @@ class XmlFile {
 
   void complain(const pugi::xml_node& node, const std::string& what);
   // False once the limit of printed complaints is reached: further texts need not be made.
-  bool listens() const { return complaints_.size() < kMostComplaints; }
+  bool listens() const { return complaints_.size() < kMaxComplaints; }
   // All complaints in the order of the file, one per line; kBadInput.
   Expected<void> check() const;
 
  private:
   // A count, chosen: more than a person reads at once.
-  static constexpr std::size_t kMostComplaints = 20;
+  static constexpr std::size_t kMaxComplaints = 20;
 
   std::string place(std::ptrdiff_t offset) const;
 

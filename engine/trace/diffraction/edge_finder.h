@@ -1,7 +1,7 @@
 // EdgeFinder: the paths of a link over one edge, as lists of their interactions.
 //
 // A path to the edge from each end, over images (lit_edges.h), makes one path: its bend follows
-// from Fermat's principle. Up to kMostBesideEdge interactions lie on each side, no more than the
+// from Fermat's principle. Up to kMaxBesideEdge interactions lie on each side, no more than the
 // depth in total. The bend must be on the edge, and both parts must be unobstructed; each is
 // searched like a path without an edge (interaction_finder.h).
 //

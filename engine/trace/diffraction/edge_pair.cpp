@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kMinEdgeDistance = 1e-6;  // [m], chosen: closer points have no bend
 constexpr double kExact = 1e-12;           // [m], chosen: length of a negligible step
-constexpr int kMostSteps = 60;             // a count, chosen: a few are usual
+constexpr int kMaxSteps = 60;             // a count, chosen: a few are usual
 
 using Edges = std::pair<EdgeLine<double>, EdgeLine<double>>;
 
@@ -32,7 +32,7 @@ std::optional<EdgePairBends<double>> shortest_over(const Edges& edges,
   EdgePairBends<double> bends{dot(middle - edges.first.from, edges.first.along),
                               dot(middle - edges.second.from, edges.second.along)};
   double length = length_of(edges, source, observer, bends);
-  for (int i = 0; i < kMostSteps; ++i) {
+  for (int i = 0; i < kMaxSteps; ++i) {
     const EdgePairWay<double> way = edge_pair_way(edges, source, observer, bends);
     if (std::min({way.before, way.between, way.behind}) < kMinEdgeDistance) {
       return std::nullopt;
@@ -49,7 +49,7 @@ std::optional<EdgePairBends<double>> shortest_over(const Edges& edges,
     // The length is convex: half of a step that is too long shortens the path.
     EdgePairBends<double> next = aim;
     double shorter = length_of(edges, source, observer, next);
-    for (int halved = 0; shorter > length && halved < kMostSteps; ++halved) {
+    for (int halved = 0; shorter > length && halved < kMaxSteps; ++halved) {
       by_first *= 0.5;
       by_second *= 0.5;
       next = {bends.first + by_first, bends.second + by_second};

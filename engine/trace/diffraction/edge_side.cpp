@@ -35,7 +35,7 @@ bool EdgeSide::find(const LitWay& way, const Vec3d& beside) {
   at_bend.position = beside;
   LinkEnd<double> at_end;
   at_end.position = way.end.end();
-  return finder_.find(chain_, at_bend, at_end, met_) && met_.size() <= kMostBesideEdge;
+  return finder_.find(chain_, at_bend, at_end, met_) && met_.size() <= kMaxBesideEdge;
 }
 
 }  // namespace rayloc

@@ -18,7 +18,7 @@ constexpr double kOnEdge = 1e-6;
 constexpr double kInMirror = 2e-5;
 
 int most_mirrors(const TraceOptions& options) {
-  return std::min(kMostBesideEdge, options.max_depth - 1);
+  return std::min(kMaxBesideEdge, options.max_depth - 1);
 }
 
 }  // namespace

@@ -224,8 +224,8 @@ DiffuseTracer::DiffuseTracer(std::shared_ptr<const Scene> scene,
     : context_(std::make_shared<const TraceContext>(std::move(scene), diffuse_options(trace))),
       options_(options),
       materials_(*context_) {
-  constexpr int kMostReflections = 2;  // a count, chosen
-  RAYLOC_CHECK(options.reflections >= 0 && options.reflections <= kMostReflections);
+  constexpr int kMaxReflections = 2;  // a count, chosen
+  RAYLOC_CHECK(options.reflections >= 0 && options.reflections <= kMaxReflections);
   RAYLOC_CHECK(options.tolerance > 0.0);
 }
 

@@ -13,7 +13,7 @@ constexpr double kBeside = 2e-5;
 // A cosine, chosen: a leg nearer to grazing carries no power.
 constexpr double kMinLegCosine = 1e-6;
 // A count, chosen: faces in front of a mirror that the path to it crosses, a wall or a door.
-constexpr int kMostCrossed = 2;
+constexpr int kMaxCrossed = 2;
 
 std::shared_ptr<const ImageTree> tree_at(const TraceContext& context,
                                          const Vec3d& end,
@@ -23,7 +23,7 @@ std::shared_ptr<const ImageTree> tree_at(const TraceContext& context,
   if (options.transmission && most_mirrors > 0) {
     // The tree omits a mirror behind more faces than its depth allows to cross.
     options.max_depth = std::max(
-        most_mirrors, std::min(context.options.max_depth - 1, most_mirrors + kMostCrossed));
+        most_mirrors, std::min(context.options.max_depth - 1, most_mirrors + kMaxCrossed));
   }
   return std::make_shared<const ImageTree>(*context.scene, end, options);
 }

@@ -12,7 +12,7 @@ namespace rayloc {
 namespace {
 
 // A cube is divided down to this half of its side [m], or while it has more beams than this.
-constexpr float kLeastHalf = 0.15F;
+constexpr float kMinHalf = 0.15F;
 constexpr std::size_t kFewBeams = 32;  // a count, chosen: so few are faster to test than to divide
 // Number of beams that are prefetched from memory before their test.
 constexpr std::size_t kAhead = 8;
@@ -125,7 +125,7 @@ std::unique_ptr<const BeamIndex::Cube> BeamIndex::part(const Cube& whole,
     }
   }
   part->beams.shrink_to_fit();
-  part->is_leaf = half <= kLeastHalf || part->beams.size() <= kFewBeams;
+  part->is_leaf = half <= kMinHalf || part->beams.size() <= kFewBeams;
   return part;
 }
 

@@ -21,7 +21,7 @@ constexpr std::size_t kPortion = 32;
 // In units of one test of a surface against a beam, each about 0.5 ns: the cost of an image, and
 // the maximum of an exhaustive tree.
 constexpr double kWorkOfImage = 1000.0;
-constexpr double kMostWork = 2e8;  // same unit, chosen: about 0.1 s
+constexpr double kMaxWork = 2e8;  // same unit, chosen: about 0.1 s
 // Part of that for a tree of several roots: the separate tree of each root, with about as many
 // images, is then exhaustive too, so that both give the same result for a root.
 constexpr double kSharedPart = 0.5;
@@ -151,7 +151,7 @@ std::optional<GrownTree> grow_exhaustively(const Scene& scene,
   if (options.candidates == CandidateGenerator::kShooting) {
     return std::nullopt;
   }
-  double most_work = roots.size() == 1 ? kMostWork : kSharedPart * kMostWork;
+  double most_work = roots.size() == 1 ? kMaxWork : kSharedPart * kMaxWork;
   if (options.candidates == CandidateGenerator::kExhaustive) {
     most_work = std::numeric_limits<double>::infinity();
   }

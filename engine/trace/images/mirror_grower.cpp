@@ -22,7 +22,7 @@ constexpr std::size_t kMaxOccluders = 12;
 // A count, chosen: with so few lit mirrors images of the last level get no shadow test.
 constexpr std::size_t kFewLit = 16;
 // For an object with more surfaces than this only those that rays met are proposed.
-constexpr std::uint32_t kMostNeighbours = 32;
+constexpr std::uint32_t kMaxNeighbours = 32;
 
 // About the solid angle of a polygon, seen from `apex_distance` away from its plane.
 double apparent_size(std::span<const Vec3d> polygon, const Vec3d& apex, double apex_distance) {
@@ -156,7 +156,7 @@ void MirrorGrower::find_proposed(std::uint32_t trie_node) {
   }
   for (const std::uint32_t surface : trie_->children(trie_node).surfaces) {
     const auto [first, end] = scene_.surfaces_of(scene_.owner(surface).object);
-    if (end - first > kMostNeighbours) {
+    if (end - first > kMaxNeighbours) {
       found_.push_back(surface);
       continue;
     }

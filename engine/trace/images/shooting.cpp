@@ -25,8 +25,8 @@ bool is_within_object(const Scene& scene, std::uint32_t object, const Vec3d& roo
 }
 
 bool is_coplanar(const Surface& face, const Surface& other) {
-  constexpr double kLeastCosine = 1.0 - 1e-6;  // between the normals, chosen: 1.4 mrad of tilt
-  return std::abs(dot(face.plane().normal, other.plane().normal)) > kLeastCosine &&
+  constexpr double kMinCosine = 1.0 - 1e-6;  // between the normals, chosen: 1.4 mrad of tilt
+  return std::abs(dot(face.plane().normal, other.plane().normal)) > kMinCosine &&
          std::all_of(other.outline().begin(), other.outline().end(), [&](const Vec3d& corner) {
            return std::abs(distance(face.plane(), corner)) <= kCoplanarTolerance;
          });

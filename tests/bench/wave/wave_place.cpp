@@ -23,7 +23,7 @@ TraceOptions one_deeper(TraceOptions options) {
 
 using Value = std::complex<double>;
 
-constexpr std::size_t kMostEdges = 64;  // a count, chosen: rays over an edge that are kept
+constexpr std::size_t kMaxEdges = 64;  // a count, chosen: rays over an edge that are kept
 constexpr double kRoughness = 0.3;      // S, chosen: the power is fitted, so that only 0 is not 0.3
 constexpr double kTolerance = 0.03;     // of a density's power, chosen: likelihoods resolve less
 
@@ -114,7 +114,7 @@ std::vector<EdgeRay> WaveTracer::deeper_to(const Transmitter& device,
                                            const WavePlace& place) const {
   std::vector<EdgeRay> deeper;
   for (const Ray& ray :
-       rays_of(deeper_.trace(device), room_, device.position, kMostRays + kMostEdges)) {
+       rays_of(deeper_.trace(device), room_, device.position, kMaxRays + kMaxEdges)) {
     const bool is_known = std::any_of(place.rays.begin(), place.rays.end(), [&](const Ray& known) {
       return known.length == ray.length && known.amplitude == ray.amplitude;
     });
@@ -145,7 +145,7 @@ std::vector<Value> WaveTracer::edge_recording(const Vec3d& device) const {
 WavePlace WaveTracer::trace(const Vec3d& device) const {
   const Transmitter transmitter = transmitter_at(device);
   WavePlace place;
-  place.rays = rays_of(tracer_.trace(transmitter), room_, device, kMostRays);
+  place.rays = rays_of(tracer_.trace(transmitter), room_, device, kMaxRays);
   if (place.rays.empty()) {
     return place;
   }
@@ -190,8 +190,8 @@ std::vector<EdgeRay> WaveTracer::edges_to(const Transmitter& device) const {
   std::stable_sort(edges.begin(), edges.end(), [](const EdgeRay& a, const EdgeRay& b) {
     return std::norm(a.ray.amplitude) > std::norm(b.ray.amplitude);
   });
-  if (edges.size() > kMostEdges) {
-    edges.resize(kMostEdges);
+  if (edges.size() > kMaxEdges) {
+    edges.resize(kMaxEdges);
   }
   return edges;
 }

@@ -136,7 +136,7 @@ TEST(Field, APlayTimeLeavesOutTheLongestGaps) {
     at += seconds(20 + i);
   }
   const PlayTime time(busy, seconds(10));
-  EXPECT_EQ(time.skipped().size(), PlayTime::kMostSkipped);
+  EXPECT_EQ(time.skipped().size(), PlayTime::kMaxSkipped);
   EXPECT_EQ(time.played(kBegin), seconds(0));
   for (Duration played = seconds(0); played < time.length(); played += milliseconds(7001)) {
     EXPECT_EQ(time.played(time.recorded(played)), played);

@@ -100,7 +100,7 @@ TEST_P(OtherPeopleTest, IsTheGaussianOfBothTogether) {
 
 INSTANTIATE_TEST_SUITE_P(Columns,
                          OtherPeopleTest,
-                         ::testing::Values(0U, 1U, 3U, OtherPeople::kMostColumns));
+                         ::testing::Values(0U, 1U, 3U, OtherPeople::kMaxColumns));
 
 }  // namespace
 }  // namespace rayloc::other_people_test

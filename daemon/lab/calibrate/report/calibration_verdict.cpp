@@ -13,7 +13,7 @@ namespace {
 // True if both the median and the mean have fallen: if
 // only one falls, points were exchanged for others.
 bool has_fallen(const FitSummary& fit) {
-  return fit.points >= kLeastPairs && fit.before && fit.after &&
+  return fit.points >= kMinPairs && fit.before && fit.after &&
          fit.after->median < fit.before->median && fit.after->mean < fit.before->mean;
 }
 
@@ -63,7 +63,7 @@ void judge_held_out(const CalibrationReport& report, CalibrationVerdict& verdict
     return;
   }
   const HeldOutFixes& taken = report.fixes.back();
-  if (taken.points >= kLeastJudged && 2 * taken.fixes <= taken.points) {
+  if (taken.points >= kMinJudged && 2 * taken.fixes <= taken.points) {
     verdict.reasons.push_back(
         fmt::format("{} of the {} points held out have no fix: diffuse scattering alone explains "
                     "their CSI as well as the calibrated room does",

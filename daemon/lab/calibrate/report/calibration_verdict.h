@@ -23,10 +23,10 @@ CalibrationVerdict verdict_of_inputs(const InputCheck& check);
 
 // Adds the verdict of the held-out points on the first method: that they are explained less than
 // before, or that at half of them or more the room explains the observations no better than diffuse
-// scattering does, so that there is no fix. The first is not evaluated with fewer than kLeastPairs
+// scattering does, so that there is no fix. The first is not evaluated with fewer than kMinPairs
 // points (of four points of a right survey the median fell from 0.73 to 0.60), the second with
-// fewer than kLeastJudged, and neither for an interrupted calibration, which continues.
-constexpr std::size_t kLeastJudged = 3;
+// fewer than kMinJudged, and neither for an interrupted calibration, which continues.
+constexpr std::size_t kMinJudged = 3;
 void judge_held_out(const CalibrationReport& report, CalibrationVerdict& verdict);
 
 // Adds other carriers tried after a failure; one that is clearly better is added to `found`.

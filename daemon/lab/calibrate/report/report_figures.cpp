@@ -116,7 +116,7 @@ std::vector<double> surface_displacements(const Scene& before, const Scene& afte
 Drawing draw_displacements(const CalibrationReport& report) {
   RAYLOC_CHECK(report.before.scene != nullptr);
   constexpr double kUpright = 0.3;     // |z| of the normal of a wall
-  constexpr double kLeastScale = 1.0;  // [mm], so that pure rounding stays grey
+  constexpr double kMinScale = 1.0;  // [mm], so that pure rounding stays grey
   const Scene& before = *report.before.scene;
   const auto& after = report.methods.front().calibration.room.scene;
   draw::RoomMap map;
@@ -127,7 +127,7 @@ Drawing draw_displacements(const CalibrationReport& report) {
   map.colour = [](double share) { return draw::signed_colour(2.0 * share - 1.0); };
   const std::vector<double> moved =
       after != nullptr ? surface_displacements(before, *after) : std::vector<double>();
-  double most = kLeastScale;
+  double most = kMinScale;
   for (std::size_t i = 0; i < moved.size(); ++i) {
     const Surface& surface = before.surfaces()[i];
     if (std::abs(surface.plane().normal.z) < kUpright) {

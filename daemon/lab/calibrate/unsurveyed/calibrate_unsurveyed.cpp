@@ -22,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kFewestPoints = 24;  // count, chosen: two of the smallest usual survey
-constexpr double kLeastSigma = 0.005;      // [m], no position is surer than a tape measurement
+constexpr double kMinSigma = 0.005;      // [m], no position is surer than a tape measurement
 
 // A temporary folder of this run, removed at its end.
 class WorkFolder {
@@ -129,7 +129,7 @@ Expected<void> fit_room(const std::string& learned,
   calibrate.captures = arguments.captures;
   calibrate.points = points;
   calibrate.out = arguments.out;
-  calibrate.survey_error = std::max(places.sigma, kLeastSigma);
+  calibrate.survey_error = std::max(places.sigma, kMinSigma);
   calibrate.seed = arguments.seed;
   calibrate.force = arguments.force;
   calibrate.quiet = arguments.quiet;

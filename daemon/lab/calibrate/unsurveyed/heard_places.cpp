@@ -16,12 +16,12 @@ namespace {
 
 constexpr double kSure = 0.9;             // probability of the first hypothesis, chosen
 constexpr double kLargestSigma = 0.1;     // [m], largest error of a survey
-constexpr std::size_t kMostPoints = 200;  // count, chosen: as in a survey of a large room
+constexpr std::size_t kMaxPoints = 200;  // count, chosen: as in a survey of a large room
 
-// Every n-th index, so that at most kMostPoints are left.
+// Every n-th index, so that at most kMaxPoints are left.
 std::vector<std::size_t> spread(std::size_t count) {
   std::vector<std::size_t> kept;
-  const std::size_t most = std::min(count, kMostPoints);
+  const std::size_t most = std::min(count, kMaxPoints);
   kept.reserve(most);
   for (std::size_t i = 0; i < most; ++i) {
     kept.push_back(i * count / most);

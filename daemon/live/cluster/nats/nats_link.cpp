@@ -127,8 +127,8 @@ Expected<void> NatsLink::listen(std::shared_ptr<NatsSlot> slot) {
   }
   natsSubscription_SetOnCompleteCB(made, forget, held);
   constexpr int kAnyNumber = -1;
-  constexpr int kMostBytes = 64 << 20;  // waiting for us, per subscription
-  natsSubscription_SetPendingLimits(made, kAnyNumber, kMostBytes);
+  constexpr int kMaxBytes = 64 << 20;  // waiting for us, per subscription
+  natsSubscription_SetPendingLimits(made, kAnyNumber, kMaxBytes);
   const std::lock_guard lock(mutex_);
   subscriptions_.emplace_back(std::move(slot), made);
   return {};

@@ -18,7 +18,7 @@ constexpr milliseconds kTryAgain{100};  // for records that the broker has not t
 constexpr std::chrono::seconds kOutFinishTimeout{2};
 // States that a standby keeps, about one a second, before it checks which are still needed.
 constexpr std::size_t kStatesKept = 32;
-constexpr std::size_t kMostStates =
+constexpr std::size_t kMaxStates =
     600;  // a count, chosen: some minutes without a record of the owner
 
 // Converts the carried state of the predecessor to records.
@@ -113,7 +113,7 @@ void OutStage::hear(v1::OutputRecord&& record) {
 void OutStage::compare() {
   audit_->compare(items_, records_);
   closed_ = closed_ || !audit_->trouble().empty() || items_.ready() > options_.most_waiting ||
-            records_.size() > kMostStates;
+            records_.size() > kMaxStates;
   if (records_.size() > prune_at_) {
     const std::vector<Carried> records(records_.begin(), records_.end());
     if (const auto start = warm_start(records, audit_->done(), options_.warm_up)) {

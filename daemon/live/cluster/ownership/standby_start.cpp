@@ -12,7 +12,7 @@ namespace rayloc {
 namespace {
 
 // Chosen: the preset retention of streams.
-constexpr std::chrono::seconds kMostToComputeAgain{60};
+constexpr std::chrono::seconds kMaxToComputeAgain{60};
 
 tl::unexpected<Error> nobody(const std::string& site) {
   return make_error(ErrorKind::kUnavailable, "site '" + site + "': no owner has spoken");
@@ -62,7 +62,7 @@ bool is_near(Broker& broker,
   const std::optional<Timestamp> begin = heard_behind(broker, site, place);
   const Timestamp done =
       time_of_us(last.has_output() ? last.output().done_us() : last.begin().done_us());
-  return !begin || done == Timestamp::min() || done - *begin < kMostToComputeAgain;
+  return !begin || done == Timestamp::min() || done - *begin < kMaxToComputeAgain;
 }
 
 }  // namespace

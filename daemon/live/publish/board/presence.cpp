@@ -10,7 +10,7 @@ namespace rayloc {
 namespace {
 
 constexpr double kLongestStep = 2.0;      // [s] between estimates of a target that remains present
-constexpr std::size_t kMostTracks = 512;  // maximum number summed at once
+constexpr std::size_t kMaxTracks = 512;  // maximum number summed at once
 constexpr double kFarthest = 1e6;         // [m] from the origin
 
 }  // namespace
@@ -46,7 +46,7 @@ void Presence::add(const v1::Envelope& envelope) {
   });
   const auto before = seen_.find(track);
   const double step = before == seen_.end() ? 0.0 : to_seconds(time - before->second);
-  if (before != seen_.end() || seen_.size() < kMostTracks) {
+  if (before != seen_.end() || seen_.size() < kMaxTracks) {
     seen_[track] = time;
   } else {
     ++left_out_;
@@ -61,7 +61,7 @@ void Presence::add(const v1::Envelope& envelope) {
   }
   const Place place{static_cast<std::int32_t>(std::floor(x / kCell)),
                     static_cast<std::int32_t>(std::floor(y / kCell))};
-  if (slot.seconds.size() < kMostCells || slot.seconds.count(place) > 0) {
+  if (slot.seconds.size() < kMaxCells || slot.seconds.count(place) > 0) {
     slot.seconds[place] += step;
   } else {
     ++left_out_;

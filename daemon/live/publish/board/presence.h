@@ -1,7 +1,7 @@
 // Presence: the places and durations of all targets in the last hours, without identities: a sum
 // for each quarter of a square metre, in memory only, which is discarded in time.
 //
-// Memory is bounded: kSlots slices of time, each with kMostCells cells; the excess is counted in
+// Memory is bounded: kSlots slices of time, each with kMaxCells cells; the excess is counted in
 // `left_out`. Thread safety: one thread.
 #pragma once
 
@@ -24,7 +24,7 @@ class Presence {
  public:
   static constexpr double kCell = 0.25;            // [m], along each side
   static constexpr std::size_t kSlots = 24;        // slices of time
-  static constexpr std::size_t kMostCells = 1500;  // 94 m^2 occupied within a slot
+  static constexpr std::size_t kMaxCells = 1500;  // 94 m^2 occupied within a slot
 
   // `kept`: retention time, positive; data is discarded slot by slot.
   explicit Presence(Duration kept) : kept_(kept) {}

@@ -56,9 +56,9 @@ class ContinuedSource final : public DatagramSource {
 
 // Number of datagrams that wait in the source, or that it drops meanwhile.
 std::uint64_t lost_with(DatagramSource& source, const SourceCounters& before) {
-  constexpr int kMostReads = 256;  // it may never be empty
+  constexpr int kMaxReads = 256;  // it may never be empty
   DatagramBatch batch;
-  for (int reads = 0; reads < kMostReads; ++reads) {
+  for (int reads = 0; reads < kMaxReads; ++reads) {
     const std::uint64_t had = source.counters().received;
     if (!source.read(batch, Duration::zero()) || source.counters().received == had) {
       break;

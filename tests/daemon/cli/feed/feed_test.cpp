@@ -157,7 +157,7 @@ TEST(FeedWriter, WritesOmloxInLocalMetresWithoutAPlace) {
 
 TEST(FeedWriter, HoldsNoMoreThanItsLimitAndCountsTheRest) {
   FeedWriter writer(FeedFormat::kOmlox);
-  for (std::size_t i = 0; i < FeedWriter::kMostHeld + 5; ++i) {
+  for (std::size_t i = 0; i < FeedWriter::kMaxHeld + 5; ++i) {
     writer.add(location());
   }
   EXPECT_EQ(writer.dropped(), 5U);

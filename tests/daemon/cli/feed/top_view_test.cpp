@@ -135,12 +135,12 @@ TEST(TopModel, CountsLossesAndForgetsWithANewStart) {
 
 TEST(TopModel, ForgetsTheSilentAndBoundsItsMemory) {
   TopModel model;
-  for (std::size_t i = 0; i < TopModel::kMostTargets + 10; ++i) {
+  for (std::size_t i = 0; i < TopModel::kMaxTargets + 10; ++i) {
     v1::Envelope each = location(i + 1, 100, kFiltered);
     each.mutable_location()->mutable_target()->set_track(i);
     model.add("t", each, kStart + std::chrono::milliseconds(i));
   }
-  EXPECT_EQ(model.targets().size(), TopModel::kMostTargets);
+  EXPECT_EQ(model.targets().size(), TopModel::kMaxTargets);
   EXPECT_FALSE(model.targets().contains("person-9"));
   model.add("h", heartbeat(100, 0), kStart + TopModel::kForgetAfter + 1h);
   EXPECT_TRUE(model.targets().empty());

@@ -20,7 +20,7 @@ CalibrationReport report_with(double before, double after, std::size_t fixes) {
   report.held_out = {false};
   report.positions = {{0.1, 0.2, 1.2}};
   report.located.clear();
-  for (std::size_t i = 1; i <= kLeastPairs; ++i) {
+  for (std::size_t i = 1; i <= kMinPairs; ++i) {
     points.push_back({i, 0, before, after});
     report.held_out.push_back(true);
     report.positions.push_back({0.05 * static_cast<double>(i), 0.2, 1.2});
@@ -130,7 +130,7 @@ TEST(Expectation, NamesTheAccessPointThatIsBehindTheOthers) {
   CalibrationReport report = report_with(0.3, 0.92, 3);
   report.fixes.back().median_error_m = 0.2;
   auto& points = report.methods.front().calibration.points;
-  for (std::size_t i = 1; i <= kLeastPairs; ++i) {
+  for (std::size_t i = 1; i <= kMinPairs; ++i) {
     points.push_back({i, 1, 0.2, 0.55});
   }
   TriedMistake turned = mistake(TriedMistake::Kind::kArray, 0.22);

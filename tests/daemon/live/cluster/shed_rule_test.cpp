@@ -31,7 +31,7 @@ TEST(ShedRule, ChangesByOneAfterItsPatience) {
   EXPECT_EQ(rule.next_level(kHeard, late, 0, kNow + seconds(5)), 1U);
   EXPECT_FALSE(rule.next_level(kHeard, late, 1, kNow + seconds(6)));
   EXPECT_EQ(rule.next_level(kHeard, late, 1, kNow + seconds(10)), 2U);
-  EXPECT_FALSE(rule.next_level(kHeard, late, kMostShed, kNow + seconds(20)));
+  EXPECT_FALSE(rule.next_level(kHeard, late, kMaxShed, kNow + seconds(20)));
   // Between the two lags nothing changes.
   EXPECT_FALSE(rule.next_level(kHeard, kHeard - seconds(1), 2, kNow + seconds(30)));
   EXPECT_FALSE(rule.next_level(kHeard, kHeard - seconds(1), 2, kNow + seconds(60)));

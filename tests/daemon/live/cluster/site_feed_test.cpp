@@ -190,7 +190,7 @@ TEST_F(Feed, SaysWhatIsToBeLeftOutWhileItIsFarBehind) {
   store("a", some_batch(1, {{"ap1", 1}}));
   store("a", some_batch(2, {{"ap1", 1}}));
   feed_->note_done(time_of(2) - seconds(1));
-  EXPECT_TRUE(eventually(kPatience, [&] { return feed_->counters().shed_level == kMostShed; }));
+  EXPECT_TRUE(eventually(kPatience, [&] { return feed_->counters().shed_level == kMaxShed; }));
   feed_->note_done(time_of(2));
   EXPECT_TRUE(eventually(kPatience, [&] { return feed_->counters().shed_level == 0; }));
 }

@@ -157,12 +157,12 @@ TEST_F(PresenceTest, IsForgottenSlotBySlot) {
 }
 
 TEST_F(PresenceTest, TakesBoundedMemory) {
-  const int many = static_cast<int>(Presence::kMostCells) + 100;
+  const int many = static_cast<int>(Presence::kMaxCells) + 100;
   for (int i = 0; i < many; ++i) {
     put(1, 1000.0 + i, 0.5 * i, 0.0);
   }
   const MessageBoard::PresenceNow now = board_.presence(Timestamp(from_seconds(1000.0 + many)));
-  EXPECT_EQ(now.cells.size(), Presence::kMostCells);
+  EXPECT_EQ(now.cells.size(), Presence::kMaxCells);
   EXPECT_EQ(now.left_out, 99U) << "the first has no time before it";
   put(1, 2e9, 1e300, std::nan(""));
   put(1, 2e9 + 1.0, 1e300, std::nan(""));

@@ -139,7 +139,7 @@ TEST(PainterOrder, FacesOfARoomNeedNoSplit) {
 
 TEST(PainterOrder, ManyFacesAreSortedByDistance) {
   std::vector<Face> faces;
-  for (std::uint32_t i = 0; i <= kMostSplit; ++i) {
+  for (std::uint32_t i = 0; i <= kMaxSplit; ++i) {
     const double depth = (i * 7919 % 10'007) * 1e-3;
     const Vec3d corner = depth * kViewer;
     faces.push_back(triangle(corner, corner + Vec3d{1, 0, 0}, corner + Vec3d{0, 1, 0}, i));
