@@ -79,11 +79,11 @@ py::array_t<double> log_likelihood(const LocalizerHandle& handle, const FrameTab
   std::vector<double> map;
   {
     const py::gil_scoped_release unlocked;
-    const RoomObservation heard = handle.localizer->hear(frames);
-    if (heard.arrays.empty()) {
+    const RoomObservation received = handle.localizer->receive(frames);
+    if (received.arrays.empty()) {
       refuse("no calibrated access point received these frames");
     }
-    map = handle.localizer->evidence(heard).log_likelihood;
+    map = handle.localizer->evidence(received).log_likelihood;
   }
   if (map.empty()) {
     refuse("no place explains these frames");

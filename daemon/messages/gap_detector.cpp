@@ -15,13 +15,13 @@ std::uint64_t GapDetector::missing_before(const std::string& topic, std::uint64_
       by_age_.pop_front();
     }
     by_age_.push_back(topic);
-    last_.emplace(topic, Heard{sequence, std::prev(by_age_.end())});
+    last_.emplace(topic, Received{sequence, std::prev(by_age_.end())});
     return 0;
   }
-  Heard& heard = known->second;
-  by_age_.splice(by_age_.end(), by_age_, heard.age);
-  const std::uint64_t lost = sequence > heard.sequence + 1 ? sequence - heard.sequence - 1 : 0;
-  heard.sequence = sequence;
+  Received& received = known->second;
+  by_age_.splice(by_age_.end(), by_age_, received.age);
+  const std::uint64_t lost = sequence > received.sequence + 1 ? sequence - received.sequence - 1 : 0;
+  received.sequence = sequence;
   return lost;
 }
 

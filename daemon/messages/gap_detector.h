@@ -38,7 +38,7 @@ class GapDetector {
   std::uint64_t restarts() const { return restarts_; }
 
  private:
-  struct Heard {
+  struct Received {
     std::uint64_t sequence = 0;
     std::list<std::string>::iterator age;
   };
@@ -48,7 +48,7 @@ class GapDetector {
 
   std::size_t max_topics_;
   std::list<std::string> by_age_;  // received longest ago first
-  std::unordered_map<std::string, Heard> last_;
+  std::unordered_map<std::string, Received> last_;
   std::uint64_t epoch_ = 0;
   bool any_ = false;
   std::uint64_t lost_ = 0;

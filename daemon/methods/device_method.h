@@ -40,7 +40,7 @@ struct ChainTrust {
 };
 
 // A burst for a track, with the chain assessment made at the reception of its frames.
-struct HeardBurst {
+struct ReceivedBurst {
   DeviceBurst burst;
   std::uint64_t withdrawals = 0;  // ChainTrust::withdrawals
 };
@@ -58,7 +58,7 @@ class DeviceMethod {
   // True if its devices get tracks.
   virtual bool has_tracks() const { return false; }
   // Tracks, as in DeviceTracker: [burst]. REQUIRES: every burst is from another device.
-  virtual std::vector<std::vector<DeviceUpdate>> track(std::span<const HeardBurst> bursts) {
+  virtual std::vector<std::vector<DeviceUpdate>> track(std::span<const ReceivedBurst> bursts) {
     return std::vector<std::vector<DeviceUpdate>>(bursts.size());
   }
   virtual void advance(Timestamp /*now*/, std::vector<DeviceUpdate>& /*updates*/) {}
@@ -68,7 +68,7 @@ class DeviceMethod {
   virtual bool follows(const MacAddress& /*device*/) const { return false; }
   // Last reception from the longest silent device
   // that has a track; `now` if no device has one.
-  virtual Timestamp heard_until(Timestamp now) const { return now; }
+  virtual Timestamp received_until(Timestamp now) const { return now; }
   virtual TrackerCounters tracker_counters() const { return {}; }
 
   // Receive chains learned from devices; null: frames are used unchanged.

@@ -46,7 +46,7 @@ class PersonMethod {
 
   // Tracks, as in PersonTracker.
   virtual void track(std::span<const CsiFrame> /*frames*/,
-                     std::optional<Timestamp> /*heard_since*/,
+                     std::optional<Timestamp> /*received_since*/,
                      std::vector<PersonUpdate>& /*updates*/) {}
   virtual void advance(Timestamp /*now*/, std::vector<PersonUpdate>& /*updates*/) {}
   virtual void restart(const std::string& /*reason*/, std::vector<PersonUpdate>& /*updates*/) {}

@@ -45,21 +45,21 @@ class RaylocDevices : public DeviceMethod {
 
   bool has_tracks() const override { return true; }
   // Bursts before a withdrawal are tracked before their information is discarded.
-  std::vector<std::vector<DeviceUpdate>> track(std::span<const HeardBurst> bursts) override {
+  std::vector<std::vector<DeviceUpdate>> track(std::span<const ReceivedBurst> bursts) override {
     std::vector<std::vector<DeviceUpdate>> updates;
     std::vector<DeviceBurst> together;
     const auto finish = [&] {
-      for (std::vector<DeviceUpdate>& some : tracker_.hear(together)) {
+      for (std::vector<DeviceUpdate>& some : tracker_.receive(together)) {
         updates.push_back(std::move(some));
       }
       together.clear();
     };
-    for (const HeardBurst& heard : bursts) {
-      if (heard.withdrawals != withdrawals_) {
+    for (const ReceivedBurst& received : bursts) {
+      if (received.withdrawals != withdrawals_) {
         finish();
-        forget_what_was_wrong(heard.withdrawals);
+        forget_what_was_wrong(received.withdrawals);
       }
-      together.push_back(heard.burst);
+      together.push_back(received.burst);
     }
     finish();
     return updates;
@@ -74,7 +74,7 @@ class RaylocDevices : public DeviceMethod {
   }
   bool knows(const MacAddress& device) const override { return tracker_.has(device); }
   bool follows(const MacAddress& device) const override { return tracker_.follows(device); }
-  Timestamp heard_until(Timestamp now) const override { return tracker_.heard_until(now); }
+  Timestamp received_until(Timestamp now) const override { return tracker_.received_until(now); }
   TrackerCounters tracker_counters() const override { return tracker_.counters(); }
 
   ChainLearner* chains() override { return learns_ ? &chains_ : nullptr; }
@@ -116,9 +116,9 @@ class RaylocPeople : public PersonMethod {
   }
 
   void track(std::span<const CsiFrame> frames,
-             std::optional<Timestamp> heard_since,
+             std::optional<Timestamp> received_since,
              std::vector<PersonUpdate>& updates) override {
-    tracker_.hear(frames, updates, heard_since);
+    tracker_.receive(frames, updates, received_since);
   }
   void advance(Timestamp now, std::vector<PersonUpdate>& updates) override {
     tracker_.advance(now, updates);

@@ -36,7 +36,7 @@ class WalkerMethod : public PersonMethod {
              std::optional<Timestamp>,
              std::vector<PersonUpdate>& updates) override {
     std::vector<LocationEstimate> places;
-    walker_.hear(frames, places);
+    walker_.receive(frames, places);
     for (LocationEstimate& place : places) {
       FilteredEstimate filtered;
       filtered.state = TrackState::kConfirmed;

@@ -12,7 +12,7 @@ BurstCollector::BurstCollector(CollectorOptions options, const OpenBursts& begin
     Burst& burst = open_[start.transmitter];
     burst.transmitter = start.transmitter;
     burst.first = start.first;
-    burst.heard_since = start.first;
+    burst.received_since = start.first;
     burst.last = start.last;
   }
 }
@@ -45,7 +45,7 @@ void BurstCollector::add(CsiFrame&& frame, std::vector<Burst>& ended) {
     found = open_.emplace(frame.transmitter, Burst{}).first;
     found->second.transmitter = frame.transmitter;
     found->second.first = frame.time;
-    found->second.heard_since = frame.time;
+    found->second.received_since = frame.time;
   }
   Burst& burst = found->second;
   burst.last = std::max(burst.last, frame.time);

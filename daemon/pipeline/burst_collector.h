@@ -53,7 +53,7 @@ struct Burst {
   Timestamp last;
   // First frame of the oldest burst that this one has replaced (BurstQueue), otherwise `first`: the
   // transmitter has not been silent since.
-  Timestamp heard_since;
+  Timestamp received_since;
   std::vector<CsiFrame> frames;  // by (time, access point)
   std::uint64_t surplus = 0;
 

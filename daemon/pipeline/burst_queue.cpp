@@ -49,7 +49,7 @@ void BurstQueue::replace(const Place& older, Burst&& burst) {
   frames_ -= given_up;
   merged_frames_ += given_up;
   ++merged_bursts_;
-  burst.heard_since = before.heard_since;
+  burst.received_since = before.received_since;
   waiting_[older.rank].erase(older.burst);
   add(std::move(burst), kept_turn);
 }

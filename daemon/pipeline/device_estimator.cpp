@@ -29,7 +29,7 @@ bool is_stated(const CalibrationWarning& warning, const std::vector<CalibrationW
 }
 
 // True if earlier bursts of the transmitter had to be left out.
-bool is_behind(const Burst& burst) { return burst.heard_since < burst.first; }
+bool is_behind(const Burst& burst) { return burst.received_since < burst.first; }
 
 // Frames of a track's last measurement.
 std::span<const CsiFrame> last_moment(std::span<const CsiFrame> frames) {
@@ -162,7 +162,7 @@ void DeviceEstimator::carry(Carried& carried) const {
     carried.watched.push_back({mac, last});
   }
   for (const Room& room : rooms_) {
-    carried.heard = std::min(carried.heard, room.method->heard_until(carried.done));
+    carried.received = std::min(carried.received, room.method->received_until(carried.done));
   }
 }
 
@@ -208,7 +208,7 @@ void DeviceEstimator::check_calibration(const SiteTransmitter& fixed, const Burs
     }
   }
   if (!all.empty()) {
-    all.front()->hear(burst.frames, *fixed.position);
+    all.front()->receive(burst.frames, *fixed.position);
     chains_.spread(*all.front(), all, room());
   }
   state_warnings();
@@ -248,7 +248,7 @@ std::span<const CsiFrame> DeviceEstimator::believed(const Burst& burst,
   if (learner == nullptr) {
     return burst.frames;
   }
-  learner->hear(burst.frames);
+  learner->receive(burst.frames);
   chains_.spread(*learner, learners(), room.room());
   state_warnings();
   if (learner->leaves_alone()) {
@@ -302,7 +302,7 @@ void DeviceEstimator::snapshot(Work& work) {
 }
 
 // The steps that depend on the order of bursts. Empty for a transmitter that is not a device.
-std::optional<DeviceEstimator::Work> DeviceEstimator::hear(const Burst& burst, Estimates& out) {
+std::optional<DeviceEstimator::Work> DeviceEstimator::receive(const Burst& burst, Estimates& out) {
   if (dead_chains_.observe(burst.frames, room())) {
     state_warnings();
   }
@@ -346,19 +346,19 @@ std::optional<DeviceEstimator::Work> DeviceEstimator::hear(const Burst& burst, E
 
 void DeviceEstimator::track(std::vector<Work>& works) {
   for (Room& room : rooms_) {
-    std::vector<HeardBurst> bursts;
-    std::vector<Work*> heard;
+    std::vector<ReceivedBurst> bursts;
+    std::vector<Work*> received;
     for (Work& work : works) {
       if (work.room == &room && !work.frames.empty()) {
         bursts.push_back(
-            {{work.burst->transmitter, work.frames, work.burst->heard_since, work.trust.doubt},
+            {{work.burst->transmitter, work.frames, work.burst->received_since, work.trust.doubt},
              work.trust.withdrawals});
-        heard.push_back(&work);
+        received.push_back(&work);
       }
     }
     const auto updates = room.method->track(bursts);
-    for (std::size_t i = 0; i < heard.size(); ++i) {
-      state(*heard[i], updates[i]);
+    for (std::size_t i = 0; i < received.size(); ++i) {
+      state(*received[i], updates[i]);
     }
   }
 }
@@ -378,7 +378,7 @@ void DeviceEstimator::state(Work& work, const std::vector<DeviceUpdate>& updates
 void DeviceEstimator::estimate_each(std::span<const Burst> bursts, std::span<Estimates> out) {
   std::vector<Work> works;
   for (std::size_t i = 0; i < bursts.size(); ++i) {
-    if (auto work = hear(bursts[i], out[i])) {
+    if (auto work = receive(bursts[i], out[i])) {
       works.push_back(*std::move(work));
     }
   }

@@ -115,7 +115,7 @@ class DeviceEstimator : public Estimator {
   DeviceEstimator(Site site, Options options);
   Expected<Room> prepare(std::shared_ptr<const RoomModel> room) const;
   Expected<void> watch_calibration(const RoomModel& room);
-  std::optional<Work> hear(const Burst& burst, Estimates& out);
+  std::optional<Work> receive(const Burst& burst, Estimates& out);
   void track(std::vector<Work>& works);
   void state(Work& work, const std::vector<DeviceUpdate>& updates);
   LocationEstimate unbelieved(const Work& work) const;

@@ -160,7 +160,7 @@ void EstimationLoop::carry(Timestamp done) {
   Carried carried;
   carried.done = done;
   carried.open = collector_.open_starts(*mark_);
-  carried.heard = done;
+  carried.received = done;
   estimator_.carry(carried);
   sink_.carried(std::move(carried));
 }

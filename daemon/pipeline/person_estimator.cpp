@@ -134,7 +134,7 @@ void PersonEstimator::estimate(const Burst& burst, Estimates& out) {
   std::vector<LocationEstimate> people = link.method->locate(burst.frames, 0);
   std::vector<PersonUpdate> updates;
   PersonNumbers numbers{number, link.number_step, std::nullopt};
-  link.method->track(burst.frames, burst.heard_since, updates);
+  link.method->track(burst.frames, burst.received_since, updates);
   if (const auto track = link.method->track_number()) {
     numbers.first = *track;
     numbers.tracked = updates.empty() ? std::nullopt : updates.back().estimate.location.position;
@@ -179,7 +179,7 @@ void PersonEstimator::carry(Carried& carried) const {
       carried.people.push_back({mac,
                                 link.lost.empty() ? *number : link.lost.front().second,
                                 link.method->last_moment()});
-      carried.heard = std::min(carried.heard, link.method->seen_until(carried.done));
+      carried.received = std::min(carried.received, link.method->seen_until(carried.done));
     }
   }
 }

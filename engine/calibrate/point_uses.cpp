@@ -23,7 +23,7 @@ std::size_t deciding_points(std::size_t count) {
   return std::min({std::max(share, kMinDeciding), count / kDecidingPart, spare});
 }
 
-bool is_heard(const CalibrationPoint& point) {
+bool is_received(const CalibrationPoint& point) {
   return std::any_of(point.h.begin(), point.h.end(), [](const auto& one) { return !one.empty(); });
 }
 
@@ -35,7 +35,7 @@ std::vector<Use> draw_uses(std::span<const CalibrationPoint> points, std::uint64
   uses.reserve(points.size());
   for (std::size_t p = 0; p < points.size(); ++p) {
     uses.push_back(points[p].held_out ? Use::kHeldOut : Use::kFit);
-    if (!points[p].held_out && is_heard(points[p])) {
+    if (!points[p].held_out && is_received(points[p])) {
       drawable.push_back(p);
     }
   }
@@ -58,7 +58,7 @@ std::span<const Use> deciders(std::span<const Use> uses) {
 std::size_t fitted_points(std::span<const CalibrationPoint> points, std::span<const Use> uses) {
   std::size_t count = 0;
   for (std::size_t p = 0; p < points.size(); ++p) {
-    count += uses[p] != Use::kHeldOut && is_heard(points[p]) ? 1U : 0U;
+    count += uses[p] != Use::kHeldOut && is_received(points[p]) ? 1U : 0U;
   }
   return count;
 }
@@ -68,20 +68,20 @@ Expected<void> check_uses(const RoomModel& room,
                           std::span<const Use> uses) {
   bool anything = false;
   for (std::size_t a = 0; a < room.access_points.size(); ++a) {
-    std::size_t heard = 0;
+    std::size_t received = 0;
     std::size_t usable = 0;
     for (std::size_t p = 0; p < points.size(); ++p) {
       if (a < points[p].h.size() && !points[p].h[a].empty()) {
-        ++heard;
+        ++received;
         usable += uses[p] == Use::kFit ? 1U : 0U;
       }
     }
-    if (heard > 0 && usable < kMinPoints) {
+    if (received > 0 && usable < kMinPoints) {
       return bad_input("access point " + room.access_points[a].id + ": " + std::to_string(usable) +
                        " calibration points can be fitted, at least " +
                        std::to_string(kMinPoints) + " are needed");
     }
-    anything = anything || heard > 0;
+    anything = anything || received > 0;
   }
   if (!anything) {
     return bad_input("no access point received the device at any of the points");

@@ -14,7 +14,7 @@ double log_sum_exp(std::span<const double> terms) {
 
 }  // namespace
 
-void CellBelief::hear(std::span<const double> log_likelihood, double wrong) {
+void CellBelief::receive(std::span<const double> log_likelihood, double wrong) {
   RAYLOC_CHECK(log_likelihood.size() == log_weight_.size());
   const double total = log_sum_exp(log_likelihood);
   const double uniform = 1.0 / static_cast<double>(log_weight_.size());

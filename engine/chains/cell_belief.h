@@ -12,7 +12,7 @@ class CellBelief {
   explicit CellBelief(std::size_t cells) : log_weight_(cells) {}
 
   // log_likelihood: [cell], tempered. With probability `wrong` it has no information on the place.
-  void hear(std::span<const double> log_likelihood, double wrong);
+  void receive(std::span<const double> log_likelihood, double wrong);
 
   // [cell]: ln of the probability that the device is in the cell; the probabilities sum to 1.
   std::vector<double> log_probability() const;

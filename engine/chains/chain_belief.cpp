@@ -31,7 +31,7 @@ void ChainBelief::settle() {
   doubt(kChange);
 }
 
-void ChainBelief::hear(std::span<const double> log_evidence) {
+void ChainBelief::receive(std::span<const double> log_evidence) {
   RAYLOC_CHECK(log_evidence.size() == probability_.size());
   const double best = *std::max_element(log_evidence.begin(), log_evidence.end());
   double sum = 0.0;

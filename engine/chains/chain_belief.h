@@ -24,7 +24,7 @@ class ChainBelief {
   const TurnGrid& grid() const { return grid_; }
 
   // log_evidence: [state], from turn_evidence().
-  void hear(std::span<const double> log_evidence);
+  void receive(std::span<const double> log_evidence);
   // The chains may have changed, with this probability: a power cycle is likely.
   void doubt(double probability);
   // The accepted state has changed: state 0 now denotes the new one.

@@ -41,15 +41,15 @@ constexpr auto kUnsettledPeriod = std::chrono::seconds(1);        // [s], chosen
 constexpr auto kSettledPeriod = std::chrono::seconds(5);          // [s], chosen
 
 // With a dead chain left out, the states are different ones.
-bool has_all_antennas(const HeardArray& heard) {
-  return heard.map->antennas() == heard.map->access_point().cores.size();
+bool has_all_antennas(const ArrayObservation& received) {
+  return received.map->antennas() == received.map->access_point().cores.size();
 }
 
 // The burst with the amplitudes of the best state removed: the grid has no amplitudes.
-ObservedBurst level_undone(const HeardArray& heard, const ChainMemory& ap) {
-  std::vector<Value> h = heard.h;
+ObservedBurst level_undone(const ArrayObservation& received, const ChainMemory& ap) {
+  std::vector<Value> h = received.h;
   multiply(inverses(ap.level), h);
-  return heard.map->observe(h, heard.observed.array.noise);
+  return received.map->observe(h, received.observed.array.noise);
 }
 
 }  // namespace
@@ -121,7 +121,7 @@ bool ChainLearner::is_due(std::size_t access_point,
 struct ChainLearner::Told {
   Timestamp time;
   RoomObservation observation;
-  std::vector<const HeardArray*> arrays;  // of the observation
+  std::vector<const ArrayObservation*> arrays;  // of the observation
 };
 
 ChainLearner::Told ChainLearner::new_of(std::span<const CsiFrame> frames,
@@ -142,58 +142,58 @@ ChainLearner::Told ChainLearner::new_of(std::span<const CsiFrame> frames,
   if (std::find(due.begin(), due.end(), 1) == due.end()) {
     return told;
   }
-  told.observation = localizer_->hear(undone(first_moment(frames)));
-  for (const HeardArray& heard : told.observation.arrays) {
-    const std::size_t a = heard.map->number();
-    if (due[a] == 0 || !has_all_antennas(heard)) {
+  told.observation = localizer_->receive(undone(first_moment(frames)));
+  for (const ArrayObservation& received : told.observation.arrays) {
+    const std::size_t a = received.map->number();
+    if (due[a] == 0 || !has_all_antennas(received)) {
       continue;
     }
     ChainMemory& ap = of(a);
     ap.*last = told.time;
-    if (is_new(heard, ap)) {
-      told.arrays.push_back(&heard);
+    if (is_new(received, ap)) {
+      told.arrays.push_back(&received);
     }
   }
   return told;
 }
 
-void ChainLearner::hear(std::span<const CsiFrame> frames) {
+void ChainLearner::receive(std::span<const CsiFrame> frames) {
   const Told told = new_of(frames, &ChainMemory::last);
-  if (std::any_of(told.arrays.begin(), told.arrays.end(), [&](const HeardArray* heard) {
-        return of(heard->map->number()).state.knowledge == ChainKnowledge::kLearned;
+  if (std::any_of(told.arrays.begin(), told.arrays.end(), [&](const ArrayObservation* received) {
+        return of(received->map->number()).state.knowledge == ChainKnowledge::kLearned;
       })) {
     close_.add(*localizer_, known_of(told.observation));
   }
   const CellsOfEach unknown = whatever_turned(told);
-  for (const HeardArray* heard : told.arrays) {
-    const std::size_t a = heard->map->number();
-    weigh(*heard, by_others(told.observation, unknown, a), told.time, of(a));
+  for (const ArrayObservation* received : told.arrays) {
+    const std::size_t a = received->map->number();
+    weigh(*received, by_others(told.observation, unknown, a), told.time, of(a));
   }
   refine_closely();
 }
 
-void ChainLearner::hear(std::span<const CsiFrame> frames, const Vec3d& place) {
+void ChainLearner::receive(std::span<const CsiFrame> frames, const Vec3d& place) {
   const Told told = new_of(frames, &ChainMemory::last_fixed);
-  for (const HeardArray* heard : told.arrays) {
-    weigh_known(*heard, place, told.time, of(heard->map->number()));
+  for (const ArrayObservation* received : told.arrays) {
+    weigh_known(*received, place, told.time, of(received->map->number()));
   }
 }
 
 RoomObservation ChainLearner::known_of(const RoomObservation& observation) const {
   RoomObservation known;
-  for (const HeardArray& heard : observation.arrays) {
-    const auto found = aps_.find(heard.map->number());
-    if (found != aps_.end() && found->second.is_known() && has_all_antennas(heard)) {
-      known.arrays.push_back(heard);
+  for (const ArrayObservation& received : observation.arrays) {
+    const auto found = aps_.find(received.map->number());
+    if (found != aps_.end() && found->second.is_known() && has_all_antennas(received)) {
+      known.arrays.push_back(received);
     }
   }
   return known;
 }
 
-bool ChainLearner::is_new(const HeardArray& heard, const ChainMemory& ap) const {
-  return heard.observed.array.noise <= kMaxNoise &&
-         std::none_of(ap.heard.begin(), ap.heard.end(), [&](const RememberedBurst& before) {
-           return aligner_.align(before.h, heard.h).correlation > kSameCorrelation;
+bool ChainLearner::is_new(const ArrayObservation& received, const ChainMemory& ap) const {
+  return received.observed.array.noise <= kMaxNoise &&
+         std::none_of(ap.received.begin(), ap.received.end(), [&](const RememberedBurst& before) {
+           return aligner_.align(before.h, received.h).correlation > kSameCorrelation;
          });
 }
 
@@ -202,14 +202,14 @@ ChainLearner::CellsOfEach ChainLearner::whatever_turned(const Told& told) {
   if (told.arrays.empty()) {
     return unknown;
   }
-  for (const HeardArray& heard : told.observation.arrays) {
-    const std::size_t a = heard.map->number();
-    const bool is_alone = told.arrays.size() == 1 && told.arrays.front() == &heard;
-    if (is_alone || !has_all_antennas(heard) || of(a).is_known()) {
+  for (const ArrayObservation& received : told.observation.arrays) {
+    const std::size_t a = received.map->number();
+    const bool is_alone = told.arrays.size() == 1 && told.arrays.front() == &received;
+    if (is_alone || !has_all_antennas(received) || of(a).is_known()) {
       continue;
     }
-    unknown[a] = places_whatever_turned(*heard.map,
-                                        level_undone(heard, of(a)),
+    unknown[a] = places_whatever_turned(*received.map,
+                                        level_undone(received, of(a)),
                                         of(a).belief.grid(),
                                         localizer_->room().likelihood_exponent,
                                         of(a).belief.probability());
@@ -222,7 +222,7 @@ std::vector<double> ChainLearner::by_others(const RoomObservation& observation,
                                             std::size_t left_out) const {
   RoomObservation others = known_of(observation);
   std::erase_if(others.arrays,
-                [&](const HeardArray& heard) { return heard.map->number() == left_out; });
+                [&](const ArrayObservation& received) { return received.map->number() == left_out; });
   CellBelief belief(localizer_->grid().size());
   const Localizer::Evidence evidence =
       others.arrays.empty() ? Localizer::Evidence() : localizer_->evidence(others);
@@ -231,51 +231,51 @@ std::vector<double> ChainLearner::by_others(const RoomObservation& observation,
     for (double& one : map) {
       one *= localizer_->room().likelihood_exponent;
     }
-    belief.hear(map, std::max(evidence.elsewhere, kOthersWrong));
+    belief.receive(map, std::max(evidence.elsewhere, kOthersWrong));
   }
   for (const auto& [number, map] : unknown) {
     if (number != left_out) {
-      belief.hear(map, kOthersWrong);
+      belief.receive(map, kOthersWrong);
     }
   }
   return belief.log_probability();
 }
 
-void ChainLearner::weigh(const HeardArray& heard,
+void ChainLearner::weigh(const ArrayObservation& received,
                          std::span<const double> log_weight,
                          Timestamp time,
                          ChainMemory& ap) {
   RememberedBurst burst;
-  burst.evidence = turn_evidence(*heard.map,
-                                 level_undone(heard, ap),
+  burst.evidence = turn_evidence(*received.map,
+                                 level_undone(received, ap),
                                  ap.belief.grid(),
                                  localizer_->room().likelihood_exponent,
                                  log_weight);
   burst.log_weight.assign(log_weight.begin(), log_weight.end());
-  remember(std::move(burst), heard, time, ap);
+  remember(std::move(burst), received, time, ap);
 }
 
-void ChainLearner::weigh_known(const HeardArray& heard,
+void ChainLearner::weigh_known(const ArrayObservation& received,
                                const Vec3d& place,
                                Timestamp time,
                                ChainMemory& ap) {
   RememberedBurst burst;
   burst.known_place = std::make_shared<const PlaceModel>(
-      heard.map->model_of(heard.map->rays_to(place), kKnownPlaceSigma));
+      received.map->model_of(received.map->rays_to(place), kKnownPlaceSigma));
   if (!burst.known_place->reachable) {
     return;
   }
   burst.evidence = turn_evidence_at(*burst.known_place,
-                                    level_undone(heard, ap).array,
+                                    level_undone(received, ap).array,
                                     ap.belief.grid(),
                                     localizer_->room().likelihood_exponent,
-                                    heard.map->nowhere(heard.observed));
-  remember(std::move(burst), heard, time, ap);
+                                    received.map->nowhere(received.observed));
+  remember(std::move(burst), received, time, ap);
 }
 
 // `burst` contains its evidence and the data that belong to it.
 void ChainLearner::remember(RememberedBurst burst,
-                            const HeardArray& heard,
+                            const ArrayObservation& received,
                             Timestamp time,
                             ChainMemory& ap) {
   const std::vector<double>& log_evidence = burst.evidence.log_evidence;
@@ -283,18 +283,18 @@ void ChainLearner::remember(RememberedBurst burst,
   if (most < kMinEvidence) {
     return;
   }
-  ap.belief.hear(log_evidence);
+  ap.belief.receive(log_evidence);
   ++changes_;
   ++ap.state.bursts;
   ++ap.unrefined;
-  burst.h = heard.h;
+  burst.h = received.h;
   burst.time = time;
-  burst.noise = heard.observed.array.noise;
-  burst.floor = most + localizer_->room().likelihood_exponent * heard.map->nowhere(heard.observed) -
+  burst.noise = received.observed.array.noise;
+  burst.floor = most + localizer_->room().likelihood_exponent * received.map->nowhere(received.observed) -
                 ChainBelief::kMaxOfBurst;
   burst.since.assign(ap.level.size(), 1.0);
   ap.remember(std::move(burst));
-  decide(*heard.map, time, ap);
+  decide(*received.map, time, ap);
 }
 
 void ChainLearner::decide(const AccessPointMap& map, Timestamp time, ChainMemory& ap) {
@@ -312,8 +312,8 @@ void ChainLearner::decide(const AccessPointMap& map, Timestamp time, ChainMemory
   } else if (!is_learning) {
     ap.forget_until_sure();
   }
-  if (ap.heard.size() < ChainMemory::kMinBursts ||
-      (ap.unrefined < kCompareAfter && ap.heard.size() != kChainBurstsNeeded)) {
+  if (ap.received.size() < ChainMemory::kMinBursts ||
+      (ap.unrefined < kCompareAfter && ap.received.size() != kChainBurstsNeeded)) {
     return;
   }
   ap.unrefined = 0;
@@ -340,10 +340,10 @@ void ChainLearner::decide(const AccessPointMap& map, Timestamp time, ChainMemory
       return;
     }
     withdraw(time, ap);
-    ap.state.bursts = ap.heard.size();
+    ap.state.bursts = ap.received.size();
   }
   const double sigma = *std::max_element(best.sigma.begin(), best.sigma.end());
-  if (ap.heard.size() >= kChainBurstsNeeded && lead >= kChainEvidenceNeeded &&
+  if (ap.received.size() >= kChainBurstsNeeded && lead >= kChainEvidenceNeeded &&
       sigma < kChainPhaseSigmaNeeded) {
     believe(best, ap);
     ap.know(ChainKnowledge::kLearned, time);
@@ -393,7 +393,7 @@ std::vector<ChainFactors> ChainLearner::compare(const AccessPointMap& map, Chain
     }
   }
   std::vector<ChainFactors> different =
-      compare_states(map, ap.heard, starts, localizer_->room().likelihood_exponent);
+      compare_states(map, ap.received, starts, localizer_->room().likelihood_exponent);
   ap.favourite = different.front().factor;
   for (std::size_t m = 0; m < ap.level.size(); ++m) {
     ap.level[m] = std::abs(ap.favourite[m]);
@@ -404,7 +404,7 @@ std::vector<ChainFactors> ChainLearner::compare(const AccessPointMap& map, Chain
 // An access point that is off receives no frames.
 void ChainLearner::notice_silence(const CsiFrame& frame) {
   const auto a = static_cast<std::size_t>(frame.access_point);
-  const auto [last, is_first] = heard_.emplace(a, frame.time);
+  const auto [last, is_first] = received_.emplace(a, frame.time);
   if (!is_first && frame.time - last->second > kSilence) {
     if (const auto found = aps_.find(a); found != aps_.end()) {
       found->second.belief.doubt(kTurnedAfterSilence);
@@ -420,16 +420,16 @@ bool ChainLearner::leaves_alone() const {
 }
 
 FrameDoubt ChainLearner::doubt(std::span<const CsiFrame> believed) const {
-  std::set<int> heard;
+  std::set<int> received;
   FrameDoubt doubt{1.0};
   for (const CsiFrame& frame : believed) {
-    if (heard.insert(frame.access_point).second) {
+    if (received.insert(frame.access_point).second) {
       const auto found = aps_.find(static_cast<std::size_t>(frame.access_point));
       doubt.probability *=
           found == aps_.end() ? kTurnedAtStart : 1.0 - found->second.belief.as_believed();
     }
   }
-  return heard.empty() ? FrameDoubt() : doubt;
+  return received.empty() ? FrameDoubt() : doubt;
 }
 
 std::vector<ChainState> ChainLearner::states() const {
@@ -443,7 +443,7 @@ std::vector<ChainState> ChainLearner::states() const {
 void ChainLearner::adopt(const ChainState& state) {
   ChainMemory& ap = of(state.access_point);
   ++changes_;
-  ap.heard.clear();
+  ap.received.clear();
   close_.clear();
   ap.believe(state.factors);
   const bool before = believes_nobody();
@@ -465,7 +465,7 @@ void ChainLearner::power_cycled(std::size_t access_point, Timestamp time) {
   ChainMemory& ap = of(access_point);
   ++changes_;
   ap.belief.doubt(kTurnedAfterCycle);
-  ap.heard.clear();
+  ap.received.clear();
   ap.last_sure = time;
   withdraw(time, ap);
 }
@@ -486,7 +486,7 @@ bool ChainLearner::believes_nobody() const {
 void ChainLearner::restart() {
   aps_.clear();
   close_.clear();
-  heard_.clear();
+  received_.clear();
   begin();
 }
 

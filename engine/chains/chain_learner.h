@@ -44,9 +44,9 @@ class ChainLearner {
   ~ChainLearner();
 
   // A burst of one device anywhere in the area, as the radios delivered it, in order of time.
-  void hear(std::span<const CsiFrame> frames);
+  void receive(std::span<const CsiFrame> frames);
   // The same for a transmitter at a known place [m].
-  void hear(std::span<const CsiFrame> frames, const Vec3d& place);
+  void receive(std::span<const CsiFrame> frames, const Vec3d& place);
 
   // The frames of the accepted access points, with their factors removed.
   std::vector<CsiFrame> believed(std::span<const CsiFrame> frames) const;
@@ -80,7 +80,7 @@ class ChainLearner {
   ChainMemory& of(std::size_t access_point);
   void notice_silence(const CsiFrame& frame);
   bool is_due(std::size_t access_point, Timestamp time, Timestamp ChainMemory::*last) const;
-  bool is_new(const HeardArray& heard, const ChainMemory& ap) const;
+  bool is_new(const ArrayObservation& received, const ChainMemory& ap) const;
   // The arrays of access points with known chains, each with all of its antennas.
   RoomObservation known_of(const RoomObservation& observation) const;
   // By access point with unknown chains, where others are learned from the same burst: its evidence
@@ -92,12 +92,12 @@ class ChainLearner {
   std::vector<double> by_others(const RoomObservation& observation,
                                 const CellsOfEach& unknown,
                                 std::size_t left_out) const;
-  void weigh(const HeardArray& heard,
+  void weigh(const ArrayObservation& received,
              std::span<const double> log_weight,
              Timestamp time,
              ChainMemory& ap);
-  void weigh_known(const HeardArray& heard, const Vec3d& place, Timestamp time, ChainMemory& ap);
-  void remember(RememberedBurst burst, const HeardArray& heard, Timestamp time, ChainMemory& ap);
+  void weigh_known(const ArrayObservation& received, const Vec3d& place, Timestamp time, ChainMemory& ap);
+  void remember(RememberedBurst burst, const ArrayObservation& received, Timestamp time, ChainMemory& ap);
   void withdraw(Timestamp time, ChainMemory& ap);
   bool believes_nobody() const;
   void decide(const AccessPointMap& map, Timestamp time, ChainMemory& ap);
@@ -112,7 +112,7 @@ class ChainLearner {
   std::uint64_t withdrawals_ = 0;
   std::map<std::size_t, ChainMemory> aps_;  // by access point of the room
   std::map<std::size_t, ChainState> restored_;
-  std::map<std::size_t, Timestamp> heard_;  // time of the last frame per access point
+  std::map<std::size_t, Timestamp> received_;  // time of the last frame per access point
 };
 
 }  // namespace rayloc

@@ -19,15 +19,15 @@ ChainMemory::ChainMemory(std::size_t chains, double turned)
 
 bool ChainMemory::is_known() const {
   return state.knowledge == ChainKnowledge::kLearned ||
-         (state.knowledge == ChainKnowledge::kAsCalibrated && heard.size() >= kMinBursts &&
+         (state.knowledge == ChainKnowledge::kAsCalibrated && received.size() >= kMinBursts &&
           belief.as_believed() > kSure);
 }
 
 bool ChainMemory::is_settled() const {
   const auto& sigma = state.factors.sigma;
-  return state.knowledge != ChainKnowledge::kLearning && heard.size() >= kMinBursts &&
+  return state.knowledge != ChainKnowledge::kLearning && received.size() >= kMinBursts &&
          belief.as_believed() > kSure &&
-         (*std::max_element(sigma.begin(), sigma.end()) < kFineSigma || heard.size() == kMost);
+         (*std::max_element(sigma.begin(), sigma.end()) < kFineSigma || received.size() == kMost);
 }
 
 void ChainMemory::know(ChainKnowledge knowledge, Timestamp time) {
@@ -40,21 +40,21 @@ void ChainMemory::know(ChainKnowledge knowledge, Timestamp time) {
 }
 
 void ChainMemory::remember(RememberedBurst burst) {
-  if (heard.size() == kMost) {
-    heard.erase(heard.begin());
+  if (received.size() == kMost) {
+    received.erase(received.begin());
   }
-  heard.push_back(std::move(burst));
+  received.push_back(std::move(burst));
 }
 
 void ChainMemory::forget_until_sure() {
   const auto after = std::find_if(
-      heard.begin(), heard.end(), [&](const RememberedBurst& one) { return one.time > last_sure; });
-  heard.erase(heard.begin(), after);
+      received.begin(), received.end(), [&](const RememberedBurst& one) { return one.time > last_sure; });
+  received.erase(received.begin(), after);
 }
 
 void ChainMemory::correct(const ChainFactors& refined) {
   const std::vector<Value> undoing = inverses(refined.factor);
-  for (RememberedBurst& one : heard) {
+  for (RememberedBurst& one : received) {
     multiply(undoing, one.h);
     for (std::size_t m = 0; m < one.since.size(); ++m) {
       one.since[m] *= refined.factor[m];

@@ -24,7 +24,7 @@ struct ChainMemory {
 
   ChainState state;
   ChainBelief belief;
-  std::vector<RememberedBurst> heard;           // oldest first
+  std::vector<RememberedBurst> received;           // oldest first
   std::vector<std::complex<double>> level;      // of the best state, relative to factors
   std::vector<std::complex<double>> favourite;  // factors of that state
   std::size_t unrefined = 0;                    // bursts since factors were refined or compared

@@ -69,13 +69,13 @@ bool CloseBursts::sample(const Localizer& localizer, Burst& burst) const {
   }
   const std::vector<SampledPlace> places = sample_places(localizer, observation, evidence, kSample);
   burst.log_weight.clear();
-  burst.heard.clear();
+  burst.received.clear();
   burst.turned = 0.0;
   for (const SampledPlace& place : places) {
     burst.log_weight.push_back(std::log(place.share));
   }
   const std::vector<std::size_t> boxes = first_of_each_box(places);
-  for (const HeardArray& array : observation.arrays) {
+  for (const ArrayObservation& array : observation.arrays) {
     const std::vector<Value> undoing(array.map->antennas(), 1.0);
     std::vector<ChainMoments> moments(places.size());
     parallel_for(boxes.size() - 1, 1, [&](std::size_t box) {
@@ -88,7 +88,7 @@ bool CloseBursts::sample(const Localizer& localizer, Burst& burst) const {
     for (std::size_t i = 0; i < places.size(); ++i) {
       burst.log_weight[i] -= likelihood_exponent_ * as_believed(moments[i]);
     }
-    burst.heard.emplace(array.map->number(), std::move(moments));
+    burst.received.emplace(array.map->number(), std::move(moments));
   }
   return !places.empty();
 }
@@ -109,15 +109,15 @@ void CloseBursts::believe(std::size_t access_point, std::span<const Value> facto
   const double turned =
       distance({factor.begin(), factor.end()}, std::vector<Value>(factor.size(), 1.0));
   for (Burst& burst : bursts_) {
-    const auto found = burst.heard.find(access_point);
-    if (found == burst.heard.end()) {
+    const auto found = burst.received.find(access_point);
+    if (found == burst.received.end()) {
       continue;
     }
     burst.turned += turned;
     for (ChainMoments& moments : found->second) {
       moments = moments.multiplied(undoing);
     }
-    for (HeardArray& array : burst.observation.arrays) {
+    for (ArrayObservation& array : burst.observation.arrays) {
       if (array.map->number() == access_point) {
         multiply(undoing, array.h);
         array.observed = array.map->observe(array.h, array.observed.array.noise);
@@ -129,11 +129,11 @@ void CloseBursts::believe(std::size_t access_point, std::span<const Value> facto
 // The weights of its places include the evidence of the other access points.
 PlacedBurst CloseBursts::placed(const Burst& burst, std::size_t access_point) const {
   PlacedBurst result;
-  result.places = burst.heard.at(access_point);
+  result.places = burst.received.at(access_point);
   result.log_weight = burst.log_weight;
   double sum = 0.0;
   for (std::size_t i = 0; i < result.places.size(); ++i) {
-    for (const auto& [number, moments] : burst.heard) {
+    for (const auto& [number, moments] : burst.received) {
       if (number != access_point) {
         result.log_weight[i] += likelihood_exponent_ * as_believed(moments[i]);
       }
@@ -161,7 +161,7 @@ bool CloseBursts::is_due() {
 
 bool CloseBursts::tells_of(std::size_t access_point) const {
   const auto count = std::count_if(bursts_.begin(), bursts_.end(), [&](const Burst& burst) {
-    return burst.heard.contains(access_point);
+    return burst.received.contains(access_point);
   });
   return static_cast<std::size_t>(count) >= kMinKept;
 }
@@ -169,7 +169,7 @@ bool CloseBursts::tells_of(std::size_t access_point) const {
 ChainFactors CloseBursts::refined(std::size_t access_point) const {
   std::vector<PlacedBurst> bursts;
   for (const Burst& burst : bursts_) {
-    if (burst.heard.contains(access_point)) {
+    if (burst.received.contains(access_point)) {
       bursts.push_back(placed(burst, access_point));
     }
   }

@@ -47,7 +47,7 @@ class CloseBursts {
     // [place], of the sampled places: ln of the share, minus the log-likelihoods used for drawing,
     // so that the mean of the likelihood over the places is that over the whole room.
     std::vector<double> log_weight;
-    std::map<std::size_t, std::vector<ChainMoments>> heard;  // by access point, [place]
+    std::map<std::size_t, std::vector<ChainMoments>> received;  // by access point, [place]
     double turned = 0.0;  // [rad], change of the accepted states since it was sampled
   };
   bool sample(const Localizer& localizer, Burst& burst) const;

@@ -17,13 +17,13 @@ constexpr double kWrong = 0.1;  // a probability, chosen: an access point has no
 constexpr double kElsewhere = 0.03;  // a probability, chosen: none of them has any
 
 // [cell]: the access point's evidence on the place, received power included.
-std::vector<double> cells_of(const HeardArray& heard, double likelihood_exponent) {
-  const TurnGrid grid(heard.map->antennas());
+std::vector<double> cells_of(const ArrayObservation& received, double likelihood_exponent) {
+  const TurnGrid grid(received.map->antennas());
   const std::vector<double> any(grid.size(), 1.0 / static_cast<double>(grid.size()));
   std::vector<double> cells =
-      places_whatever_turned(*heard.map, heard.observed, grid, likelihood_exponent, any);
-  for (std::size_t cell = 0; cell < cells.size() && !heard.level.empty(); ++cell) {
-    cells[cell] += heard.level[cell];
+      places_whatever_turned(*received.map, received.observed, grid, likelihood_exponent, any);
+  for (std::size_t cell = 0; cell < cells.size() && !received.level.empty(); ++cell) {
+    cells[cell] += received.level[cell];
   }
   return cells;
 }
@@ -31,18 +31,18 @@ std::vector<double> cells_of(const HeardArray& heard, double likelihood_exponent
 }  // namespace
 
 LocationEstimate locate_coarsely(const Localizer& localizer, std::span<const CsiFrame> frames) {
-  RoomObservation observation = localizer.hear(frames);
+  RoomObservation observation = localizer.receive(frames);
   LocationEstimate& estimate = observation.estimate;
   const RoomModel& room = localizer.room();
   CellBelief belief(localizer.grid().size());
-  bool is_heard = false;
-  for (const HeardArray& heard : observation.arrays) {
-    if (heard.map->antennas() <= kMaxChains) {
-      belief.hear(cells_of(heard, room.likelihood_exponent), kWrong);
-      is_heard = true;
+  bool is_received = false;
+  for (const ArrayObservation& received : observation.arrays) {
+    if (received.map->antennas() <= kMaxChains) {
+      belief.receive(cells_of(received, room.likelihood_exponent), kWrong);
+      is_received = true;
     }
   }
-  if (!is_heard) {
+  if (!is_received) {
     return std::move(estimate);
   }
   estimate.reason.clear();

@@ -14,13 +14,13 @@ using Value = std::complex<double>;
 constexpr double kPlaceMargin = 7.0;  // [nat], tempered: lower places have no weight
 
 ChainFactors refined_from(const AccessPointMap& map,
-                          std::span<const RememberedBurst> heard,
+                          std::span<const RememberedBurst> received,
                           const std::vector<Value>& start,
                           double likelihood_exponent) {
   const std::vector<Value> undoing = inverses(start);
-  std::vector<PlacedBurst> bursts(heard.size());
+  std::vector<PlacedBurst> bursts(received.size());
   parallel_for(bursts.size(), 1, [&](std::size_t b) {
-    const RememberedBurst& one = heard[b];
+    const RememberedBurst& one = received[b];
     std::vector<double> phase;
     for (std::size_t m = 0; m < start.size(); ++m) {
       phase.push_back(std::arg(start[m] * one.since[m] / (start[0] * one.since[0])));
@@ -83,12 +83,12 @@ void multiply(const std::vector<Value>& factors, std::vector<Value>& h) {
 }
 
 std::vector<ChainFactors> compare_states(const AccessPointMap& map,
-                                         std::span<const RememberedBurst> heard,
+                                         std::span<const RememberedBurst> received,
                                          std::span<const std::vector<Value>> starts,
                                          double likelihood_exponent) {
   std::vector<ChainFactors> all;
   for (const std::vector<Value>& start : starts) {
-    all.push_back(refined_from(map, heard, start, likelihood_exponent));
+    all.push_back(refined_from(map, received, start, likelihood_exponent));
   }
   std::stable_sort(all.begin(), all.end(), [](const ChainFactors& a, const ChainFactors& b) {
     return a.log_evidence > b.log_evidence;

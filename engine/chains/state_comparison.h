@@ -39,7 +39,7 @@ void multiply(const std::vector<std::complex<double>>& factors,
 // Refines each start (a state relative to the accepted one) to its maximum and returns the results
 // that differ, the best first. REQUIRES: starts and bursts not empty.
 std::vector<ChainFactors> compare_states(const AccessPointMap& map,
-                                         std::span<const RememberedBurst> heard,
+                                         std::span<const RememberedBurst> received,
                                          std::span<const std::vector<std::complex<double>>> starts,
                                          double likelihood_exponent);
 

@@ -19,12 +19,12 @@ double traced_level_db(std::span<const Ray> rays, const ModelError& error) {
   return 10.0 * std::log10(power * (1.0 + diffuse_share(error, first_length)));
 }
 
-double HeardLevel::log_likelihood(double traced_level_db) const {
+double ReceivedLevel::log_likelihood(double traced_level_db) const {
   const double off = (traced_db - traced_level_db) / sigma_db;
   return -0.5 * off * off;
 }
 
-std::optional<HeardLevel> heard_level(const RoomAccessPoint& access_point,
+std::optional<ReceivedLevel> received_level(const RoomAccessPoint& access_point,
                                       const BurstObservation& burst) {
   const auto& levels = access_point.levels;
   const auto known = std::find_if(levels.begin(), levels.end(), [&](const TransmitterLevel& one) {
@@ -33,7 +33,7 @@ std::optional<HeardLevel> heard_level(const RoomAccessPoint& access_point,
   if (known == levels.end() || !burst.level_dbm) {
     return std::nullopt;
   }
-  return HeardLevel{*burst.level_dbm - known->offset_db, known->sigma_db};
+  return ReceivedLevel{*burst.level_dbm - known->offset_db, known->sigma_db};
 }
 
 }  // namespace rayloc

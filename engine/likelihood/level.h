@@ -22,7 +22,7 @@ namespace rayloc {
 double traced_level_db(std::span<const Ray> rays, const ModelError& error);
 
 // The received power of a burst as a measurement of L_p.
-struct HeardLevel {
+struct ReceivedLevel {
   double traced_db = 0.0;  // L - offset
   double sigma_db = 1.0;
 
@@ -30,7 +30,7 @@ struct HeardLevel {
 };
 
 // Empty if the transmitter's power was not calibrated or if the burst reports no received power.
-std::optional<HeardLevel> heard_level(const RoomAccessPoint& access_point,
+std::optional<ReceivedLevel> received_level(const RoomAccessPoint& access_point,
                                       const BurstObservation& burst);
 
 }  // namespace rayloc

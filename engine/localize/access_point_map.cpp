@@ -221,12 +221,12 @@ double AccessPointMap::log_likelihood(std::size_t cell,
   return likelihood_->log_likelihood(cells_[cell], observed, windows);
 }
 
-std::vector<double> AccessPointMap::level_log_likelihood(const HeardLevel& heard) const {
+std::vector<double> AccessPointMap::level_log_likelihood(const ReceivedLevel& received) const {
   std::vector<double> result(cells_.size());
   std::vector<double> reachable;
   for (std::size_t cell = 0; cell < cells_.size(); ++cell) {
     if (is_reachable(cell)) {
-      result[cell] = heard.log_likelihood(level_db_[cell]);
+      result[cell] = received.log_likelihood(level_db_[cell]);
       reachable.push_back(result[cell]);
     }
   }

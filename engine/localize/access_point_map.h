@@ -97,7 +97,7 @@ class AccessPointMap {
                         std::uint8_t windows) const;
   // Log-likelihood of the received power in every cell, relative to its mean over the reachable
   // cells: it carries no information on a device that may be anywhere. 0 in unreachable cells.
-  std::vector<double> level_log_likelihood(const HeardLevel& heard) const;
+  std::vector<double> level_log_likelihood(const ReceivedLevel& received) const;
   // Log-likelihood of the null model (device anywhere): the reference for every place.
   double nowhere(const ObservedBurst& observed) const;
   // For a cell and one of its layers of heights. REQUIRES: is_reachable(cell).

@@ -58,9 +58,9 @@ class Searcher {
 
   // Models of each access point for a device in a layer of a cell: null if no ray arrives.
   Looks look(std::size_t cell, std::size_t layer) const {
-    Looks looks(search_.heard.size());
+    Looks looks(search_.received.size());
     for (std::size_t i = 0; i < looks.size(); ++i) {
-      const HeardArray& one = search_.heard[i];
+      const ArrayObservation& one = search_.received[i];
       if (one.map->is_reachable(cell)) {
         looks[i] = one.map->look_at(cell, layer, one.observed);
       }
@@ -70,7 +70,7 @@ class Searcher {
   // True if the likelihood separates the places of the cell.
   bool tells(std::size_t cell, const Looks& looks) const {
     for (std::size_t i = 0; i < looks.size(); ++i) {
-      if (looks[i] == nullptr && search_.heard[i].map->is_reachable(cell)) {
+      if (looks[i] == nullptr && search_.received[i].map->is_reachable(cell)) {
         return false;
       }
     }
@@ -78,7 +78,7 @@ class Searcher {
   }
   double above(std::size_t i, std::size_t cell, double log_likelihood) const {
     return log_likelihood - search_.nowhere[i] +
-           search_.heard[i].level_at(cell, search_.likelihood_exponent);
+           search_.received[i].level_at(cell, search_.likelihood_exponent);
   }
   // Log-likelihoods at the places of a lattice at each of the heights.
   Places on(std::size_t cell,
@@ -196,7 +196,7 @@ class BoxSearch {
       box_score[n] = boxes[n].log_mass + prior(boxes[n].number);
     });
     const std::vector<std::size_t> closely = best_of(
-        box_score, std::max<std::size_t>(1, kMaxCloseBoxes / search_.heard.size()), kBoxMargin);
+        box_score, std::max<std::size_t>(1, kMaxCloseBoxes / search_.received.size()), kBoxMargin);
     parallel_for(closely.size(), 1, [&](std::size_t n) { look_closely(boxes[closely[n]]); });
     for (std::size_t n = 0; n < cells.size(); ++n) {
       put_together(std::span(boxes).subspan(n * layers, layers), map);
@@ -214,14 +214,14 @@ class BoxSearch {
     box.number = number;
     box.cell = cell;
     box.layer = layer;
-    box.doubt.resize(search_.heard.size());
+    box.doubt.resize(search_.received.size());
     if (weight_[layer] < kMinWeight) {
       box.log_mass = AccessPointFusion::kNothing;
       return box;
     }
-    std::vector<double> of_each(search_.heard.size());
+    std::vector<double> of_each(search_.received.size());
     for (std::size_t i = 0; i < of_each.size(); ++i) {
-      const HeardArray& one = search_.heard[i];
+      const ArrayObservation& one = search_.received[i];
       if (one.map->is_reachable(cell)) {
         of_each[i] =
             searcher_.above(i, cell, one.map->log_likelihood_in(cell, layer, one.observed));

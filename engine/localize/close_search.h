@@ -47,7 +47,7 @@ struct CloseSearch {
   const RoomGrid& grid;
   const HeightLayers& heights;
   double wavelength;  // [m]
-  std::span<const HeardArray> heard;
+  std::span<const ArrayObservation> received;
   std::span<const double> nowhere;  // [array], log-likelihood of the null model
   const AccessPointFusion& fusion;
   double likelihood_exponent;

@@ -12,21 +12,21 @@ constexpr double kCoveredForCertain = 4.6;  // logarithm of odds of 100, tempere
 }  // namespace
 
 // An obstructed line of sight is tested at the fix only: at other places the test is meaningless.
-void warn_of_doubtful(const std::vector<HeardArray>& heard,
+void warn_of_doubtful(const std::vector<ArrayObservation>& received,
                       const RoomMap& map,
                       double likelihood_exponent,
                       const RaysOfEach& rays,
                       LocationEstimate& estimate) {
   const std::vector<double> doubt = doubts(map, likelihood_exponent);
-  for (std::size_t i = 0; i < heard.size(); ++i) {
-    const std::string name = "access point " + heard[i].map->access_point().id;
-    if (heard.size() > 1 && doubt[i] > kDoubted) {
+  for (std::size_t i = 0; i < received.size(); ++i) {
+    const std::string name = "access point " + received[i].map->access_point().id;
+    if (received.size() > 1 && doubt[i] > kDoubted) {
       estimate.warnings.push_back(name +
                                   " contradicts the others: it is covered, was moved or has "
                                   "changed; what it hears is not believed");
       continue;
     }
-    const auto odds = heard[i].map->covered_log_odds(rays[i], heard[i].observed);
+    const auto odds = received[i].map->covered_log_odds(rays[i], received[i].observed);
     if (odds && likelihood_exponent * *odds > kCoveredForCertain) {
       estimate.warnings.push_back(name +
                                   ": the direct way to the device is not as the plan has it: it is "

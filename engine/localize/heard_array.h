@@ -1,4 +1,4 @@
-// HeardArray: a burst received by one access point, with the access point's map.
+// ArrayObservation: a burst received by one access point, with the access point's map.
 #pragma once
 
 #include <complex>
@@ -12,7 +12,7 @@
 namespace rayloc {
 
 // A burst received by one access point, chain gains removed.
-struct HeardArray {
+struct ArrayObservation {
   std::size_t ap = 0;                   // index among the access points that the localizer can use
   const AccessPointMap* map = nullptr;  // map for the working antennas; owned by the localizer
   ObservedBurst observed;
@@ -28,7 +28,7 @@ struct HeardArray {
 
 // A burst received by the access points of the room.
 struct RoomObservation {
-  std::vector<HeardArray> arrays;  // for one Localizer; empty: nothing usable, see estimate.reason
+  std::vector<ArrayObservation> arrays;  // for one Localizer; empty: nothing usable, see estimate.reason
   LocationEstimate estimate;       // times, counts and warnings, no position
 };
 

@@ -78,7 +78,7 @@ class Localizer::Impl {
     }
   }
 
-  RoomObservation hear_burst(std::span<const CsiFrame> frames) const;
+  RoomObservation preprocess_burst(std::span<const CsiFrame> frames) const;
   Evidence evidence(const RoomObservation& observation, Look look, const SearchFocus& focus) const;
   LocationEstimate locate(std::span<const CsiFrame> frames,
                           double likelihood_exponent,
@@ -92,12 +92,12 @@ class Localizer::Impl {
  private:
   std::size_t least_antennas() const { return compares_antennas(options_.likelihood) ? 2 : 1; }
 
-  std::vector<HeardArray> listen(std::span<const CsiFrame> frames,
+  std::vector<ArrayObservation> listen(std::span<const CsiFrame> frames,
                                  LocationEstimate& estimate) const;
-  std::optional<HeardArray> heard_by(std::size_t number,
+  std::optional<ArrayObservation> received_by(std::size_t number,
                                      BurstObservation& burst,
                                      LocationEstimate& estimate) const;
-  AccessPointMaps maps_of(const std::vector<HeardArray>& heard,
+  AccessPointMaps maps_of(const std::vector<ArrayObservation>& received,
                           double likelihood_exponent,
                           double far_below,
                           const ComparedCells& compared) const;
@@ -105,21 +105,21 @@ class Localizer::Impl {
                     const AccessPointFusion& fusion,
                     const ComparedCells& compared) const;
   Evidence tracked_evidence(TrackedSearch& search,
-                            std::vector<HeardArray> heard,
+                            std::vector<ArrayObservation> received,
                             const SearchFocus& focus) const;
   TrackedSearch::Room search_room() const {
     return {grid_, heights_, kSpeedOfLight / room_->grid.centre_hz, room_->likelihood_exponent};
   }
-  CloseSearch close_search(const std::vector<HeardArray>& heard,
+  CloseSearch close_search(const std::vector<ArrayObservation>& received,
                            const AccessPointMaps& maps,
                            const AccessPointFusion& fusion,
                            double likelihood_exponent,
                            const SearchFocus& focus,
                            const ComparedCells& compared) const;
-  void keep_explained(std::vector<HeardArray>& heard,
+  void keep_explained(std::vector<ArrayObservation>& received,
                       AccessPointMaps& maps,
                       LocationEstimate& estimate) const;
-  double model_residual(const std::vector<HeardArray>& heard, const RaysOfEach& rays) const;
+  double model_residual(const std::vector<ArrayObservation>& received, const RaysOfEach& rays) const;
 
   std::shared_ptr<const RoomModel> room_;
   LocalizerOptions options_;
@@ -132,7 +132,7 @@ class Localizer::Impl {
 };
 
 // Array of a burst that is a possible channel of this room. Excludes a dead chain.
-std::optional<HeardArray> Localizer::Impl::heard_by(std::size_t number,
+std::optional<ArrayObservation> Localizer::Impl::received_by(std::size_t number,
                                                     BurstObservation& burst,
                                                     LocationEstimate& estimate) const {
   const AccessPointMap* map = aps_[number].get();
@@ -147,60 +147,60 @@ std::optional<HeardArray> Localizer::Impl::heard_by(std::size_t number,
   }
   const double noise = burst.noise_variance * static_cast<double>(map->dimension()) /
                        static_cast<double>(burst.h.size());
-  HeardArray heard{number, map, map->observe(burst.h, noise), burst.h, {}};
-  if (heard.observed.array.captured < kMinCaptured) {
+  ArrayObservation received{number, map, map->observe(burst.h, noise), burst.h, {}};
+  if (received.observed.array.captured < kMinCaptured) {
     estimate.warnings.push_back("access point " + ap.id +
                                 ": what it heard is no channel of this room");
     return std::nullopt;
   }
-  if (const auto level = heard_level(ap, burst)) {
-    heard.level = map->level_log_likelihood(*level);
+  if (const auto level = received_level(ap, burst)) {
+    received.level = map->level_log_likelihood(*level);
   }
-  return heard;
+  return received;
 }
 
-std::vector<HeardArray> Localizer::Impl::listen(std::span<const CsiFrame> frames,
+std::vector<ArrayObservation> Localizer::Impl::listen(std::span<const CsiFrame> frames,
                                                 LocationEstimate& estimate) const {
-  std::vector<HeardArray> heard;
+  std::vector<ArrayObservation> received;
   ObservationTally tally;
   for (std::size_t number = 0; number < aps_.size(); ++number) {
-    auto burst = rayloc::hear(*room_, index_[number], frames, options_.burst, estimate.warnings);
-    auto one = burst ? heard_by(number, *burst, estimate) : std::nullopt;
+    auto burst = rayloc::receive(*room_, index_[number], frames, options_.burst, estimate.warnings);
+    auto one = burst ? received_by(number, *burst, estimate) : std::nullopt;
     if (one) {
       tally.add(aps_[number]->access_point(), *burst);
-      heard.push_back(*std::move(one));
+      received.push_back(*std::move(one));
     }
   }
   tally.fill(frames, estimate);
-  return heard;
+  return received;
 }
 
 // Refines cells near the joint best of all access points and near the best of each one; far_below
 // is subtracted for the others.
-AccessPointMaps Localizer::Impl::maps_of(const std::vector<HeardArray>& heard,
+AccessPointMaps Localizer::Impl::maps_of(const std::vector<ArrayObservation>& received,
                                          double likelihood_exponent,
                                          double far_below,
                                          const ComparedCells& compared) const {
   const std::size_t count = compared.size(grid_);
   AccessPointMaps maps;
-  for (const HeardArray& one : heard) {
+  for (const ArrayObservation& one : received) {
     maps.nowhere.push_back(one.map->nowhere(one.observed));
   }
-  maps.cell.assign(heard.size(), std::vector<double>(count));
-  std::vector<std::vector<std::uint8_t>> windows(heard.size(), std::vector<std::uint8_t>(count));
+  maps.cell.assign(received.size(), std::vector<double>(count));
+  std::vector<std::vector<std::uint8_t>> windows(received.size(), std::vector<std::uint8_t>(count));
   std::vector<double> sum(count);
   const auto above = [&](std::size_t i, std::size_t cell, double log_likelihood) {
-    return log_likelihood - maps.nowhere[i] + heard[i].level_at(cell, likelihood_exponent);
+    return log_likelihood - maps.nowhere[i] + received[i].level_at(cell, likelihood_exponent);
   };
   parallel_for(count, 64, [&](std::size_t n) {
     const std::size_t cell = compared.cell(n);
-    for (std::size_t i = 0; i < heard.size(); ++i) {
-      const AccessPointMap& ap = *heard[i].map;
+    for (std::size_t i = 0; i < received.size(); ++i) {
+      const AccessPointMap& ap = *received[i].map;
       if (n + 1 < count) {
         ap.fetch(compared.cell(n + 1));
       }
       if (ap.is_reachable(cell)) {
-        const auto coarse = ap.coarse(cell, heard[i].observed);
+        const auto coarse = ap.coarse(cell, received[i].observed);
         windows[i][n] = coarse.windows;
         maps.cell[i][n] = above(i, cell, coarse.log_likelihood);
       }
@@ -214,15 +214,15 @@ AccessPointMaps Localizer::Impl::maps_of(const std::vector<HeardArray>& heard,
   }
   parallel_for(count, 64, [&](std::size_t n) {
     const std::size_t cell = compared.cell(n);
-    for (std::size_t i = 0; i < heard.size(); ++i) {
+    for (std::size_t i = 0; i < received.size(); ++i) {
       if (n + 1 < count && sum[n + 1] >= least) {
-        heard[i].map->fetch(compared.cell(n + 1));
+        received[i].map->fetch(compared.cell(n + 1));
       }
       double& value = maps.cell[i][n];
       if (sum[n] < least && value < least_of_one[i]) {
         value -= far_below;
-      } else if (heard[i].map->is_reachable(cell)) {
-        const double fine = heard[i].map->log_likelihood(cell, heard[i].observed, windows[i][n]);
+      } else if (received[i].map->is_reachable(cell)) {
+        const double fine = received[i].map->log_likelihood(cell, received[i].observed, windows[i][n]);
         value = above(i, cell, fine);
       }
     }
@@ -230,7 +230,7 @@ AccessPointMaps Localizer::Impl::maps_of(const std::vector<HeardArray>& heard,
   return maps;
 }
 
-CloseSearch Localizer::Impl::close_search(const std::vector<HeardArray>& heard,
+CloseSearch Localizer::Impl::close_search(const std::vector<ArrayObservation>& received,
                                           const AccessPointMaps& maps,
                                           const AccessPointFusion& fusion,
                                           double likelihood_exponent,
@@ -239,7 +239,7 @@ CloseSearch Localizer::Impl::close_search(const std::vector<HeardArray>& heard,
   return {grid_,
           heights_,
           kSpeedOfLight / room_->grid.centre_hz,
-          heard,
+          received,
           maps.nowhere,
           fusion,
           likelihood_exponent,
@@ -247,17 +247,17 @@ CloseSearch Localizer::Impl::close_search(const std::vector<HeardArray>& heard,
           compared};
 }
 
-double Localizer::Impl::model_residual(const std::vector<HeardArray>& heard,
+double Localizer::Impl::model_residual(const std::vector<ArrayObservation>& received,
                                        const RaysOfEach& rays) const {
   double residual = 0.0;
   const Aligner aligner(room_->grid);
-  for (std::size_t i = 0; i < heard.size(); ++i) {
-    residual += 1.0 - aligner.align(heard[i].map->expected(rays[i]), heard[i].h).correlation;
+  for (std::size_t i = 0; i < received.size(); ++i) {
+    residual += 1.0 - aligner.align(received[i].map->expected(rays[i]), received[i].h).correlation;
   }
-  return 10.0 * std::log10(std::max(residual / static_cast<double>(heard.size()), kMinResidual));
+  return 10.0 * std::log10(std::max(residual / static_cast<double>(received.size()), kMinResidual));
 }
 
-RoomObservation Localizer::Impl::hear_burst(std::span<const CsiFrame> frames) const {
+RoomObservation Localizer::Impl::preprocess_burst(std::span<const CsiFrame> frames) const {
   RoomObservation observation;
   LocationEstimate& estimate = observation.estimate;
   estimate.warnings = warnings_;
@@ -268,26 +268,26 @@ RoomObservation Localizer::Impl::hear_burst(std::span<const CsiFrame> frames) co
   }
   observation.arrays = listen(frames, estimate);
   if (observation.arrays.empty()) {
-    estimate.reason = nothing_heard(*room_, estimate.warnings);
+    estimate.reason = no_usable_csi(*room_, estimate.warnings);
   }
   return observation;
 }
 
 // Removes arrays that no place explains; the result is empty if no access point is explained.
-void Localizer::Impl::keep_explained(std::vector<HeardArray>& heard,
+void Localizer::Impl::keep_explained(std::vector<ArrayObservation>& received,
                                      AccessPointMaps& maps,
                                      LocationEstimate& estimate) const {
-  for (std::size_t i = heard.size(); i-- > 0;) {
+  for (std::size_t i = received.size(); i-- > 0;) {
     const double best = *std::max_element(maps.cell[i].begin(), maps.cell[i].end());
     if (best > 0.0) {
       continue;
     }
     estimate.reason = "no place of the room explains the burst better than diffuse scattering";
     estimate.loss = -best;
-    estimate.warnings.push_back("access point " + heard[i].map->access_point().id + ": " +
+    estimate.warnings.push_back("access point " + received[i].map->access_point().id + ": " +
                                 estimate.reason);
     const auto at = static_cast<std::ptrdiff_t>(i);
-    heard.erase(heard.begin() + at);
+    received.erase(received.begin() + at);
     maps.cell.erase(maps.cell.begin() + at);
     maps.nowhere.erase(maps.nowhere.begin() + at);
   }
@@ -296,7 +296,7 @@ void Localizer::Impl::keep_explained(std::vector<HeardArray>& heard,
 LocationEstimate Localizer::Impl::locate(std::span<const CsiFrame> frames,
                                          double likelihood_exponent,
                                          double doubt) const {
-  RoomObservation observation = hear_burst(frames);
+  RoomObservation observation = preprocess_burst(frames);
   LocationEstimate& estimate = observation.estimate;
   if (observation.arrays.empty()) {
     return std::move(estimate);
@@ -337,7 +337,7 @@ LocationEstimate Localizer::Impl::locate(std::span<const CsiFrame> frames,
                       map.within);
   if (estimate.position) {
     RaysOfEach rays;
-    for (const HeardArray& one : observation.arrays) {
+    for (const ArrayObservation& one : observation.arrays) {
       rays.push_back(one.map->rays_to(*estimate.position));
     }
     warn_of_doubtful(observation.arrays, map, likelihood_exponent, rays, estimate);
@@ -349,38 +349,38 @@ LocationEstimate Localizer::Impl::locate(std::span<const CsiFrame> frames,
 Localizer::Evidence Localizer::Impl::evidence(const RoomObservation& observation,
                                               Look look,
                                               const SearchFocus& focus) const {
-  std::vector<HeardArray> heard = observation.arrays;
-  if (look == Look::kPlaces && !focus.cells.empty() && heard.front().map->has_fields()) {
-    TrackedSearch search(search_room(), heard, focus);
+  std::vector<ArrayObservation> received = observation.arrays;
+  if (look == Look::kPlaces && !focus.cells.empty() && received.front().map->has_fields()) {
+    TrackedSearch search(search_room(), received, focus);
     if (search.not_looked_at() < kMaxUnevaluated) {
-      return tracked_evidence(search, std::move(heard), focus);
+      return tracked_evidence(search, std::move(received), focus);
     }
   }
   const double likelihood_exponent = room_->likelihood_exponent;
   const ComparedCells compared = compared_cells(grid_, focus);
-  AccessPointMaps maps = maps_of(heard, likelihood_exponent, 0.0, compared);
+  AccessPointMaps maps = maps_of(received, likelihood_exponent, 0.0, compared);
   LocationEstimate unused;
-  keep_explained(heard, maps, unused);
-  if (heard.empty()) {
+  keep_explained(received, maps, unused);
+  if (received.empty()) {
     return {};
   }
-  const std::vector<double> faulty(heard.size(), options_.faults.access_point);
+  const std::vector<double> faulty(received.size(), options_.faults.access_point);
   const AccessPointFusion fusion(maps.cell, likelihood_exponent, faulty, compared.weights);
   RoomMap map = fuse(maps.cell, fusion);
   const bool is_quick =  // a single height has few places
       focus.is_quick && focus.cells.empty() && !heights_.is_known() &&
-      heard.front().map->has_fields();
+      received.front().map->has_fields();
   if (look == Look::kPlaces && is_quick) {
-    search_best_boxes(search_room(), heard, maps.nowhere, fusion, focus, map);
+    search_best_boxes(search_room(), received, maps.nowhere, fusion, focus, map);
   } else if (look == Look::kPlaces) {
-    search_closely(close_search(heard, maps, fusion, likelihood_exponent, focus, compared), map);
+    search_closely(close_search(received, maps, fusion, likelihood_exponent, focus, compared), map);
   }
   return finished(std::move(map), fusion, compared);
 }
 
 // Evidence for a device with a known approximate position.
 Localizer::Evidence Localizer::Impl::tracked_evidence(TrackedSearch& search,
-                                                      std::vector<HeardArray> heard,
+                                                      std::vector<ArrayObservation> received,
                                                       const SearchFocus& focus) const {
   const double exponent = room_->likelihood_exponent;
   SearchFocus looked;
@@ -389,26 +389,26 @@ Localizer::Evidence Localizer::Impl::tracked_evidence(TrackedSearch& search,
   const ComparedCells compared = compared_cells(grid_, looked);
   ComparedCells others;
   others.cells = focus.others;
-  AccessPointMaps maps = maps_of(heard, exponent, 0.0, others);
+  AccessPointMaps maps = maps_of(received, exponent, 0.0, others);
   const auto close = search.look(maps.nowhere);
-  for (std::size_t i = 0; i < heard.size(); ++i) {
+  for (std::size_t i = 0; i < received.size(); ++i) {
     maps.cell[i].insert(maps.cell[i].begin(), close[i].begin(), close[i].end());
     if (*std::max_element(maps.cell[i].begin(), maps.cell[i].end()) <= 0.0) {
       maps.cell[i].clear();
     }
   }
-  for (std::size_t i = heard.size(); i-- > 0;) {
+  for (std::size_t i = received.size(); i-- > 0;) {
     if (maps.cell[i].empty()) {
       search.leave_out(i);
       const auto at = static_cast<std::ptrdiff_t>(i);
-      heard.erase(heard.begin() + at);
+      received.erase(received.begin() + at);
       maps.cell.erase(maps.cell.begin() + at);
     }
   }
-  if (heard.empty()) {
+  if (received.empty()) {
     return {};
   }
-  const std::vector<double> faulty(heard.size(), options_.faults.access_point);
+  const std::vector<double> faulty(received.size(), options_.faults.access_point);
   const AccessPointFusion fusion(maps.cell, exponent, faulty, compared.weights);
   RoomMap map = fuse(maps.cell, fusion);
   search.put_together(fusion, map);
@@ -457,8 +457,8 @@ LocationEstimate Localizer::locate(std::span<const CsiFrame> frames,
   return impl_->locate(frames, likelihood_exponent, 0.0);
 }
 
-RoomObservation Localizer::hear(std::span<const CsiFrame> frames) const {
-  return impl_->hear_burst(frames);
+RoomObservation Localizer::receive(std::span<const CsiFrame> frames) const {
+  return impl_->preprocess_burst(frames);
 }
 Localizer::Evidence Localizer::evidence(const RoomObservation& observation,
                                         Look look,

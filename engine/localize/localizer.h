@@ -64,7 +64,7 @@ class Localizer {
   // With another exponent than RoomModel::likelihood_exponent: for fitting the exponent.
   LocationEstimate locate(std::span<const CsiFrame> frames, double likelihood_exponent) const;
 
-  RoomObservation hear(std::span<const CsiFrame> frames) const;
+  RoomObservation receive(std::span<const CsiFrame> frames) const;
   // Likelihoods of a burst for every cell of grid(). Cells far below the best have a less precise
   // value, a lower bound. REQUIRES: observation.arrays is not empty.
   enum class Look {

@@ -70,7 +70,7 @@ std::vector<SampledPlace> places_in(const SampleBox& box,
                                     const Localizer& localizer,
                                     const RoomObservation& observation) {
   std::vector<std::unique_ptr<const CloseLook>> looks;
-  for (const HeardArray& array : observation.arrays) {
+  for (const ArrayObservation& array : observation.arrays) {
     looks.push_back(array.map->is_reachable(box.cell)
                         ? array.map->look_at(box.cell, box.layer, array.observed)
                         : nullptr);

@@ -35,13 +35,13 @@ constexpr double kMinSum = 1e-37;            // least sum of a mass in single pr
 }  // namespace
 
 TrackedSearch::TrackedSearch(const Room& room,
-                             std::vector<HeardArray> heard,
+                             std::vector<ArrayObservation> received,
                              const SearchFocus& focus)
     : room_(room),
-      heard_(std::move(heard)),
+      received_(std::move(received)),
       layer_weight_(focus.layer_weight.empty() ? room.heights.weight : focus.layer_weight),
       lattice_(places_of_box(room.grid, room.heights, room.wavelength)) {
-  RAYLOC_CHECK(!heard_.empty() && !focus.cells.empty());
+  RAYLOC_CHECK(!received_.empty() && !focus.cells.empty());
   for (std::size_t layer = 0; layer < layer_weight_.size(); ++layer) {
     slices_.push_back(slices_of_box(room.grid, room.heights, layer, room.wavelength));
   }
@@ -62,7 +62,7 @@ void TrackedSearch::choose_boxes(const SearchFocus& focus) {
   }
   const double sum = std::accumulate(prior.begin(), prior.end(), 0.0);
   std::vector<std::size_t> order = highest(prior, kMaxTrackedBoxes);
-  const std::size_t share = kMaxTrackedBoxes / heard_.size();
+  const std::size_t share = kMaxTrackedBoxes / received_.size();
   double left = sum;
   std::size_t kept = 0;
   while (kept < order.size() && left > (kept < share ? kNotLookedAt : kWide) * sum) {
@@ -103,7 +103,7 @@ void TrackedSearch::choose_rows() {
 }
 
 double TrackedSearch::above(std::size_t array, std::size_t cell, double nowhere) const {
-  return heard_[array].level_at(cell, room_.likelihood_exponent) - nowhere;
+  return received_[array].level_at(cell, room_.likelihood_exponent) - nowhere;
 }
 
 // Evaluates the boxes of one cell: groups of a few layers share their covariance.
@@ -111,11 +111,11 @@ void TrackedSearch::look_at_cell(std::size_t array,
                                  std::size_t first,
                                  std::size_t last,
                                  double nowhere) {
-  const HeardArray& heard = heard_[array];
+  const ArrayObservation& received = received_[array];
   const std::size_t cell = cells_[boxes_[first].number];
   const auto add = static_cast<float>(above(array, cell, nowhere));
   std::vector<LaneRow>& values = of_few_[array];
-  if (!heard.map->is_reachable(cell)) {
+  if (!received.map->is_reachable(cell)) {
     LaneRow nothing;
     nothing.fill(add + static_cast<float>(nowhere));
     std::fill(values.begin() + static_cast<std::ptrdiff_t>(first * few_.size()),
@@ -124,7 +124,7 @@ void TrackedSearch::look_at_cell(std::size_t array,
     return;
   }
   std::vector<FieldRow> rows(few_.size());
-  FieldLook look(*heard.map, cell, heard.observed);
+  FieldLook look(*received.map, cell, received.observed);
   for (std::size_t n = first; n < last; ++n) {
     const auto [terms, field] = look.at(boxes_[n].layer);
     for (std::size_t r = 0; r < rows.size(); ++r) {
@@ -142,15 +142,15 @@ void TrackedSearch::look_at_cell(std::size_t array,
 
 std::vector<std::vector<double>> TrackedSearch::look(std::span<const double> nowhere) {
   nowhere_.assign(nowhere.begin(), nowhere.end());
-  std::vector<std::vector<double>> maps(heard_.size(), std::vector<double>(cells_.size()));
-  of_few_.assign(heard_.size(), std::vector<LaneRow>(boxes_.size() * few_.size()));
-  parallel_for(cells_.size() * heard_.size(), 1, [&](std::size_t i) {
+  std::vector<std::vector<double>> maps(received_.size(), std::vector<double>(cells_.size()));
+  of_few_.assign(received_.size(), std::vector<LaneRow>(boxes_.size() * few_.size()));
+  parallel_for(cells_.size() * received_.size(), 1, [&](std::size_t i) {
     const std::size_t array = i / cells_.size();
     const std::size_t n = i % cells_.size();
     look_at_cell(array, first_[n], first_[n + 1], nowhere_[array]);
   });
   const auto t = static_cast<float>(room_.likelihood_exponent);
-  for (std::size_t array = 0; array < heard_.size(); ++array) {
+  for (std::size_t array = 0; array < received_.size(); ++array) {
     float top = of_few_[array].front()[0];
     for (const LaneRow& row : of_few_[array]) {
       top = std::max(top, *std::max_element(row.begin(), row.end()));
@@ -177,7 +177,7 @@ std::vector<std::vector<double>> TrackedSearch::look(std::span<const double> now
 
 void TrackedSearch::leave_out(std::size_t array) {
   const auto at = static_cast<std::ptrdiff_t>(array);
-  heard_.erase(heard_.begin() + at);
+  received_.erase(received_.begin() + at);
   nowhere_.erase(nowhere_.begin() + at);
   of_few_.erase(of_few_.begin() + at);
   highest_.erase(highest_.begin() + at);
@@ -204,12 +204,12 @@ double TrackedSearch::mean_of(std::size_t layer,
 std::vector<FusedArray> TrackedSearch::fused(const AccessPointFusion& fusion) const {
   static_assert(kBlunted[0].exponent == 1.0 / 4.0 && kBlunted[1].exponent == 1.0 / 16.0,
                 "as of FusedArray");
-  std::vector<FusedArray> arrays(heard_.size());
+  std::vector<FusedArray> arrays(received_.size());
   for (std::size_t i = 0; i < arrays.size(); ++i) {
     FusedArray& one = arrays[i];
     one.exponent = static_cast<float>(room_.likelihood_exponent);
     one.shift = one.exponent * highest_[i];
-    if (heard_.size() == 1) {  // no other access point can contradict it
+    if (received_.size() == 1) {  // no other access point can contradict it
       one.right = static_cast<float>(std::exp(fusion.log_right(i)));
       continue;
     }
@@ -239,13 +239,13 @@ TrackedSearch::Mass TrackedSearch::uniform(const Box& box, double sum) const {
 std::vector<LaneRow> TrackedSearch::all_places(const Box& box,
                                                const std::vector<FusedArray>& fused) const {
   const std::size_t cell = cells_[box.number];
-  std::vector<std::vector<LaneRow>> values(heard_.size(), std::vector<LaneRow>(all_.size()));
+  std::vector<std::vector<LaneRow>> values(received_.size(), std::vector<LaneRow>(all_.size()));
   std::vector<FusedArray> arrays = fused;
   std::vector<FieldRow> rows(all_.size());
-  for (std::size_t i = 0; i < heard_.size(); ++i) {
+  for (std::size_t i = 0; i < received_.size(); ++i) {
     const auto add = static_cast<float>(above(i, cell, nowhere_[i]));
-    if (heard_[i].map->is_reachable(cell)) {
-      FieldLook look(*heard_[i].map, cell, heard_[i].observed);
+    if (received_[i].map->is_reachable(cell)) {
+      FieldLook look(*received_[i].map, cell, received_[i].observed);
       const auto [terms, field] = look.at(box.layer);
       for (std::size_t r = 0; r < rows.size(); ++r) {
         rows[r] = field->row(all_[r].x, all_[r].y, all_[r].z);
@@ -357,7 +357,7 @@ void TrackedSearch::put_cell(std::size_t first,
 }
 
 void search_best_boxes(const TrackedSearch::Room& room,
-                       const std::vector<HeardArray>& heard,
+                       const std::vector<ArrayObservation>& received,
                        std::span<const double> nowhere,
                        const AccessPointFusion& fusion,
                        const SearchFocus& focus,
@@ -379,7 +379,7 @@ void search_best_boxes(const TrackedSearch::Room& room,
   for (const std::size_t cell : best.cells) {
     best.log_prior.push_back(score[cell] - top);
   }
-  TrackedSearch search(room, heard, best);
+  TrackedSearch search(room, received, best);
   search.look(nowhere);
   RoomMap of_best;
   of_best.log_likelihood.resize(search.cells().size());

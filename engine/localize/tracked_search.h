@@ -28,7 +28,7 @@ class TrackedSearch {
     double wavelength;  // [m]
     double likelihood_exponent;
   };
-  TrackedSearch(const Room& room, std::vector<HeardArray> heard, const SearchFocus& focus);
+  TrackedSearch(const Room& room, std::vector<ArrayObservation> received, const SearchFocus& focus);
 
   // Share of the prior mass outside the evaluated boxes.
   double not_looked_at() const { return not_looked_at_; }
@@ -74,7 +74,7 @@ class TrackedSearch {
   double above(std::size_t array, std::size_t cell, double nowhere) const;
 
   const Room room_;
-  std::vector<HeardArray> heard_;
+  std::vector<ArrayObservation> received_;
   std::vector<double> layer_weight_;
   FieldLattice lattice_;
   std::vector<std::vector<HeightSlice>> slices_;  // [layer]
@@ -92,7 +92,7 @@ class TrackedSearch {
 
 // The same for a device at an unknown position: in the boxes of the best cells of a room's map.
 void search_best_boxes(const TrackedSearch::Room& room,
-                       const std::vector<HeardArray>& heard,
+                       const std::vector<ArrayObservation>& received,
                        std::span<const double> nowhere,
                        const AccessPointFusion& fusion,
                        const SearchFocus& focus,

@@ -59,7 +59,7 @@ bool is_worse(double unexplained, double usual, double strictness) {
 }
 
 // Array that an access point received from one spot in a window, chains removed.
-struct HeardSpot {
+struct ReceivedSpot {
   MonitoredSpot* spot = nullptr;
   std::vector<Value> h;
 };
@@ -122,7 +122,7 @@ class CalibrationMonitor::AccessPoint {
     }
     if (taken > 0 && !spot.rays.empty() && ++told_.bursts >= kBursts) {
       told_.bursts = 0;
-      evaluate(hear());
+      evaluate(receive());
     }
     if (spot.rays.empty()) {
       spot.frames.clear();
@@ -140,16 +140,16 @@ class CalibrationMonitor::AccessPoint {
 
  private:
   MonitoredSpot& spot_of(const Transmitter& transmitter);
-  std::vector<HeardSpot> hear();
-  void evaluate(const std::vector<HeardSpot>& heard);
-  std::vector<Value> along(const HeardSpot& one) const;
-  double correlation(const std::vector<HeardSpot>& heard, const std::vector<double>& turn) const;
-  double correlation(const std::vector<HeardSpot>& heard, const ArrayMotion& motion) const;
-  bool explained_by_motion(const std::vector<HeardSpot>& heard, double unexplained);
-  ArrayMotion scan(const std::vector<HeardSpot>& heard) const;
-  std::vector<double> jumps_of_calibration(const std::vector<HeardSpot>& heard,
+  std::vector<ReceivedSpot> receive();
+  void evaluate(const std::vector<ReceivedSpot>& received);
+  std::vector<Value> along(const ReceivedSpot& one) const;
+  double correlation(const std::vector<ReceivedSpot>& received, const std::vector<double>& turn) const;
+  double correlation(const std::vector<ReceivedSpot>& received, const ArrayMotion& motion) const;
+  bool explained_by_motion(const std::vector<ReceivedSpot>& received, double unexplained);
+  ArrayMotion scan(const std::vector<ReceivedSpot>& received) const;
+  std::vector<double> jumps_of_calibration(const std::vector<ReceivedSpot>& received,
                                            const std::vector<double>& turn) const;
-  std::vector<double> jumps(const std::vector<HeardSpot>& heard);
+  std::vector<double> jumps(const std::vector<ReceivedSpot>& received);
   CalibrationWarning warning(CalibrationProblem problem) const;
 
   std::size_t index_;
@@ -191,22 +191,22 @@ void CalibrationMonitor::AccessPoint::know(const Transmitter& transmitter,
   spot.sigma.assign(ap_.cores.size(), 0.0);
 }
 
-std::vector<HeardSpot> CalibrationMonitor::AccessPoint::hear() {
-  std::vector<HeardSpot> heard;
+std::vector<ReceivedSpot> CalibrationMonitor::AccessPoint::receive() {
+  std::vector<ReceivedSpot> received;
   for (const auto& spot : spots_) {
     auto burst = combine_burst(spot->frames, {static_cast<int>(index_), grid_, ap_.cores, {}});
     spot->frames.clear();
     if (burst) {
       remove_gains(ap_.gains, burst->h);
-      heard.push_back({spot.get(), std::move(burst->h)});
+      received.push_back({spot.get(), std::move(burst->h)});
     }
   }
-  return heard;
+  return received;
 }
 
 // Projection of each chain's observation on its expectation. The delay of a spot is found on the
 // chain that fits best: in a sum over chains, phase offsets would cancel.
-std::vector<Value> CalibrationMonitor::AccessPoint::along(const HeardSpot& one) const {
+std::vector<Value> CalibrationMonitor::AccessPoint::along(const ReceivedSpot& one) const {
   const std::size_t tones = grid_.size();
   const std::size_t chains = ap_.cores.size();
   Alignment best;
@@ -224,34 +224,34 @@ std::vector<Value> CalibrationMonitor::AccessPoint::along(const HeardSpot& one) 
   return phasor;
 }
 
-double CalibrationMonitor::AccessPoint::correlation(const std::vector<HeardSpot>& heard,
+double CalibrationMonitor::AccessPoint::correlation(const std::vector<ReceivedSpot>& received,
                                                     const std::vector<double>& turn) const {
   double sum = 0.0;
-  for (const HeardSpot& one : heard) {
+  for (const ReceivedSpot& one : received) {
     auto h = one.h;
     for (std::size_t j = 0; j < h.size(); ++j) {
       h[j] *= std::polar(1.0, -turn[j / grid_.size()]);
     }
     sum += aligner_.align(one.spot->expected, h).correlation;
   }
-  return sum / static_cast<double>(heard.size());
+  return sum / static_cast<double>(received.size());
 }
 
-double CalibrationMonitor::AccessPoint::correlation(const std::vector<HeardSpot>& heard,
+double CalibrationMonitor::AccessPoint::correlation(const std::vector<ReceivedSpot>& received,
                                                     const ArrayMotion& motion) const {
   double sum = 0.0;
-  for (const HeardSpot& one : heard) {
+  for (const ReceivedSpot& one : received) {
     const auto& all = one.spot->rays;
     const std::vector<Ray> strong(
         all.begin(), all.begin() + static_cast<std::ptrdiff_t>(std::min(all.size(), kScannedRays)));
     sum += aligner_.align(arrays_.expected(strong, ap_.error.plan_tolerance, motion), one.h)
                .correlation;
   }
-  return sum / static_cast<double>(heard.size());
+  return sum / static_cast<double>(received.size());
 }
 
 // The best motion on a grid, refined from there with ever smaller steps.
-ArrayMotion CalibrationMonitor::AccessPoint::scan(const std::vector<HeardSpot>& heard) const {
+ArrayMotion CalibrationMonitor::AccessPoint::scan(const std::vector<ReceivedSpot>& received) const {
   const int shifts = static_cast<int>(std::lround(kMaxShift / kShiftStep));
   const int yaws = static_cast<int>(std::lround(kMaxYaw / kYawStep));
   std::vector<ArrayMotion> grid;
@@ -263,7 +263,7 @@ ArrayMotion CalibrationMonitor::AccessPoint::scan(const std::vector<HeardSpot>& 
     }
   }
   std::vector<double> fit(grid.size());
-  parallel_for(grid.size(), 16, [&](std::size_t i) { fit[i] = correlation(heard, grid[i]); });
+  parallel_for(grid.size(), 16, [&](std::size_t i) { fit[i] = correlation(received, grid[i]); });
   const auto most = std::max_element(fit.begin(), fit.end());
   ArrayMotion best = grid[static_cast<std::size_t>(most - fit.begin())];
   double top = *most;
@@ -278,7 +278,7 @@ ArrayMotion CalibrationMonitor::AccessPoint::scan(const std::vector<HeardSpot>& 
         ArrayMotion next = best;
         next.shift = next.shift + step * kShiftStep * Vec3d{way[0], way[1], 0.0};
         next.yaw += step * kYawStep * way[2];
-        if (const double value = correlation(heard, next); value > top) {
+        if (const double value = correlation(received, next); value > top) {
           best = next;
           top = value;
         }
@@ -289,13 +289,13 @@ ArrayMotion CalibrationMonitor::AccessPoint::scan(const std::vector<HeardSpot>& 
 }
 
 // True if a motion leaves much less than `unexplained`: the last one found, or that of a new scan.
-bool CalibrationMonitor::AccessPoint::explained_by_motion(const std::vector<HeardSpot>& heard,
+bool CalibrationMonitor::AccessPoint::explained_by_motion(const std::vector<ReceivedSpot>& received,
                                                           double unexplained) {
-  told_.moved_fit = correlation(heard, told_.motion);
+  told_.moved_fit = correlation(received, told_.motion);
   if (1.0 - told_.moved_fit >= kBetter * unexplained && told_.since_scan >= kRescan) {
     told_.since_scan = 0;
-    told_.motion = scan(heard);
-    told_.moved_fit = correlation(heard, told_.motion);
+    told_.motion = scan(received);
+    told_.moved_fit = correlation(received, told_.motion);
   }
   return 1.0 - told_.moved_fit < kBetter * unexplained;
 }
@@ -303,17 +303,17 @@ bool CalibrationMonitor::AccessPoint::explained_by_motion(const std::vector<Hear
 // Phase offsets against the calibration that are jumps, 0 for the others: above kJump and three
 // sigmas; all 0 where a quarter turn could not be detected.
 std::vector<double> CalibrationMonitor::AccessPoint::jumps_of_calibration(
-    const std::vector<HeardSpot>& heard, const std::vector<double>& turn) const {
-  const auto spots = static_cast<double>(heard.size());
-  double share = correlation(heard, turn);
-  for (const HeardSpot& one : heard) {
+    const std::vector<ReceivedSpot>& received, const std::vector<double>& turn) const {
+  const auto spots = static_cast<double>(received.size());
+  double share = correlation(received, turn);
+  for (const ReceivedSpot& one : received) {
     share = std::min(share, one.spot->known_share);
   }
   const double misfit = std::sqrt(turn_variance(share) / spots);
   std::vector<double> result;
   for (std::size_t m = 0; m < turn.size(); ++m) {
     double sigma = 0.0;
-    for (const HeardSpot& one : heard) {
+    for (const ReceivedSpot& one : received) {
       sigma = std::hypot(sigma, one.spot->sigma[m]);
     }
     const double bound =
@@ -328,23 +328,23 @@ std::vector<double> CalibrationMonitor::AccessPoint::jumps_of_calibration(
 
 // Phase jump of each chain, 0 for chains without one: against the calibration, or else against the
 // first windows; a jump from before these is then not detected.
-std::vector<double> CalibrationMonitor::AccessPoint::jumps(const std::vector<HeardSpot>& heard) {
+std::vector<double> CalibrationMonitor::AccessPoint::jumps(const std::vector<ReceivedSpot>& received) {
   std::vector<std::vector<Value>> phasors;
   ChainTurns turns(ap_.cores.size());
-  for (const HeardSpot& one : heard) {
+  for (const ReceivedSpot& one : received) {
     phasors.push_back(along(one));
     turns.add(phasors.back());
   }
-  std::vector<double> jumped = jumps_of_calibration(heard, turns.turns());
+  std::vector<double> jumped = jumps_of_calibration(received, turns.turns());
   if (any_jump(jumped)) {
     return jumped;
   }
   ChainTurns changes(ap_.cores.size());
-  for (std::size_t i = 0; i < heard.size(); ++i) {
-    settle(*heard[i].spot, phasors[i]);
-    if (heard[i].spot->settled) {
+  for (std::size_t i = 0; i < received.size(); ++i) {
+    settle(*received[i].spot, phasors[i]);
+    if (received[i].spot->settled) {
       for (std::size_t m = 0; m < phasors[i].size(); ++m) {
-        phasors[i][m] *= std::conj(heard[i].spot->usual[m]);
+        phasors[i][m] *= std::conj(received[i].spot->usual[m]);
       }
       changes.add(phasors[i]);
     }
@@ -356,12 +356,12 @@ std::vector<double> CalibrationMonitor::AccessPoint::jumps(const std::vector<Hea
   return jumped;
 }
 
-void CalibrationMonitor::AccessPoint::evaluate(const std::vector<HeardSpot>& heard) {
-  if (heard.empty()) {
+void CalibrationMonitor::AccessPoint::evaluate(const std::vector<ReceivedSpot>& received) {
+  if (received.empty()) {
     return;
   }
   const std::vector<double> none(ap_.cores.size());
-  told_.fit = correlation(heard, none);
+  told_.fit = correlation(received, none);
   if (!told_.usual) {
     told_.first.push_back(told_.fit);
     if (told_.first.size() >= static_cast<std::size_t>(kSteady)) {
@@ -371,10 +371,10 @@ void CalibrationMonitor::AccessPoint::evaluate(const std::vector<HeardSpot>& hea
   ++told_.since_scan;
   const double usual = 1.0 - told_.usual.value_or(told_.fit);
   const bool bad = is_worse(1.0 - told_.fit, usual, 1.0);
-  const auto turn = jumps(heard);
-  const double by_chains = any_jump(turn) ? correlation(heard, turn) : told_.fit;
+  const auto turn = jumps(received);
+  const double by_chains = any_jump(turn) ? correlation(received, turn) : told_.fit;
   const bool moved = bad && is_worse(1.0 - by_chains, usual, 1.0) &&
-                     explained_by_motion(heard, 1.0 - std::max(by_chains, told_.fit));
+                     explained_by_motion(received, 1.0 - std::max(by_chains, told_.fit));
   for (std::size_t m = 0; m < turn.size(); ++m) {
     const bool now = turn[m] != 0.0 && !moved;
     told_.jump_phase[m] = now ? turn[m] : told_.jump_phase[m];

@@ -74,7 +74,7 @@ LocationEstimate PaperLocalizer::Impl::locate(std::span<const CsiFrame> frames,
   }
   const auto measured = listen(frames, estimate);
   if (measured.empty()) {
-    estimate.reason = nothing_heard(*room_, estimate.warnings);
+    estimate.reason = no_usable_csi(*room_, estimate.warnings);
     return estimate;
   }
   const PaperPositionLoss loss = loss_of(measured);

@@ -27,7 +27,7 @@ Expected<void> check_access_point(const RoomAccessPoint& ap) {
 }
 
 // Every burst of a point that an access point received.
-Expected<std::vector<PaperSample>> heard(const RoomModel& room,
+Expected<std::vector<PaperSample>> received(const RoomModel& room,
                                          std::span<const CalibrationPoint> points) {
   std::vector<PaperSample> samples;
   for (std::size_t ap = 0; ap < room.access_points.size(); ++ap) {
@@ -92,7 +92,7 @@ std::vector<std::optional<ArrayTracer>> array_tracers(const RoomModel& room,
 Expected<PaperSamples> gather_paper_samples(const RoomModel& room,
                                             std::span<const CalibrationPoint> points,
                                             const TraceOptions& tracing) {
-  auto all = heard(room, points);
+  auto all = received(room, points);
   if (!all) {
     return tl::make_unexpected(std::move(all.error()));
   }

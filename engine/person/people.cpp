@@ -89,7 +89,7 @@ std::vector<PersonMap> map_people(const PersonLocalizer& localizer,
 
 std::vector<LocationEstimate> locate_people(const PersonLocalizer& localizer,
                                             std::span<const CsiFrame> frames) {
-  PersonObservation observation = localizer.hear(frames);
+  PersonObservation observation = localizer.receive(frames);
   if (observation.arrays.empty()) {
     return {std::move(observation.estimate)};
   }

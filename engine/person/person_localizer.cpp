@@ -82,7 +82,7 @@ class PersonLocalizer::Impl {
     options_.burst.leaves_out_absent = true;
   }
 
-  PersonObservation hear(std::span<const CsiFrame> frames) const;
+  PersonObservation receive(std::span<const CsiFrame> frames) const;
   PersonMap map(const PersonObservation& observation,
                 double likelihood_exponent,
                 const PersonContext& context) const;
@@ -115,7 +115,7 @@ class PersonLocalizer::Impl {
   std::size_t places_;  // sample places of a cell
 };
 
-PersonObservation PersonLocalizer::Impl::hear(std::span<const CsiFrame> frames) const {
+PersonObservation PersonLocalizer::Impl::receive(std::span<const CsiFrame> frames) const {
   PersonObservation observation;
   LocationEstimate& estimate = observation.estimate;
   estimate.accuracy_confidence = options_.accuracy_confidence;
@@ -127,7 +127,7 @@ PersonObservation PersonLocalizer::Impl::hear(std::span<const CsiFrame> frames) 
   for (std::size_t number = 0; number < squares_.links.size(); ++number) {
     const PersonLinkMap& link = squares_.links[number];
     const std::size_t access_point = reference_.links[number].access_point;
-    auto burst = rayloc::hear(*room_, access_point, frames, options_.burst, estimate.warnings);
+    auto burst = rayloc::receive(*room_, access_point, frames, options_.burst, estimate.warnings);
     if (!burst) {
       continue;
     }
@@ -417,15 +417,15 @@ LocationEstimate PersonLocalizer::locate(std::span<const CsiFrame> frames) const
 }
 LocationEstimate PersonLocalizer::locate(std::span<const CsiFrame> frames,
                                          double likelihood_exponent) const {
-  PersonObservation observation = hear(frames);
+  PersonObservation observation = receive(frames);
   if (observation.arrays.empty()) {
     return std::move(observation.estimate);
   }
   const PersonMap found = map(observation, likelihood_exponent);
   return summarise(std::move(observation.estimate), found);
 }
-PersonObservation PersonLocalizer::hear(std::span<const CsiFrame> frames) const {
-  return impl_->hear(frames);
+PersonObservation PersonLocalizer::receive(std::span<const CsiFrame> frames) const {
+  return impl_->receive(frames);
 }
 PersonMap PersonLocalizer::map(const PersonObservation& observation,
                                double likelihood_exponent,

@@ -105,7 +105,7 @@ class PersonLocalizer {
   // exponent.
   LocationEstimate locate(std::span<const CsiFrame> frames, double likelihood_exponent) const;
 
-  PersonObservation hear(std::span<const CsiFrame> frames) const;
+  PersonObservation receive(std::span<const CsiFrame> frames) const;
   // REQUIRES: observation.arrays is not empty.
   PersonMap map(const PersonObservation& observation,
                 double likelihood_exponent,

@@ -49,7 +49,7 @@ std::string calibration_problem(const RoomModel& room, const RoomAccessPoint& ac
   return {};
 }
 
-std::string nothing_heard(const RoomModel& room, const std::vector<std::string>& warnings) {
+std::string no_usable_csi(const RoomModel& room, const std::vector<std::string>& warnings) {
   const auto is_uncalibrated = [](const RoomAccessPoint& ap) { return ap.gains.empty(); };
   if (std::all_of(room.access_points.begin(), room.access_points.end(), is_uncalibrated)) {
     return "no chain gains, calibrate the site";
@@ -57,7 +57,7 @@ std::string nothing_heard(const RoomModel& room, const std::vector<std::string>&
   return warnings.empty() ? "no access point of the site heard the burst" : warnings.front();
 }
 
-std::optional<BurstObservation> hear(const RoomModel& room,
+std::optional<BurstObservation> receive(const RoomModel& room,
                                      std::size_t access_point,
                                      std::span<const CsiFrame> frames,
                                      const BurstOptions& options,

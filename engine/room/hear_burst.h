@@ -25,12 +25,12 @@ Expected<void> check_room(const RoomModel* room);
 std::string calibration_problem(const RoomModel& room, const RoomAccessPoint& access_point);
 
 // The reason why a burst that gave these warnings and no array cannot be located.
-std::string nothing_heard(const RoomModel& room, const std::vector<std::string>& warnings);
+std::string no_usable_csi(const RoomModel& room, const std::vector<std::string>& warnings);
 
 // The burst of one access point of RoomModel::access_points, chain gains removed; nothing when it
 // received none that can be used. Problems are reported as warnings. REQUIRES:
 // calibration_problem() is empty.
-std::optional<BurstObservation> hear(const RoomModel& room,
+std::optional<BurstObservation> receive(const RoomModel& room,
                                      std::size_t access_point,
                                      std::span<const CsiFrame> frames,
                                      const BurstOptions& options,

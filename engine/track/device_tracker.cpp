@@ -65,7 +65,7 @@ bool DeviceTracker::coast(Tracks::value_type& track,
   return true;
 }
 
-void DeviceTracker::hear_moment(Tracks::value_type& track,
+void DeviceTracker::receive_moment(Tracks::value_type& track,
                                 std::span<const CsiFrame> frames,
                                 const FrameDoubt& doubt,
                                 TrackerCounters& counters,
@@ -73,7 +73,7 @@ void DeviceTracker::hear_moment(Tracks::value_type& track,
   auto& [device, entry] = track;
   const bool begins = !entry.track.state();
   ++counters.moments;
-  auto estimate = entry.track.hear(frames, doubt);
+  auto estimate = entry.track.receive(frames, doubt);
   if (estimate) {
     ++counters.used;
     counters.begun += begins ? 1U : 0U;
@@ -94,7 +94,7 @@ void DeviceTracker::hear_moment(Tracks::value_type& track,
   }
 }
 
-TrackerCounters DeviceTracker::hear_moments(Tracks::value_type& track,
+TrackerCounters DeviceTracker::receive_moments(Tracks::value_type& track,
                                             const DeviceBurst& burst,
                                             std::vector<DeviceUpdate>& updates) const {
   TrackerCounters counters;
@@ -104,7 +104,7 @@ TrackerCounters DeviceTracker::hear_moments(Tracks::value_type& track,
     while (end < frames.size() && frames[end].time - frames[begin].time <= options_.moment) {
       ++end;
     }
-    hear_moment(track, frames.subspan(begin, end - begin), burst.doubt, counters, updates);
+    receive_moment(track, frames.subspan(begin, end - begin), burst.doubt, counters, updates);
     begin = end;
   }
   track.second.track.rest();
@@ -115,7 +115,7 @@ DeviceTracker::Tracks::iterator DeviceTracker::track_of(const DeviceBurst& burst
                                                         std::vector<DeviceUpdate>& updates) {
   auto found = tracks_.find(burst.device);
   if (found != tracks_.end() &&
-      !coast(*found, burst.heard_since.value_or(burst.frames.front().time), updates)) {
+      !coast(*found, burst.received_since.value_or(burst.frames.front().time), updates)) {
     tracks_.erase(found);
     found = tracks_.end();
   }
@@ -133,7 +133,7 @@ DeviceTracker::Tracks::iterator DeviceTracker::track_of(const DeviceBurst& burst
   return found;
 }
 
-std::vector<std::vector<DeviceUpdate>> DeviceTracker::hear(std::span<const DeviceBurst> bursts) {
+std::vector<std::vector<DeviceUpdate>> DeviceTracker::receive(std::span<const DeviceBurst> bursts) {
   std::vector<std::vector<DeviceUpdate>> updates(bursts.size());
   std::vector<Tracks::iterator> tracks;
   for (std::size_t i = 0; i < bursts.size(); ++i) {
@@ -142,7 +142,7 @@ std::vector<std::vector<DeviceUpdate>> DeviceTracker::hear(std::span<const Devic
   std::vector<TrackerCounters> counters(bursts.size());
   parallel_for(bursts.size(), 1, [&](std::size_t i) {
     if (tracks[i] != tracks_.end()) {
-      counters[i] = hear_moments(*tracks[i], bursts[i], updates[i]);
+      counters[i] = receive_moments(*tracks[i], bursts[i], updates[i]);
     }
   });
   for (std::size_t i = 0; i < bursts.size(); ++i) {
@@ -154,14 +154,14 @@ std::vector<std::vector<DeviceUpdate>> DeviceTracker::hear(std::span<const Devic
   return updates;
 }
 
-void DeviceTracker::hear(const MacAddress& device,
+void DeviceTracker::receive(const MacAddress& device,
                          std::span<const CsiFrame> frames,
                          std::vector<DeviceUpdate>& updates,
-                         std::optional<Timestamp> heard_since,
+                         std::optional<Timestamp> received_since,
                          const FrameDoubt& doubt) {
-  const DeviceBurst burst{device, frames, heard_since, doubt};
-  auto heard = hear(std::span(&burst, 1));
-  std::move(heard.front().begin(), heard.front().end(), std::back_inserter(updates));
+  const DeviceBurst burst{device, frames, received_since, doubt};
+  auto received = receive(std::span(&burst, 1));
+  std::move(received.front().begin(), received.front().end(), std::back_inserter(updates));
 }
 
 bool DeviceTracker::follows(const MacAddress& device) const {
@@ -169,9 +169,9 @@ bool DeviceTracker::follows(const MacAddress& device) const {
   return found != tracks_.end() && found->second.track.state() != TrackState::kTentative;
 }
 
-Timestamp DeviceTracker::heard_until(Timestamp now) const {
+Timestamp DeviceTracker::received_until(Timestamp now) const {
   for (const auto& [device, entry] : tracks_) {
-    now = std::min(now, entry.track.heard());
+    now = std::min(now, entry.track.received());
   }
   return now;
 }

@@ -60,7 +60,7 @@ struct DeviceBurst {
   std::span<const CsiFrame> frames;
   // The device has not been silent since this time although earlier bursts were left out. Without a
   // value: the time of its first frame.
-  std::optional<Timestamp> heard_since = std::nullopt;
+  std::optional<Timestamp> received_since = std::nullopt;
   FrameDoubt doubt = {};
 };
 
@@ -70,12 +70,12 @@ class DeviceTracker {
 
   // [burst]: an estimate for every moment of the burst. Devices are independent of each other, so
   // bursts are processed in parallel. REQUIRES: every burst is from a different device.
-  std::vector<std::vector<DeviceUpdate>> hear(std::span<const DeviceBurst> bursts);
+  std::vector<std::vector<DeviceUpdate>> receive(std::span<const DeviceBurst> bursts);
   // As above for one device; the updates are appended.
-  void hear(const MacAddress& device,
+  void receive(const MacAddress& device,
             std::span<const CsiFrame> frames,
             std::vector<DeviceUpdate>& updates,
-            std::optional<Timestamp> heard_since = std::nullopt,
+            std::optional<Timestamp> received_since = std::nullopt,
             const FrameDoubt& doubt = {});
 
   // No frame before `now` will arrive: appends predictions of silent devices, removes lost tracks.
@@ -93,7 +93,7 @@ class DeviceTracker {
   bool follows(const MacAddress& device) const;
   // Time of the last usable burst of the tracked device that has been silent longest; `now` without
   // tracks.
-  Timestamp heard_until(Timestamp now) const;
+  Timestamp received_until(Timestamp now) const;
   std::size_t size() const { return tracks_.size(); }
   const TrackerCounters& counters() const { return counters_; }
 
@@ -109,10 +109,10 @@ class DeviceTracker {
   // Track of a burst, predicted up to the burst; end() when there are too many tracks.
   Tracks::iterator track_of(const DeviceBurst& burst, std::vector<DeviceUpdate>& updates);
   // Updates the track of one device and no other state.
-  TrackerCounters hear_moments(Tracks::value_type& track,
+  TrackerCounters receive_moments(Tracks::value_type& track,
                                const DeviceBurst& burst,
                                std::vector<DeviceUpdate>& updates) const;
-  void hear_moment(Tracks::value_type& track,
+  void receive_moment(Tracks::value_type& track,
                    std::span<const CsiFrame> frames,
                    const FrameDoubt& doubt,
                    TrackerCounters& counters,

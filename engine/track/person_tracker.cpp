@@ -244,7 +244,7 @@ std::optional<TrackTransition> PersonTracker::age(Timestamp time, bool is_seen) 
 }
 
 // Estimate for a time without a burst.
-LocationEstimate PersonTracker::unheard(Timestamp time) const {
+LocationEstimate PersonTracker::unreceived(Timestamp time) const {
   LocationEstimate location;
   location.accuracy_confidence = localizer_->options().accuracy_confidence;
   location.time = time;
@@ -284,14 +284,14 @@ void PersonTracker::coast(Timestamp until, std::vector<PersonUpdate>& updates) {
     life_->due += options_.coasting_interval;
     predict(time);
     auto transition = age(time, false);
-    report(unheard(time), false, std::move(transition), updates);
+    report(unreceived(time), false, std::move(transition), updates);
   }
 }
 
-void PersonTracker::hear_moment(std::span<const CsiFrame> frames,
+void PersonTracker::receive_moment(std::span<const CsiFrame> frames,
                                 std::vector<PersonUpdate>& updates) {
   ++counters_.moments;
-  PersonObservation observation = localizer_->hear(frames);
+  PersonObservation observation = localizer_->receive(frames);
   if (observation.arrays.empty()) {
     ++counters_.unusable;
     return;
@@ -324,7 +324,7 @@ void PersonTracker::restart(const std::string& reason, std::vector<PersonUpdate>
     const Timestamp time = life_->time + std::chrono::microseconds(1);
     const TrackTransition lost{time, life_->state, TrackState::kLost, reason};
     life_->state = TrackState::kLost;
-    report(unheard(time), false, lost, updates);
+    report(unreceived(time), false, lost, updates);
   }
   time_.reset();
 }
@@ -333,13 +333,13 @@ void PersonTracker::advance(Timestamp now, std::vector<PersonUpdate>& updates) {
   coast(now, updates);
 }
 
-void PersonTracker::hear(std::span<const CsiFrame> frames,
+void PersonTracker::receive(std::span<const CsiFrame> frames,
                          std::vector<PersonUpdate>& updates,
-                         std::optional<Timestamp> heard_since) {
+                         std::optional<Timestamp> received_since) {
   if (frames.empty()) {
     return;
   }
-  coast(heard_since.value_or(frames.front().time), updates);
+  coast(received_since.value_or(frames.front().time), updates);
   for (std::size_t begin = 0; begin < frames.size();) {
     std::size_t end = begin + 1;
     const Duration since = time_ ? frames[begin].time - *time_ : options_.interval;
@@ -351,7 +351,7 @@ void PersonTracker::hear(std::span<const CsiFrame> frames,
     while (end < frames.size() && frames[end].time - frames[begin].time <= options_.moment) {
       ++end;
     }
-    hear_moment(frames.subspan(begin, end - begin), updates);
+    receive_moment(frames.subspan(begin, end - begin), updates);
     begin = end;
   }
 }

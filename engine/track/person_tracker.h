@@ -94,11 +94,11 @@ class PersonTracker {
   PersonTracker(std::shared_ptr<const PersonLocalizer> localizer, PersonTrackerOptions options);
 
   // Appends an estimate for every moment of the burst in which there is a track. `frames`: from the
-  // reference's transmitter, in order of time. `heard_since`: the transmitter has not been silent
+  // reference's transmitter, in order of time. `received_since`: the transmitter has not been silent
   // since this time although earlier bursts were left out; without a value, its first frame.
-  void hear(std::span<const CsiFrame> frames,
+  void receive(std::span<const CsiFrame> frames,
             std::vector<PersonUpdate>& updates,
-            std::optional<Timestamp> heard_since = std::nullopt);
+            std::optional<Timestamp> received_since = std::nullopt);
 
   // No frame before `now` will arrive: appends predicted positions of an unseen person, or the loss
   // of the track.
@@ -136,7 +136,7 @@ class PersonTracker {
     KnownCells within{};  // distribution inside the best cells, from the last weighed moment
   };
 
-  void hear_moment(std::span<const CsiFrame> frames, std::vector<PersonUpdate>& updates);
+  void receive_moment(std::span<const CsiFrame> frames, std::vector<PersonUpdate>& updates);
   void coast(Timestamp until, std::vector<PersonUpdate>& updates);
   void begin(Timestamp time);
   void predict(Timestamp time);
@@ -146,7 +146,7 @@ class PersonTracker {
   void learn(const PersonMap& map, double weight);
   Sight weigh(const PersonObservation& observation);
   std::optional<TrackTransition> age(Timestamp time, bool is_seen);
-  LocationEstimate unheard(Timestamp time) const;
+  LocationEstimate unreceived(Timestamp time) const;
   void report(LocationEstimate location,
               bool is_seen,
               std::optional<TrackTransition> transition,

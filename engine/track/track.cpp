@@ -49,7 +49,7 @@ Track::Track(std::shared_ptr<const Localizer> localizer,
 std::optional<double> Track::change_of(const RoomObservation& observation) const {
   double sum = 0.0;
   double count = 0.0;
-  for (const HeardArray& now : observation.arrays) {
+  for (const ArrayObservation& now : observation.arrays) {
     for (const Earlier& before : last_) {
       if (now.ap == before.ap && now.h.size() == before.h.size()) {
         sum += 1.0 - aligner_.align(before.h, now.h).correlation;
@@ -64,8 +64,8 @@ std::optional<double> Track::change_of(const RoomObservation& observation) const
 double Track::motion_of(double change, const RoomObservation& observation) const {
   // The power outside the delays of a room is noise, and both bursts have it.
   double noise = 0.0;
-  for (const HeardArray& heard : observation.arrays) {
-    noise += 2.0 * (1.0 - heard.observed.array.captured) /
+  for (const ArrayObservation& received : observation.arrays) {
+    noise += 2.0 * (1.0 - received.observed.array.captured) /
              static_cast<double>(observation.arrays.size());
   }
   return std::clamp(
@@ -117,8 +117,8 @@ bool Track::weigh(const RoomObservation& observation, Duration elapsed) {
     within_ = std::move(evidence.within);
     credit_ += weight;
     looked_with_.resize(localizer_->room().access_points.size());
-    for (const HeardArray& heard : observation.arrays) {
-      looked_with_[heard.ap] = time_;
+    for (const ArrayObservation& received : observation.arrays) {
+      looked_with_[received.ap] = time_;
     }
     const auto mass = filter_.mass();
     learn_height(mass, weight);
@@ -127,8 +127,8 @@ bool Track::weigh(const RoomObservation& observation, Duration elapsed) {
     loss_ = -value_of(evidence, filter_.window().cell(peak, space_->grid));
   }
   last_.clear();
-  for (const HeardArray& heard : observation.arrays) {
-    last_.push_back({heard.ap, heard.h});
+  for (const ArrayObservation& received : observation.arrays) {
+    last_.push_back({received.ap, received.h});
   }
   ++bursts_;
   knows_nothing_ = false;
@@ -139,9 +139,9 @@ bool Track::weigh(const RoomObservation& observation, Duration elapsed) {
 // seconds: it may separate places that all others find alike.
 bool Track::is_joined(const RoomObservation& observation) const {
   return std::any_of(
-      observation.arrays.begin(), observation.arrays.end(), [&](const HeardArray& heard) {
-        return heard.ap >= looked_with_.size() || !looked_with_[heard.ap] ||
-               time_ - *looked_with_[heard.ap] > kWholeRoomPeriod;
+      observation.arrays.begin(), observation.arrays.end(), [&](const ArrayObservation& received) {
+        return received.ap >= looked_with_.size() || !looked_with_[received.ap] ||
+               time_ - *looked_with_[received.ap] > kWholeRoomPeriod;
       });
 }
 
@@ -366,10 +366,10 @@ void Track::forget_place() {
   fixes_.clear();
 }
 
-tl::expected<FilteredEstimate, MomentRefusal> Track::hear(std::span<const CsiFrame> frames,
+tl::expected<FilteredEstimate, MomentRefusal> Track::receive(std::span<const CsiFrame> frames,
                                                           const FrameDoubt& doubt) {
   filter_.wake();
-  RoomObservation observation = localizer_->hear(frames);
+  RoomObservation observation = localizer_->receive(frames);
   const Timestamp time = observation.estimate.time;
   if (state_ && time <= time_) {
     return tl::make_unexpected(MomentRefusal::kOutOfOrder);
@@ -377,12 +377,12 @@ tl::expected<FilteredEstimate, MomentRefusal> Track::hear(std::span<const CsiFra
   if (observation.arrays.empty()) {
     return tl::make_unexpected(MomentRefusal::kUnusable);
   }
-  const Duration elapsed = time - heard_;
+  const Duration elapsed = time - received_;
   advance(time);
   if (!weigh(observation, elapsed)) {
     return tl::make_unexpected(MomentRefusal::kUnexplained);
   }
-  heard_ = time;
+  received_ = time;
   doubt_ = doubt;
   FilteredEstimate estimate = summarise(std::move(observation.estimate), within_);
   remember(estimate);
@@ -403,8 +403,8 @@ FilteredEstimate Track::predict(Timestamp time) {
   LocationEstimate location;
   location.accuracy_confidence = localizer_->options().accuracy_confidence;
   location.time = time;
-  location.capture_start = heard_;
-  location.capture_end = heard_;
+  location.capture_start = received_;
+  location.capture_end = received_;
   FilteredEstimate estimate = summarise(std::move(location), {});
   estimate.predicted = true;
   return estimate;
@@ -420,11 +420,11 @@ FilteredEstimate Track::end(std::string reason) {
 
 std::optional<FilteredEstimate> Track::coast(Timestamp now) {
   if (!state_ || now < time_ || *state_ == TrackState::kLost ||
-      now - heard_ < options_.coast_after) {
+      now - received_ < options_.coast_after) {
     return std::nullopt;
   }
   FilteredEstimate estimate = predict(now);
-  const Duration silence = now - heard_;
+  const Duration silence = now - received_;
   const bool tentative = *state_ == TrackState::kTentative;
   if (silence >= (tentative ? options_.forget_after : options_.lose_after)) {
     enter(TrackState::kLost, now, "not received for too long", estimate);

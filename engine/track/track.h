@@ -72,7 +72,7 @@ class Track {
   void rest();
 
   // Updates with frames of the target within a moment in which it does not move.
-  tl::expected<FilteredEstimate, MomentRefusal> hear(std::span<const CsiFrame> frames,
+  tl::expected<FilteredEstimate, MomentRefusal> receive(std::span<const CsiFrame> frames,
                                                      const FrameDoubt& doubt = {});
 
   // Earlier bursts may have been wrong: the target may be anywhere, and the track continues.
@@ -86,13 +86,13 @@ class Track {
 
   // Empty before the first usable burst.
   std::optional<TrackState> state() const { return state_; }
-  Timestamp heard() const { return heard_; }  // last usable burst
+  Timestamp received() const { return received_; }  // last usable burst
 
  private:
   // Earlier arrays that the next burst is compared with.
   struct Earlier {
-    std::size_t ap = 0;                   // HeardArray::ap
-    std::vector<std::complex<double>> h;  // HeardArray::h
+    std::size_t ap = 0;                   // ArrayObservation::ap
+    std::vector<std::complex<double>> h;  // ArrayObservation::h
   };
   struct Fix {
     Timestamp time;
@@ -123,10 +123,10 @@ class Track {
   GridFilter filter_;
   std::optional<TrackState> state_;                    // empty before the first usable burst
   Timestamp time_;                                     // time of the filter
-  Timestamp heard_;                                    // last usable burst
+  Timestamp received_;                                    // last usable burst
   Timestamp looked_;                                   // last evaluation of the whole room
   Duration whole_room_period_;                         // time to its next evaluation
-  std::vector<std::optional<Timestamp>> looked_with_;  // its last evaluation, [HeardArray::ap]
+  std::vector<std::optional<Timestamp>> looked_with_;  // its last evaluation, [ArrayObservation::ap]
   std::size_t bursts_ = 0;                             // usable bursts
   bool knows_nothing_ = true;  // no usable burst yet, or the place was forgotten
   double credit_ = 0.0;        // share of a snapshot's weight already given to the present channel

@@ -99,7 +99,7 @@ void follow(Walker walker, benchmark::State& state) {
   constexpr std::size_t kBurst = 240;
   std::vector<LocationEstimate> out;
   for (std::size_t i = 0; i < stream().size(); i += kBurst) {
-    walker.hear(std::span(stream()).subspan(i, std::min(kBurst, stream().size() - i)), out);
+    walker.receive(std::span(stream()).subspan(i, std::min(kBurst, stream().size() - i)), out);
   }
   state.counters["estimates"] = static_cast<double>(out.size());
 }

@@ -125,7 +125,7 @@ void cycle(const std::shared_ptr<const Localizer>& localizer,
     Frames frames = burst;
     turn(room, made, frames);
     const auto began = std::chrono::steady_clock::now();
-    learner.hear(frames);
+    learner.receive(frames);
     const double cost =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
     const double seconds = std::chrono::duration<double>(frames.back().time - start).count();
@@ -202,7 +202,7 @@ void again(const std::shared_ptr<const Localizer>& localizer,
     for (CsiFrame& frame : frames) {
       frame.time += n < half || unseen ? Duration(0) : Duration(kOff);
     }
-    learner.hear(frames);
+    learner.receive(frames);
     if (n < half) {
       continue;
     }
@@ -273,7 +273,7 @@ int run(const std::vector<std::string>& arguments, const std::string& option) {
       return 65;
     }
   }
-  cli::keep_most_heard(frames);
+  cli::keep_most_received(frames);
   auto made = Localizer::create(std::make_shared<const RoomModel>(*room), {});
   if (!made || frames.empty()) {
     std::fputs("chain_bench: nothing to localize\n", stderr);

@@ -220,10 +220,10 @@ class Taker {
     const Clock::rep now = Clock::now().time_since_epoch().count();
     for (const BatchPart& part : batch.parts) {
       for (const Datagram& datagram : part.datagrams.datagrams()) {
-        Clock::rep heard = 0;
-        std::memcpy(&heard, datagram.payload.data(), sizeof heard);
-        if (heard > 0 && now > heard && now - heard < 60'000'000'000) {
-          ages_ms_.push_back(1e-6 * static_cast<double>(now - heard));
+        Clock::rep received = 0;
+        std::memcpy(&received, datagram.payload.data(), sizeof received);
+        if (received > 0 && now > received && now - received < 60'000'000'000) {
+          ages_ms_.push_back(1e-6 * static_cast<double>(now - received));
         }
       }
       datagrams_ += part.datagrams.entries.size();

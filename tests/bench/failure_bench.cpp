@@ -99,15 +99,15 @@ void judge(bool verbose,
                 reaching,
                 estimate.residual_probability,
                 estimate.loss);
-    const RoomObservation observation = localizer.hear(frames);
-    for (const HeardArray& heard : observation.arrays) {
+    const RoomObservation observation = localizer.receive(frames);
+    for (const ArrayObservation& received : observation.arrays) {
       double weakest = 1e9;
       const std::size_t tones = localizer.room().grid.size();
-      for (std::size_t m = 0; m < heard.h.size() / tones; ++m) {
+      for (std::size_t m = 0; m < received.h.size() / tones; ++m) {
         double own = 0.0;
         double others = 0.0;
-        for (std::size_t j = 0; j < heard.h.size(); ++j) {
-          (j / tones == m ? own : others) += std::norm(heard.h[j]);
+        for (std::size_t j = 0; j < received.h.size(); ++j) {
+          (j / tones == m ? own : others) += std::norm(received.h[j]);
         }
         weakest = std::min(weakest, 2.0 * own / others);
       }
@@ -164,7 +164,7 @@ void study_jumps(const std::shared_ptr<const Localizer>& localizer,
                          static_cast<int>(ap),
                          core,
                          0.5 * std::numbers::pi * static_cast<double>(quarters));
-        learner.hear(frames);
+        learner.receive(frames);
         judge(verbose,
               "chain's phase jumped",
               *localizer,

@@ -185,8 +185,8 @@ void measure(const Case& of, int bursts, int devices, const CoreLimits& limits) 
       cpu_ms([&] { localizer = std::make_shared<const Localizer>(*Localizer::create(room, {})); });
   const double made = allocated();
   const auto moments = walk(of, kSettling + bursts);
-  const auto heard = localizer->hear(moments.front());
-  const double unit = thousand_cells(heard.arrays.front().map->dimension());
+  const auto received = localizer->receive(moments.front());
+  const double unit = thousand_cells(received.arrays.front().map->dimension());
   std::printf("%s, %d devices: %zu cells; a thousand whitened in %.2f ms\n",
               of.name.c_str(),
               devices,
@@ -202,7 +202,7 @@ void measure(const Case& of, int bursts, int devices, const CoreLimits& limits) 
   for (int burst = 0; burst < kSettling + bursts; ++burst) {
     for (int device = 0; device < devices; ++device) {
       const auto moment = [&](int i) {
-        tracker.hear(
+        tracker.receive(
             address(device), moments[static_cast<std::size_t>(burst * kMoments + i)], updates);
       };
       const WorkDone so_far = WorkDone::of_this_thread();

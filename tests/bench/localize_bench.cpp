@@ -183,7 +183,7 @@ void BM_TrackerStep(benchmark::State& state) {
     for (CsiFrame& frame : moment) {
       frame.time = Timestamp(std::chrono::milliseconds(50) * static_cast<int>(next));
     }
-    tracker.hear(MacAddress{{2, 0, 0, 0, 0, 1}}, moment, updates);
+    tracker.receive(MacAddress{{2, 0, 0, 0, 0, 1}}, moment, updates);
     updates.clear();
     ++next;
   }
@@ -203,7 +203,7 @@ void BM_TrackerStepOfMany(benchmark::State& state) {
       frame.time = Timestamp(std::chrono::milliseconds(50) * (next / devices));
     }
     const MacAddress mac{{2, 0, 0, 0, 0, static_cast<std::uint8_t>(device)}};
-    tracker.hear(mac, moment, updates);
+    tracker.receive(mac, moment, updates);
     updates.clear();
     ++next;
   }
@@ -240,14 +240,14 @@ void print_latencies() {
     return p.bursts[static_cast<std::size_t>(i) % p.bursts.size()];
   };
   print_latency("a burst heard, of a snapshot", 400, [&](int i) {
-    benchmark::DoNotOptimize(p.localizer->hear(burst(i)));
+    benchmark::DoNotOptimize(p.localizer->receive(burst(i)));
   });
   print_latency("snapshot, one access point", 400, [&](int i) {
     benchmark::DoNotOptimize(p.localizer->locate(burst(i)));
   });
   std::vector<Localizer::Evidence> evidence;
   for (const std::vector<CsiFrame>& frames : p.bursts) {
-    evidence.push_back(p.localizer->evidence(p.localizer->hear(frames)));
+    evidence.push_back(p.localizer->evidence(p.localizer->receive(frames)));
   }
   GridFilter filter(std::make_shared<const FreeSpace>(
                         make_free_space(*p.room->scene,
@@ -255,10 +255,10 @@ void print_latencies() {
                                         {p.room->access_points.front().array.pose.position})),
                     {});
   print_latency("the filter alone, of a tracker step", 400, [&](int i) {
-    const auto& heard = evidence[static_cast<std::size_t>(i) % evidence.size()];
+    const auto& received = evidence[static_cast<std::size_t>(i) % evidence.size()];
     filter.predict(std::chrono::milliseconds(50));
     filter.weigh_change(1.0);
-    filter.update(heard.log_likelihood, p.room->likelihood_exponent, heard.elsewhere);
+    filter.update(received.log_likelihood, p.room->likelihood_exponent, received.elsewhere);
     benchmark::DoNotOptimize(filter.mass());
   });
   DeviceTracker tracker(p.localizer, {});
@@ -268,7 +268,7 @@ void print_latencies() {
     for (CsiFrame& frame : moment) {
       frame.time = Timestamp(std::chrono::milliseconds(50) * i);
     }
-    tracker.hear(MacAddress{{2, 0, 0, 0, 0, 1}}, moment, updates);
+    tracker.receive(MacAddress{{2, 0, 0, 0, 0, 1}}, moment, updates);
     updates.clear();
   });
 }

@@ -36,7 +36,7 @@ struct Spot {
 // The channel of a spot's frames, aligned to the empty room; empty if they are too few.
 std::vector<Value> aligned(const RoomModel& room, const PersonLink& link, const Frames& frames) {
   std::vector<std::string> warnings;
-  auto burst = hear(room, link.access_point, frames, {}, warnings);
+  auto burst = receive(room, link.access_point, frames, {}, warnings);
   if (!burst) {
     return {};
   }
@@ -158,7 +158,7 @@ void Study::add(const char* name, const std::vector<Vec3d>& truth, const Frames&
     farther_.push_back(far);
   }
   if (verbose_) {
-    const PersonObservation observation = localizer_.hear(frames);
+    const PersonObservation observation = localizer_.receive(frames);
     const double likelihood_exponent = localizer_.reference().person.likelihood_exponent;
     const PersonMap alone = localizer_.map(observation, likelihood_exponent);
     const auto pair = best_pair(localizer_, observation, likelihood_exponent, alone);

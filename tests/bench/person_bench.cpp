@@ -95,12 +95,12 @@ PersonReference reference_of(const RoomModel& room,
                              const std::vector<std::vector<TargetLink>>& links) {
   const auto frames =
       test::frames_of(room, channels(room, links, nullptr), {.count = 20, .snr_db = 35.0});
-  std::vector<EmptyRoom> heard;
+  std::vector<EmptyRoom> received;
   std::vector<std::string> warnings;
   for (std::size_t i = 0; i < room.access_points.size(); ++i) {
-    heard.push_back({i, hear(room, i, frames, {}, warnings)->h});
+    received.push_back({i, receive(room, i, frames, {}, warnings)->h});
   }
-  return *fit_empty_room(room, transmitter(), heard);
+  return *fit_empty_room(room, transmitter(), received);
 }
 
 const Prepared& prepared(const LaboratorySize& size) {
@@ -205,7 +205,7 @@ class Tracked {
     for (CsiFrame& frame : moment) {
       frame.time = Timestamp(kInterval * number);
     }
-    tracker_.hear(moment, updates_);
+    tracker_.receive(moment, updates_);
     updates_.clear();
   }
 

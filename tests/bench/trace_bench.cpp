@@ -304,14 +304,14 @@ void BM_RadioMap(benchmark::State& state) {
   AntennaArray array;
   array.pose.position = where.access_point;
   array.element_offset = {Vec3d{}};
-  std::size_t heard = 0;
+  std::size_t received = 0;
   for (auto _ : state) {
     const RadioMap map = radio_map(tracer, array, grid);
-    heard = static_cast<std::size_t>(std::count_if(
+    received = static_cast<std::size_t>(std::count_if(
         map.path_gain.begin(), map.path_gain.end(), [](double g) { return g > 0.0; }));
   }
   state.counters["cells"] = static_cast<double>(grid.size());
-  state.counters["heard"] = static_cast<double>(heard);
+  state.counters["heard"] = static_cast<double>(received);
 }
 
 void repeat(benchmark::internal::Benchmark* benchmark) {

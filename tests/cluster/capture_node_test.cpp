@@ -37,7 +37,7 @@ std::string cluster_toml(const NatsServer& server) {
 // The contents of a site's stream, each batch once.
 struct Streamed {
   std::map<std::uint64_t, Batch> batches;
-  std::map<std::string, std::set<std::uint64_t>> heard;  // numbers of datagrams by access point
+  std::map<std::string, std::set<std::uint64_t>> received;  // numbers of datagrams by access point
   std::map<std::string, std::uint64_t> marked;
 };
 
@@ -59,7 +59,7 @@ Streamed read_stream(const std::string& url, const std::string& site) {
       for (const Datagram& datagram : part.datagrams.datagrams()) {
         std::uint64_t counted = 0;
         std::memcpy(&counted, datagram.payload.data(), sizeof counted);
-        EXPECT_TRUE(streamed.heard[part.access_point].insert(counted).second) << "twice";
+        EXPECT_TRUE(streamed.received[part.access_point].insert(counted).second) << "twice";
       }
     }
     for (const BatchGap& gap : batch.gaps) {
@@ -134,9 +134,9 @@ TEST(CaptureNode, EveryDatagramIsInTheStreamOrInAMarkAndAllAreRecorded) {
   EXPECT_EQ(daemon.stop(), 0) << daemon.errors();
 
   Streamed streamed = read_stream(server.url(), "meeting_room");
-  EXPECT_EQ(streamed.heard["ap1"].size() + streamed.marked["ap1"], first.sent());
-  EXPECT_EQ(streamed.heard["ap2"].size() + streamed.marked["ap2"], second.sent());
-  EXPECT_GT(streamed.heard["ap1"].size(), 0U);
+  EXPECT_EQ(streamed.received["ap1"].size() + streamed.marked["ap1"], first.sent());
+  EXPECT_EQ(streamed.received["ap2"].size() + streamed.marked["ap2"], second.sent());
+  EXPECT_GT(streamed.received["ap1"].size(), 0U);
   EXPECT_GT(streamed.marked["ap1"], 0U);
   const e2e::NumberedRecording recorded = e2e::read_numbered(recordings);
   EXPECT_EQ(recorded.trouble, "");

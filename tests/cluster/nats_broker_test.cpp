@@ -222,9 +222,9 @@ TEST_F(RealBroker, OnlyWhoKnowsTheLastMessagePublishesBehindIt) {
 }
 
 // Datagrams of an access point, from a separate thread.
-class Hearing {
+class Receiving {
  public:
-  Hearing(DatagramTap& tap, milliseconds period) : tap_(tap), period_(period) {}
+  Receiving(DatagramTap& tap, milliseconds period) : tap_(tap), period_(period) {}
   void begin() {
     thread_ = std::thread([this] {
       while (!ending_) {
@@ -232,7 +232,7 @@ class Hearing {
         const Batch some = some_batch(round, {{"x", 1 + round % 3}});
         tap_.tap(some.parts[0].datagrams.datagrams());
         tap_.advance(some.parts[0].watermark);
-        heard_ += 1 + round % 3;
+        received_ += 1 + round % 3;
         std::this_thread::sleep_for(period_);
       }
     });
@@ -241,13 +241,13 @@ class Hearing {
     ending_ = true;
     thread_.join();
   }
-  std::uint64_t heard() const { return heard_; }
+  std::uint64_t received() const { return received_; }
 
  private:
   DatagramTap& tap_;
   const milliseconds period_;
   std::atomic<bool> ending_{false};
-  std::atomic<std::uint64_t> heard_{0};
+  std::atomic<std::uint64_t> received_{0};
   std::uint64_t rounds_ = 0;
   std::thread thread_;
 };
@@ -338,38 +338,38 @@ TEST_F(RealBroker, EveryDatagramIsInABatchOrInAMark) {
   DatagramTap& tap = sender->tap("ap1");
   ASSERT_TRUE(sender->start());
   std::uint64_t round = 0;
-  const auto hear = [&] {
+  const auto receive = [&] {
     const Batch some = some_batch(++round, {{"ap1", 10}});
     tap.tap(some.parts[0].datagrams.datagrams());
     tap.advance(some.parts[0].watermark);
     std::this_thread::sleep_for(milliseconds(10));  // the pace of datagrams
   };
-  const auto hear_until = [&](const auto& condition) {
+  const auto receive_until = [&](const auto& condition) {
     return eventually(kPatience, [&] {
-      hear();
+      receive();
       return condition(sender->counters().ring);
     });
   };
-  const auto hear_some = [&](int rounds) {
+  const auto receive_some = [&](int rounds) {
     for (int i = 0; i < rounds; ++i) {
-      hear();
+      receive();
     }
   };
-  EXPECT_TRUE(hear_until([](const auto& ring) { return ring.marked_batches > 0; }))
+  EXPECT_TRUE(receive_until([](const auto& ring) { return ring.marked_batches > 0; }))
       << "it waits for a broker for ever";
   ASSERT_TRUE(server_->start());
   ASSERT_TRUE(connected(*broker));
-  ASSERT_TRUE(hear_until([](auto ring) { return ring.live["ap1"] > 0; }));
+  ASSERT_TRUE(receive_until([](auto ring) { return ring.live["ap1"] > 0; }));
   server_->freeze();
-  hear_some(50);
+  receive_some(50);
   server_->thaw();
   const std::uint64_t live = sender->counters().ring.live["ap1"];
-  ASSERT_TRUE(hear_until([&](auto ring) { return ring.live["ap1"] > live; }));
+  ASSERT_TRUE(receive_until([&](auto ring) { return ring.live["ap1"] > live; }));
   server_->kill();
-  hear_some(30);
+  receive_some(30);
   ASSERT_TRUE(server_->start());
   ASSERT_TRUE(connected(*broker));
-  hear_some(30);
+  receive_some(30);
   ASSERT_TRUE(eventually(kPatience, [&] { return sender->counters().ring.waiting["ap1"] == 0; }));
   BatchSender::Counters counters = sender->counters();
   EXPECT_EQ(counters.captured["ap1"], 10 * round);
@@ -413,8 +413,8 @@ TEST_F(RealBroker, EveryDatagramThatIsCapturedIsReadOnceOrMarked) {
   auto role = CaptureRole::open(of_node, {"node1", kSomeEpoch, options});
   ASSERT_TRUE(role);
   const std::shared_ptr<BatchSender> sender = *(*role)->add_site("office");
-  Hearing first(sender->tap("ap1"), milliseconds(3));
-  Hearing second(sender->tap("ap2"), milliseconds(7));
+  Receiving first(sender->tap("ap1"), milliseconds(3));
+  Receiving second(sender->tap("ap2"), milliseconds(7));
   ASSERT_TRUE(sender->start());
   first.begin();
   second.begin();
@@ -422,13 +422,13 @@ TEST_F(RealBroker, EveryDatagramThatIsCapturedIsReadOnceOrMarked) {
   Reading reading(connect(), "office", "node1");
   // The reader passes all datagrams received so far.
   const auto is_read_on = [&] {
-    const std::uint64_t heard = first.heard();
-    return eventually(kPatience, [&] { return reading.all("ap1") > heard; });
+    const std::uint64_t received = first.received();
+    return eventually(kPatience, [&] { return reading.all("ap1") > received; });
   };
   ASSERT_TRUE(is_read_on());
   server_->freeze();
-  ASSERT_TRUE(eventually(kPatience, [&, heard = first.heard()] {
-    return first.heard() > heard + 200;  // none of them is stored meanwhile
+  ASSERT_TRUE(eventually(kPatience, [&, received = first.received()] {
+    return first.received() > received + 200;  // none of them is stored meanwhile
   }));
   server_->thaw();
   ASSERT_TRUE(is_read_on());
@@ -441,9 +441,9 @@ TEST_F(RealBroker, EveryDatagramThatIsCapturedIsReadOnceOrMarked) {
   second.end();
   ASSERT_TRUE(eventually(
       kPatience,
-      [&] { return reading.all("ap1") == first.heard() && reading.all("ap2") == second.heard(); }))
-      << reading.all("ap1") << " of " << first.heard() << ", " << reading.all("ap2") << " of "
-      << second.heard();
+      [&] { return reading.all("ap1") == first.received() && reading.all("ap2") == second.received(); }))
+      << reading.all("ap1") << " of " << first.received() << ", " << reading.all("ap2") << " of "
+      << second.received();
   reading.end();
   sender->finish();
   EXPECT_GT(reading.marked("ap1"), 0U);

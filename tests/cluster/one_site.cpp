@@ -226,7 +226,7 @@ std::vector<nlohmann::json> OneSite::replay(const std::vector<std::string>& more
   return locations;
 }
 
-std::vector<nlohmann::json> OneSite::heard(const std::string& gateway) {
+std::vector<nlohmann::json> OneSite::received(const std::string& gateway) {
   return machines_.at(gateway)->first().bodies("location");
 }
 
@@ -246,17 +246,17 @@ void OneSite::note_captured() {
 std::vector<nlohmann::json> OneSite::expect_what_was_said() {
   const std::vector<nlohmann::json> again = replay({});
   // A gateway that connects late publishes no results from before that.
-  const std::vector<nlohmann::json> begun = heard("witness");
+  const std::vector<nlohmann::json> begun = received("witness");
   const auto first =
       begun.empty() ? again.end() : std::find(again.begin(), again.end(), begun.front());
   EXPECT_NE(first, again.end());
   const std::vector<nlohmann::json> expected(first, again.end());
   std::cout << expected.size() << " of " << again.size() << " since the witness listens\n";
-  EXPECT_TRUE(eventually(kPatience, [&] { return heard("witness").size() >= expected.size(); }));
-  EXPECT_EQ(heard("witness"), expected);
+  EXPECT_TRUE(eventually(kPatience, [&] { return received("witness").size() >= expected.size(); }));
+  EXPECT_EQ(received("witness"), expected);
   // The other gateway was absent at times.
   std::set<std::string> said;
-  for (const nlohmann::json& location : heard("gateway")) {
+  for (const nlohmann::json& location : received("gateway")) {
     EXPECT_NE(std::find(again.begin(), again.end(), location), again.end()) << location.dump();
     EXPECT_TRUE(said.insert(location.dump()).second) << location.dump();
   }

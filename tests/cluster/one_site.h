@@ -81,7 +81,7 @@ class OneSite : public ::testing::Test {
 
  private:
   e2e::LiveDaemonOptions options_of(const std::string& role, const std::string& name) const;
-  std::vector<nlohmann::json> heard(const std::string& gateway);
+  std::vector<nlohmann::json> received(const std::string& gateway);
 
   std::filesystem::path site_;
   std::uint64_t captured_ = 0;

@@ -91,7 +91,7 @@ class Secured : public ::testing::Test {
                            }))
         << subject << ": " << broker.refusal();
   }
-  static void expect_unheard(Broker& broker, const std::string& subject) {
+  static void expect_unreceived(Broker& broker, const std::string& subject) {
     const auto subscription = broker.subscribe(subject, [](const BrokerMessage&) {});
     EXPECT_TRUE(eventually(kPatience,
                            [&] {
@@ -150,9 +150,9 @@ TEST_F(Secured, EachForbiddenThingIsRefused) {
   ASSERT_TRUE(worker->ensure_stream(site_stream("office", stream)));
   const auto said = worker->publish_behind(claim_subject("hall"), "mine", 0);
   ASSERT_TRUE(said && said->is_last);
-  const auto heard = worker->last_of(std::string(kClaimStream), claim_subject("hall"));
-  ASSERT_TRUE(heard && *heard);
-  EXPECT_EQ((*heard)->data, "mine");
+  const auto received = worker->last_of(std::string(kClaimStream), claim_subject("hall"));
+  ASSERT_TRUE(received && *received);
+  EXPECT_EQ((*received)->data, "mine");
   for (const std::string subject : {"rayloc.v1.worker.w2",
                                     "rayloc.v1.csi.hall.hall-1",
                                     "rayloc.v1.drain.w2",
@@ -162,7 +162,7 @@ TEST_F(Secured, EachForbiddenThingIsRefused) {
                                     "$JS.API.STREAM.MSG.DELETE.CLAIMS"}) {
     expect_refused(*worker, subject);
   }
-  expect_unheard(*worker, "_INBOX.operator.>");
+  expect_unreceived(*worker, "_INBOX.operator.>");
 
   const auto node = connected("hall-1");
   std::atomic<bool> stored{false};
@@ -181,8 +181,8 @@ TEST_F(Secured, EachForbiddenThingIsRefused) {
                                     "$JS.API.DIRECT.GET.CSI_office"}) {
     expect_refused(*node, subject);
   }
-  expect_unheard(*node, "rayloc.v1.live.office.>");
-  expect_unheard(*node, "rayloc.v1.outlive.office");
+  expect_unreceived(*node, "rayloc.v1.live.office.>");
+  expect_unreceived(*node, "rayloc.v1.outlive.office");
 
   const auto gateway = connected("g1");
   EXPECT_TRUE(gateway->stream_state(std::string(kOutputStream)));
@@ -193,7 +193,7 @@ TEST_F(Secured, EachForbiddenThingIsRefused) {
                                     "$JS.API.STREAM.DELETE.OUT"}) {
     expect_refused(*gateway, subject);
   }
-  expect_unheard(*gateway, "rayloc.v1.live.hall.>");
+  expect_unreceived(*gateway, "rayloc.v1.live.hall.>");
 }
 
 TEST_F(Secured, NobodyIsLetInWithoutAKeyOrByAnotherAuthority) {

@@ -92,7 +92,7 @@ TEST(Worker, PublishesTheFramesThatItsCaptureNodeHears) {
   ASSERT_TRUE(worker.ready()) << worker.errors() << worker.log();
   Listener of_node(node.endpoint());
   Listener of_worker(worker.endpoint());
-  ASSERT_TRUE(eventually(kPatience, [&] { return of_node.heard() && of_worker.heard(); }));
+  ASSERT_TRUE(eventually(kPatience, [&] { return of_node.received() && of_worker.received(); }));
   send_some(folder.path(), node);
   ASSERT_TRUE(eventually(kPatience,
                          [&] { return received(node) > 0 && received(worker) == received(node); }))

@@ -38,7 +38,7 @@ void Listener::run() {
     if (!message || !envelope.ParseFromString(message->payload)) {
       continue;
     }
-    heard_ = true;
+    received_ = true;
     if (envelope.has_csi()) {
       envelope.mutable_csi()->clear_time();
       frames_.push_back(envelope.csi().SerializeAsString());

@@ -30,7 +30,7 @@ class Listener {
   Listener& operator=(const Listener&) = delete;
 
   // True once anything was received: from then on nothing is missed.
-  bool heard() const { return heard_; }
+  bool received() const { return received_; }
   // False if no goodbye arrives. The other functions are for after that.
   bool wait_for_goodbye(std::chrono::seconds patience);
 
@@ -44,7 +44,7 @@ class Listener {
   Subscriber subscriber_;
   std::vector<std::string> frames_;
   LocationBytes locations_;
-  std::atomic<bool> heard_ = false;
+  std::atomic<bool> received_ = false;
   std::atomic<bool> goodbye_ = false;
   std::atomic<bool> stopping_ = false;
   std::thread thread_;

@@ -78,7 +78,7 @@ ino_t inode_of(const std::string& path) {
 }
 
 // A late subscriber receives the snapshot, and all that is published after it.
-void expect_to_be_heard(const std::filesystem::path& folder, const Places& places) {
+void expect_to_be_received(const std::filesystem::path& folder, const Places& places) {
   Process late(folder,
                "late",
                "rayloc",
@@ -120,7 +120,7 @@ TEST_F(SecondDaemon, OnAPortSaysSoAndTheFirstGoesOn) {
   const Places places = free_places();
   ASSERT_NO_FATAL_FAILURE(start(places));
   expect_each_to_be_refused(folder_.path(), places);
-  expect_to_be_heard(folder_.path(), places);
+  expect_to_be_received(folder_.path(), places);
   Process sender(folder_.path(),
                  "send",
                  "rayloc",
@@ -171,7 +171,7 @@ TEST_F(SecondDaemon, OnAPathSaysSoAndTheFirstKeepsIt) {
   for (std::size_t i = 0; i < paths.size(); ++i) {
     EXPECT_EQ(inode_of(paths[i]), before[i]) << paths[i];
   }
-  expect_to_be_heard(folder_.path(), places);
+  expect_to_be_received(folder_.path(), places);
   expect_to_end_well();
 }
 

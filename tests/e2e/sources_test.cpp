@@ -139,7 +139,7 @@ class Sources : public ::testing::Test {
   void listen(LiveDaemon& daemon) {
     ASSERT_TRUE(daemon.ready()) << daemon.errors();
     listener_ = std::make_unique<Listener>(daemon.endpoint());
-    ASSERT_TRUE(eventually(kPatience, [&] { return listener_->heard(); }));
+    ASSERT_TRUE(eventually(kPatience, [&] { return listener_->received(); }));
   }
 
   // Waits for everything, ends the daemon, and compares.

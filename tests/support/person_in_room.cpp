@@ -49,12 +49,12 @@ std::vector<std::complex<double>> direct_channel(const RoomModel& room, const Ro
 
 PersonReference learn_reference(const RoomModel& room) {
   const auto frames = frames_past(room, {}, {}, {.count = 20, .snr_db = 35.0, .seed = 99});
-  std::vector<EmptyRoom> heard;
+  std::vector<EmptyRoom> received;
   std::vector<std::string> warnings;
   for (std::size_t i = 0; i < room.access_points.size(); ++i) {
-    heard.push_back({i, hear(room, i, frames, {}, warnings)->h});
+    received.push_back({i, receive(room, i, frames, {}, warnings)->h});
   }
-  return *fit_empty_room(room, fixed_transmitter(), heard);
+  return *fit_empty_room(room, fixed_transmitter(), received);
 }
 
 }  // namespace rayloc::test

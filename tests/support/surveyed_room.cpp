@@ -201,7 +201,7 @@ std::vector<Vec3d> places(const std::vector<SceneBox>& furniture,
 }
 
 // [core][tone], with the chain gains, noise, and the unknown factor and delay of a burst.
-std::vector<Value> heard(const RoomModel& room,
+std::vector<Value> received(const RoomModel& room,
                          const RoomAccessPoint& ap,
                          const Vec3d& position,
                          double snr_db,
@@ -278,7 +278,7 @@ SurveyedRoom make_surveyed_room(const SurveyedRoomOptions& options) {
   parallel_for(room.points.size(), 1, [&](std::size_t p) {
     CalibrationPoint& point = room.points[p];
     for (std::size_t a = 0; a < room.built.access_points.size(); ++a) {
-      point.h.push_back(heard(room.built,
+      point.h.push_back(received(room.built,
                               room.built.access_points[a],
                               point.position + room.survey_error[p],
                               options.snr_db,

@@ -17,8 +17,8 @@ std::optional<std::string> FeedWriter::header() const {
   return format_ == FeedFormat::kCsv ? std::optional(csv_header()) : std::nullopt;
 }
 
-Expected<void> FeedWriter::hear(const v1::Heartbeat& heartbeat) {
-  has_heard_ = true;
+Expected<void> FeedWriter::receive(const v1::Heartbeat& heartbeat) {
+  has_received_ = true;
   site_.reset();
   if (heartbeat.has_georeference()) {
     site_ = heartbeat.georeference();
@@ -44,7 +44,7 @@ void FeedWriter::add(v1::Envelope envelope) {
 }
 
 std::optional<std::string> FeedWriter::next() {
-  if (needs_heartbeats() && !has_heard_) {
+  if (needs_heartbeats() && !has_received_) {
     return std::nullopt;
   }
   while (!held_.empty()) {

@@ -36,7 +36,7 @@ class FeedWriter {
 
   // Takes a heartbeat that is not to be printed. kConfiguration:
   // the site states no georeference and the format requires one.
-  Expected<void> hear(const v1::Heartbeat& heartbeat);
+  Expected<void> receive(const v1::Heartbeat& heartbeat);
 
   // Takes a message that is to be printed.
   void add(v1::Envelope envelope);
@@ -50,7 +50,7 @@ class FeedWriter {
   std::optional<std::string> line_of(const v1::Envelope& envelope) const;
 
   FeedFormat format_;
-  bool has_heard_ = false;
+  bool has_received_ = false;
   std::optional<v1::Georeference> site_;
   std::deque<v1::Envelope> held_;
   std::uint64_t without_form_ = 0;

@@ -67,7 +67,7 @@ void TopModel::add_location(const v1::Envelope& envelope,
                             bool from_snapshot) {
   const v1::Location& location = envelope.location();
   Target& target = targets_[target_component(location.target())];
-  target.heard = now;
+  target.received = now;
   const bool is_filtered = location.kind() == v1::LOCATION_KIND_FILTERED;
   std::optional<Stream>& stream = is_filtered ? target.filtered : target.snapshot;
   if (!stream) {
@@ -92,11 +92,11 @@ void TopModel::add_heartbeat(const v1::Heartbeat& heartbeat, Clock::time_point n
 
 void TopModel::forget_old(Clock::time_point now) {
   std::erase_if(targets_,
-                [&](const auto& target) { return now - target.second.heard > kForgetAfter; });
+                [&](const auto& target) { return now - target.second.received > kForgetAfter; });
   while (targets_.size() > kMaxTargets) {
     targets_.erase(
         std::min_element(targets_.begin(), targets_.end(), [](const auto& a, const auto& b) {
-          return a.second.heard < b.second.heard;
+          return a.second.received < b.second.received;
         }));
   }
 }

@@ -44,7 +44,7 @@ class TopModel {
   struct Target {
     std::optional<Stream> snapshot;
     std::optional<Stream> filtered;
-    Clock::time_point heard;
+    Clock::time_point received;
   };
   // Stream that is shown: filtered, unless only snapshots came for 5 s.
   static const Stream& shown(const Target& target);

@@ -177,14 +177,14 @@ void check_node(Broker& broker,
 void check_nodes(Broker& broker, const std::string& site, Findings& findings) {
   const std::string stream = csi_stream(site);
   const auto subjects = subjects_of(broker, stream);
-  bool is_heard = false;
+  bool is_received = false;
   for (const std::string& subject : subjects ? *subjects : std::vector<std::string>()) {
     if (subject != owner_subject(site)) {
-      is_heard = true;
+      is_received = true;
       check_node(broker, stream, subject, findings);
     }
   }
-  if (!is_heard) {
+  if (!is_received) {
     findings.push_back({Kind::kProblem,
                         "site " + printable(site) + ": no capture node sends",
                         "start one with [[source]] site = \"" + printable(site) + "\""});
@@ -196,7 +196,7 @@ void check_worker(const ClusterView::Worker& worker, Findings& findings) {
   const std::string what =
       fmt::format("worker {}: {} sites", printable(state.worker()), state.sites_size());
   const Timestamp said{std::chrono::microseconds(state.now_us())};
-  const double apart = to_seconds(worker.heard - said);
+  const double apart = to_seconds(worker.received - said);
   if (state.now_us() != 0 && std::abs(apart) > kClocksApart) {
     findings.push_back({Kind::kWarning,
                         fmt::format("{}: its clock is {:.2f} s {} ours",

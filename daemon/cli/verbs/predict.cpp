@@ -94,7 +94,7 @@ std::string place_text(const Vec3d& place) {
 }
 
 void print_prediction(const Prediction& prediction, const PredictArguments& arguments) {
-  const double heard =
+  const double received =
       std::min(1.0, arguments.rate * arguments.burst / static_cast<double>(arguments.devices));
   fmt::print("{} places, {} bursts of {} frames at each\n",
              prediction.places.size(),
@@ -106,7 +106,7 @@ void print_prediction(const Prediction& prediction, const PredictArguments& argu
              kAnotherPlace,
              100.0 * prediction.another_place);
   fmt::print(
-      "a device of {} is received in {:.0f} % of bursts\n", arguments.devices, 100.0 * heard);
+      "a device of {} is received in {:.0f} % of bursts\n", arguments.devices, 100.0 * received);
   for (const LookAlike& one : look_alikes(prediction, kMaxLookAlikes)) {
     fmt::print("looks alike: {} is taken for {} in {} of {} bursts\n",
                place_text(one.place),

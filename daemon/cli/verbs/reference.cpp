@@ -66,11 +66,11 @@ class Reference {
   Expected<void> read();
   Expected<Frames> read_captures(const std::vector<std::string>& arguments);
   Expected<void> learn_empty_room();
-  Expected<std::vector<EmptyRoom>> hear_empty(const std::vector<CsiFrame>& frames, bool occupied);
+  Expected<std::vector<EmptyRoom>> receive_empty(const std::vector<CsiFrame>& frames, bool occupied);
   Expected<void> learn_two_days();
   Expected<void> add_reference(const MacAddress& mac,
                                const Transmitter& surveyed,
-                               const std::vector<EmptyRoom>& heard);
+                               const std::vector<EmptyRoom>& received);
   Expected<void> learn_person();
   std::vector<PersonSpot> spots_of(const PersonReference& reference,
                                    const std::vector<CsiFrame>& frames,
@@ -85,7 +85,7 @@ class Reference {
   Frames empty_;
   Frames people_empty_;
   Frames people_;
-  std::vector<HeardDays> heard_;  // by reference, if people were recorded on another day
+  std::vector<ReceivedDays> received_;  // by reference, if people were recorded on another day
   std::vector<DayChange> changes_;
   std::vector<SurveyPoint> points_;
   std::vector<PersonReference> references_;
@@ -107,12 +107,12 @@ Expected<Reference::Frames> Reference::read_captures(const std::vector<std::stri
   }
   for (const RecordingArgument& recording : recordings_of(*captures)) {
     const int index = *find_access_point(site_, recording.access_point);
-    const bool heard = std::any_of(frames->begin(), frames->end(), [&](const auto& entry) {
+    const bool received = std::any_of(frames->begin(), frames->end(), [&](const auto& entry) {
       return std::any_of(entry.second.begin(), entry.second.end(), [&](const CsiFrame& frame) {
         return frame.access_point == index;
       });
     });
-    if (!heard) {
+    if (!received) {
       std::string message = files_text(recording) + ": access point '" + recording.access_point +
                             "' received no fixed transmitter of the site; give a recording of one "
                             "of the [[transmitter]] with role = \"fixed\"";
@@ -183,11 +183,11 @@ Transmitter surveyed_place(const SiteTransmitter& transmitter) {
   return {{*transmitter.position, {}, transmitter.pattern, transmitter.polarization}};
 }
 
-Expected<std::vector<EmptyRoom>> Reference::hear_empty(const std::vector<CsiFrame>& frames,
+Expected<std::vector<EmptyRoom>> Reference::receive_empty(const std::vector<CsiFrame>& frames,
                                                        bool occupied) {
   BurstOptions burst_options;
   burst_options.max_frames = kMaxEmptyFrames;
-  std::vector<EmptyRoom> heard;
+  std::vector<EmptyRoom> received;
   for (std::size_t a = 0; a < room_.access_points.size(); ++a) {
     const RoomAccessPoint& ap = room_.access_points[a];
     const bool recorded = std::any_of(frames.begin(), frames.end(), [&](const CsiFrame& frame) {
@@ -201,8 +201,8 @@ Expected<std::vector<EmptyRoom>> Reference::hear_empty(const std::vector<CsiFram
       return make_error(ErrorKind::kConfiguration, "access point " + ap.id + " " + problem);
     }
     std::vector<std::string> warnings;
-    auto burst = occupied ? hear_background(room_, a, frames, burst_options, warnings)
-                          : hear(room_, a, frames, burst_options, warnings);
+    auto burst = occupied ? receive_background(room_, a, frames, burst_options, warnings)
+                          : receive(room_, a, frames, burst_options, warnings);
     if (!burst) {
       return bad_input(warnings.front());
     }
@@ -216,15 +216,15 @@ Expected<std::vector<EmptyRoom>> Reference::hear_empty(const std::vector<CsiFram
       content_.add(value.real());
       content_.add(value.imag());
     }
-    heard.push_back({a, std::move(burst->h)});
+    received.push_back({a, std::move(burst->h)});
   }
-  return heard;
+  return received;
 }
 
 Expected<void> Reference::add_reference(const MacAddress& mac,
                                         const Transmitter& surveyed,
-                                        const std::vector<EmptyRoom>& heard) {
-  auto reference = fit_empty_room(people_room_, surveyed, heard);
+                                        const std::vector<EmptyRoom>& received) {
+  auto reference = fit_empty_room(people_room_, surveyed, received);
   if (!reference) {
     return tl::make_unexpected(std::move(reference.error()));
   }
@@ -242,12 +242,12 @@ Expected<void> Reference::learn_empty_room() {
     return learn_two_days();
   }
   for (const auto& [mac, frames] : empty_) {
-    const auto heard = hear_empty(frames, options_.occupied);
-    if (!heard) {
-      return tl::make_unexpected(heard.error());
+    const auto received = receive_empty(frames, options_.occupied);
+    if (!received) {
+      return tl::make_unexpected(received.error());
     }
     const Transmitter surveyed = surveyed_place(*find_transmitter(site_, mac));
-    if (auto added = add_reference(mac, surveyed, *heard); !added) {
+    if (auto added = add_reference(mac, surveyed, *received); !added) {
       return added;
     }
   }
@@ -263,36 +263,36 @@ Expected<void> Reference::learn_two_days() {
       refused_.push_back({to_string(mac), "not in the recordings of --people-empty"});
       continue;
     }
-    auto today = hear_empty(frames, options_.occupied);
+    auto today = receive_empty(frames, options_.occupied);
     if (!today) {
       return tl::make_unexpected(std::move(today.error()));
     }
-    auto people = hear_empty(before->second, false);
+    auto people = receive_empty(before->second, false);
     if (!people) {
       return bad_input("--people-empty: " + people.error().message);
     }
     macs.push_back(mac);
-    heard_.push_back(
+    received_.push_back(
         {surveyed_place(*find_transmitter(site_, mac)), *std::move(people), *std::move(today)});
   }
-  auto days = tell_days_apart(room_, heard_);
+  auto days = tell_days_apart(room_, received_);
   if (!days) {
     return tl::make_unexpected(std::move(days.error()));
   }
   room_ = std::move(days->today);
   people_room_ = std::move(days->people);
   changes_ = std::move(days->changes);
-  heard_.clear();
+  received_.clear();
   for (std::size_t i = 0; i < macs.size(); ++i) {
-    HeardDays& heard = days->heard[i];
-    if (heard.today.empty()) {
+    ReceivedDays& received = days->received[i];
+    if (received.today.empty()) {
       refused_.push_back({to_string(macs[i]), "no access point received it on both days"});
       continue;
     }
-    if (auto added = add_reference(macs[i], heard.surveyed, heard.people); !added) {
+    if (auto added = add_reference(macs[i], received.surveyed, received.people); !added) {
       return added;
     }
-    heard_.push_back(std::move(heard));
+    received_.push_back(std::move(received));
   }
   return {};
 }
@@ -310,7 +310,7 @@ std::vector<PersonSpot> Reference::spots_of(const PersonReference& reference,
     PersonSpot spot{{point.position.x, point.position.y}, {}};
     std::vector<std::string> warnings;
     for (const PersonLink& link : reference.links) {
-      auto burst = hear(people_room_, link.access_point, own, {}, warnings);
+      auto burst = receive(people_room_, link.access_point, own, {}, warnings);
       spot.h.push_back(burst ? std::move(burst->h) : std::vector<std::complex<double>>());
       for (const auto& value : spot.h.back()) {
         content_.add(value.real());
@@ -443,8 +443,8 @@ Expected<void> Reference::run() {
       return done;
     }
   }
-  for (std::size_t i = 0; i < heard_.size(); ++i) {
-    references_[i] = moved_to_today(room_.grid, std::move(references_[i]), heard_[i].today);
+  for (std::size_t i = 0; i < received_.size(); ++i) {
+    references_[i] = moved_to_today(room_.grid, std::move(references_[i]), received_[i].today);
   }
   if (auto done = write(); !done) {
     return done;

@@ -222,11 +222,11 @@ Expected<void> write_estimates(const Options& options,
 void report_lacks(const Options& options,
                   const Site& site,
                   const Estimators& estimators,
-                  const std::vector<int>& heard) {
+                  const std::vector<int>& received) {
   if (options.quiet || !estimators.devices) {  // with people only, each estimate reports it
     return;
   }
-  const SiteLacks lacks = site_lacks(site, estimators.devices->room(), heard);
+  const SiteLacks lacks = site_lacks(site, estimators.devices->room(), received);
   for (const std::string& lack : options.kind == "all" ? lacks.all() : lacks.obstacles) {
     std::fprintf(stderr, "rayloc replay: %s\n", lack.c_str());
   }
@@ -382,10 +382,10 @@ Expected<void> run_replay(const Options& options) {
     all.carry_every = from_seconds(options.warm.carried_every);
   }
   ZoneEstimator zones(estimators->all, site->zones, start->carried.get());
-  const std::vector<int> heard = recordings->access_points;
+  const std::vector<int> received = recordings->access_points;
   Expected<void> written = write_estimates(options, all, std::move(*recordings), zones);
   report_chains(options, *estimators);
-  report_lacks(options, *site, *estimators, heard);
+  report_lacks(options, *site, *estimators, received);
   return written;
 }
 

@@ -280,22 +280,22 @@ Expected<CaptureReport> simulate(const Simulation& simulation,
   CaptureSimulator simulator(simulation.rooms, index, options);
   CaptureReport report{output.access_point, output.file, 0, 0, {}, simulator.chains()};
   for (const SimulatedSpot& spot : simulation.spots) {
-    const auto heard = simulator.hear(spot);
-    if (!heard) {
-      return bad_input("point of line " + std::to_string(spot.line) + ": " + heard.error().message);
+    const auto received = simulator.receive(spot);
+    if (!received) {
+      return bad_input("point of line " + std::to_string(spot.line) + ": " + received.error().message);
     }
     std::vector<Datagram> batch;
-    batch.reserve(heard->datagrams.size());
-    for (const SimulatedDatagram& datagram : heard->datagrams) {
+    batch.reserve(received->datagrams.size());
+    for (const SimulatedDatagram& datagram : received->datagrams) {
       batch.push_back({datagram.time, {}, datagram.payload});
     }
     if (auto written = recorder->write(batch); !written) {
       return tl::make_unexpected(std::move(written.error()));
     }
     report.datagrams += batch.size();
-    report.lost += heard->lost;
-    if (heard->paths == 0) {
-      report.unheard_lines.push_back(spot.line);
+    report.lost += received->lost;
+    if (received->paths == 0) {
+      report.unreceived_lines.push_back(spot.line);
     }
   }
   if (auto synced = recorder->sync(); !synced) {
@@ -316,13 +316,13 @@ void print_notes(const Simulation& simulation) {
 }
 
 void print_notes(const CaptureReport& report) {
-  if (!report.unheard_lines.empty()) {
+  if (!report.unreceived_lines.empty()) {
     std::fprintf(stderr,
                  "rayloc simulate: no path reaches %s from %zu points, the first of line %d: only "
                  "noise is recorded there\n",
                  report.access_point.c_str(),
-                 report.unheard_lines.size(),
-                 report.unheard_lines.front());
+                 report.unreceived_lines.size(),
+                 report.unreceived_lines.front());
   }
 }
 

@@ -117,8 +117,8 @@ class Subscription {
     }
     report_losses(gaps_, message.topic, envelope);
     if (envelope.has_heartbeat() && writer_.needs_heartbeats()) {
-      if (auto heard = writer_.hear(envelope.heartbeat()); !heard) {
-        return heard;
+      if (auto received = writer_.receive(envelope.heartbeat()); !received) {
+        return received;
       }
     }
     if (is_asked_for(message.topic)) {

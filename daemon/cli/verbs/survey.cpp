@@ -226,8 +226,8 @@ class Survey {
           std::fputs("\n", stderr);
           return std::nullopt;
         }
-        if (auto heard = listener_.listen(kListenTick); !heard) {
-          return tl::make_unexpected(heard.error());
+        if (auto received = listener_.listen(kListenTick); !received) {
+          return tl::make_unexpected(received.error());
         }
         input_.poll();
       }
@@ -260,8 +260,8 @@ class Survey {
     listener_.start_counting(start);
     std::vector<std::size_t> counts;
     do {
-      if (auto heard = listener_.listen(kListenTick); !heard) {
-        return heard;
+      if (auto received = listener_.listen(kListenTick); !received) {
+        return received;
       }
       counts = listener_.counts();
       if (terminal) {

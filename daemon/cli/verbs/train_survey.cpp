@@ -114,9 +114,9 @@ Expected<TrainSurvey> read_people_survey(const Site& site, const SurveyArguments
     return tl::make_unexpected(frames.error());
   }
   for (const auto& [mac, all] : *frames) {
-    auto heard = cut(all, *points);
-    if (heard.size() > survey.points.size()) {
-      survey.points = std::move(heard);
+    auto received = cut(all, *points);
+    if (received.size() > survey.points.size()) {
+      survey.points = std::move(received);
       survey.transmitter = mac;
     }
   }

@@ -59,7 +59,7 @@ struct SpotFrames {
 };
 
 // Known positions and the frames received from them.
-struct Heard {
+struct Received {
   std::vector<SpotFrames> spots;
   std::vector<bool> recorded;  // by access point
   std::vector<RefusedInput> refused;
@@ -74,7 +74,7 @@ struct RefitAccessPoint {
   std::size_t learned_from = 0;  // bursts of devices; 0: refitted from known positions
 };
 
-Expected<Heard> hear_points(const Site& site,
+Expected<Received> receive_points(const Site& site,
                             const RoomModel& room,
                             const std::vector<CaptureArgument>& captures,
                             const RechainArguments& arguments) {
@@ -83,40 +83,40 @@ Expected<Heard> hear_points(const Site& site,
   if (!inputs) {
     return tl::make_unexpected(std::move(inputs.error()));
   }
-  Heard heard{{},
+  Received received{{},
               std::move(inputs->recorded),
               std::move(inputs->refused),
               inputs->content,
               std::move(inputs->notes)};
   for (SurveyedFrames& spot : inputs->points) {
-    heard.spots.push_back({spot.point.position, room.device, std::move(spot.frames), {}});
+    received.spots.push_back({spot.point.position, room.device, std::move(spot.frames), {}});
   }
-  return heard;
+  return received;
 }
 
 // Frames of the fixed transmitters whose positions are stated.
-Expected<Heard> hear_fixed(const Site& site, const std::vector<CaptureArgument>& captures) {
+Expected<Received> receive_fixed(const Site& site, const std::vector<CaptureArgument>& captures) {
   const auto has_place = [](const SiteTransmitter& transmitter) {
     return transmitter.role == TransmitterRole::kFixed && transmitter.position;
   };
-  Heard heard;
-  auto frames = read_fixed_frames(site, captures, heard.notes);
+  Received received;
+  auto frames = read_fixed_frames(site, captures, received.notes);
   if (!frames) {
     return tl::make_unexpected(std::move(frames.error()));
   }
   for (const SiteTransmitter& transmitter : site.transmitters) {
     if (has_place(transmitter)) {
-      heard.spots.push_back({*transmitter.position,
+      received.spots.push_back({*transmitter.position,
                              device_model(transmitter),
                              std::move((*frames)[transmitter.mac]),
                              transmitter.mac});
     }
   }
-  heard.recorded.resize(site.access_points.size());
+  received.recorded.resize(site.access_points.size());
   for (const CaptureArgument& capture : captures) {
-    heard.recorded[static_cast<std::size_t>(*find_access_point(site, capture.access_point))] = true;
+    received.recorded[static_cast<std::size_t>(*find_access_point(site, capture.access_point))] = true;
   }
-  return heard;
+  return received;
 }
 
 // `heldout` of the report beside the calibration; null if there is none.
@@ -183,7 +183,7 @@ class Rechain {
   std::vector<PersonReference> references_;
   CalibrationFile before_;
   CalibrationFile after_;
-  Heard heard_;
+  Received received_;
   Json heldout_;
   std::vector<ChainState> states_;  // learned from devices; empty with --points
   std::vector<RefitAccessPoint> results_;
@@ -241,12 +241,12 @@ Expected<void> Rechain::read() {
   if (!captures) {
     return tl::make_unexpected(captures.error());
   }
-  auto heard = arguments_.points.empty() ? hear_fixed(site_, *captures)
-                                         : hear_points(site_, room_, *captures, arguments_);
-  if (!heard) {
-    return tl::make_unexpected(std::move(heard.error()));
+  auto received = arguments_.points.empty() ? receive_fixed(site_, *captures)
+                                         : receive_points(site_, room_, *captures, arguments_);
+  if (!received) {
+    return tl::make_unexpected(std::move(received.error()));
   }
-  heard_ = *std::move(heard);
+  received_ = *std::move(received);
   if (arguments_.points.empty()) {
     std::vector<std::string> told_before;
     auto states = learn_chains(site_, room_, *captures, told_before);
@@ -255,7 +255,7 @@ Expected<void> Rechain::read() {
     }
     states_ = *std::move(states);
   }
-  for (const std::string& note : heard_.notes) {
+  for (const std::string& note : received_.notes) {
     if (!arguments_.quiet) {
       std::fprintf(stderr, "%s\n", note.c_str());
     }
@@ -266,11 +266,11 @@ Expected<void> Rechain::read() {
 std::vector<KnownSpot> Rechain::spots_of(std::size_t access_point, ContentHash& content) {
   const RoomAccessPoint& ap = room_.access_points[access_point];
   std::vector<KnownSpot> spots;
-  for (const SpotFrames& spot : heard_.spots) {
+  for (const SpotFrames& spot : received_.spots) {
     auto burst =
         combine_burst(spot.frames, {static_cast<int>(access_point), room_.grid, ap.cores, {}});
     if (!burst) {
-      heard_.refused.push_back({fmt::format("{} at ({:g}, {:g}, {:g})",
+      received_.refused.push_back({fmt::format("{} at ({:g}, {:g}, {:g})",
                                             ap.id,
                                             spot.position.x,
                                             spot.position.y,
@@ -343,13 +343,13 @@ Expected<void> Rechain::refit() {
   content.add("rechain");
   for (std::size_t a = 0; a < room_.access_points.size(); ++a) {
     const RoomAccessPoint& ap = room_.access_points[a];
-    if (!heard_.recorded[a] || ap.gains.empty()) {
-      heard_.refused.push_back(
-          {ap.id, heard_.recorded[a] ? "was not calibrated" : "no recording: keeps its gains"});
+    if (!received_.recorded[a] || ap.gains.empty()) {
+      received_.refused.push_back(
+          {ap.id, received_.recorded[a] ? "was not calibrated" : "no recording: keeps its gains"});
       continue;
     }
     if (arguments_.unsurveyed && learned(a) == nullptr) {
-      heard_.refused.push_back({ap.id, why_not_learned(a)});  // raylocd may learn them later
+      received_.refused.push_back({ap.id, why_not_learned(a)});  // raylocd may learn them later
       continue;
     }
     auto result = refit(a, content);
@@ -367,7 +367,7 @@ Expected<void> Rechain::refit() {
   }
   after_.id = content.text();
   if (arguments_.unsurveyed && results_.empty()) {
-    const RefusedInput& first = heard_.refused.front();
+    const RefusedInput& first = received_.refused.front();
     return bad_input("access point " + first.what + ": " + first.reason);
   }
   return {};
@@ -411,7 +411,7 @@ Json Rechain::report() const {
                              {"chains", chains_json(result)}});
   }
   Json refused = Json::array();
-  for (const RefusedInput& one : heard_.refused) {
+  for (const RefusedInput& one : received_.refused) {
     refused.push_back({{"what", one.what}, {"reason", one.reason}});
   }
   const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin_;
@@ -428,7 +428,7 @@ Json Rechain::report() const {
 
 void Rechain::print() const {
   if (arguments_.unsurveyed) {
-    for (const RefusedInput& one : heard_.refused) {
+    for (const RefusedInput& one : received_.refused) {
       std::fprintf(stderr, "%s: %s\n", one.what.c_str(), one.reason.c_str());
     }
   }

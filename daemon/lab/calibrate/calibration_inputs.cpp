@@ -85,23 +85,23 @@ bool lists_devices(const Site& site) {
 // received at most points, and among equals the one with most frames. At a single point a
 // neighbour's phone may have more frames. Empty if there is none.
 std::optional<MacAddress> device_of(const Site& site, const CalibrationInputs& inputs) {
-  std::map<MacAddress, std::pair<std::size_t, std::size_t>> heard;  // points, frames
+  std::map<MacAddress, std::pair<std::size_t, std::size_t>> received;  // points, frames
   for (const SurveyedFrames& spot : inputs.points) {
     std::set<MacAddress> here;
     for (const CsiFrame& frame : spot.frames) {
       here.insert(frame.transmitter);
-      ++heard[frame.transmitter].second;
+      ++received[frame.transmitter].second;
     }
     for (const MacAddress& mac : here) {
-      ++heard[mac].first;
+      ++received[mac].first;
     }
   }
   if (lists_devices(site)) {
-    std::erase_if(heard, [&](const auto& one) { return !is_listed(site, one.first); });
+    std::erase_if(received, [&](const auto& one) { return !is_listed(site, one.first); });
   }
   const auto most = std::max_element(
-      heard.begin(), heard.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
-  return most == heard.end() ? std::nullopt : std::optional(most->first);
+      received.begin(), received.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  return most == received.end() ? std::nullopt : std::optional(most->first);
 }
 
 // Frames of other devices carry no information on the position of the survey device.
@@ -229,8 +229,8 @@ std::string explain_silence(const Site& site,
                             const Recorded& recorded,
                             const CalibrationInputs& inputs,
                             const std::string& points_file) {
-  const auto& heard = recorded.devices;
-  if (heard.empty()) {
+  const auto& received = recorded.devices;
+  if (received.empty()) {
     std::string all_notes;
     for (const std::string& note : inputs.notes) {
       all_notes += "\n" + note;
@@ -242,17 +242,17 @@ std::string explain_silence(const Site& site,
                : "received no device; the recording holds no frame that can be decoded" + all_notes;
   }
   auto found =
-      device ? heard.find(*device) : std::find_if(heard.begin(), heard.end(), [&](const auto& one) {
+      device ? received.find(*device) : std::find_if(received.begin(), received.end(), [&](const auto& one) {
         return is_listed(site, one.first);
       });
-  if (found == heard.end() && (device || lists_devices(site))) {
+  if (found == received.end() && (device || lists_devices(site))) {
     return "received no frame of " +
            (device ? "the device of the survey, " + to_string(*device)
                    : std::string("a device that site.toml lists")) +
-           ", only of others (" + to_string(heard.begin()->first) +
+           ", only of others (" + to_string(received.begin()->first) +
            "); the [[transmitter]] of the device that was carried states its address";
   }
-  found = found == heard.end() ? heard.begin() : found;
+  found = found == received.end() ? received.begin() : found;
   return "received the device " + to_string(found->first) + " " +
          explain_other_times(points_file,
                              survey_points(inputs),

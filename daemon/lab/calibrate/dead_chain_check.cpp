@@ -15,7 +15,7 @@ namespace {
 constexpr std::size_t kFewestSurveyFrames = 20;
 constexpr std::size_t kFewestWeakPoints = 4;
 // Share of the others' mean power that noise and coupling leave on a chain without an antenna
-// (engine/room/hear_burst.cpp). The gains of working chains differ by less.
+// (engine/room/preprocess_burst.cpp). The gains of working chains differ by less.
 constexpr double kDeadShare = 0.01;
 
 // Frames of the access point, and frames that contain the rx chain.
@@ -50,7 +50,7 @@ bool is_weak(const std::vector<std::complex<double>>& h, std::size_t rows, std::
 
 // Points with a burst of the access point, and points at which the row is weak.
 struct WeakPoints {
-  std::size_t heard = 0;
+  std::size_t received = 0;
   std::size_t weak = 0;
 };
 
@@ -61,7 +61,7 @@ WeakPoints weak_points(const std::vector<CalibrationPoint>& points,
   WeakPoints result;
   for (const CalibrationPoint& point : points) {
     if (!point.h[access_point].empty() && rows > 1) {
-      ++result.heard;
+      ++result.received;
       result.weak += is_weak(point.h[access_point], rows, row) ? 1U : 0U;
     }
   }
@@ -94,11 +94,11 @@ std::string dead_chains_of(const RoomModel& room,
             fmt::format("has no CSI in {} of {} frames",
                         presence.frames - presence.with_core,
                         presence.frames));
-      } else if (weak.heard >= kFewestWeakPoints && 4 * weak.weak >= 3 * weak.heard) {
+      } else if (weak.received >= kFewestWeakPoints && 4 * weak.weak >= 3 * weak.received) {
         add(a,
             cores[row],
             fmt::format(
-                "is 20 dB weaker than the others at {} of {} points", weak.weak, weak.heard));
+                "is 20 dB weaker than the others at {} of {} points", weak.weak, weak.received));
       }
     }
   }

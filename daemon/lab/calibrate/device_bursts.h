@@ -20,7 +20,7 @@ struct DeviceBursts {
   // Each from one transmitter, 200 ms, ordered by end time; fixed
   // transmitters included if the site states their positions.
   std::vector<std::vector<CsiFrame>> bursts;
-  std::set<std::size_t> heard;  // access points that received bursts
+  std::set<std::size_t> received;  // access points that received bursts
   bool is_any_device = false;   // false: only fixed transmitters
 };
 

@@ -23,27 +23,27 @@ std::size_t learned_of(const std::vector<ChainState>& states) {
 
 // Processes all bursts again from the learned chains: calibrated access points then locate the
 // devices, which was not possible for early bursts in the first pass.
-std::vector<ChainState> heard_once_more(const Site& site,
+std::vector<ChainState> received_once_more(const Site& site,
                                         const std::shared_ptr<const Localizer>& localizer,
-                                        const DeviceBursts& heard,
+                                        const DeviceBursts& received,
                                         const std::vector<ChainState>& before) {
   ChainLearner learner(localizer);
-  for (const std::size_t access_point : heard.heard) {
+  for (const std::size_t access_point : received.received) {
     const auto known = std::find_if(before.begin(), before.end(), [&](const ChainState& state) {
       return state.access_point == access_point && state.knowledge == ChainKnowledge::kLearned;
     });
     if (known != before.end()) {
       learner.adopt(*known);
     } else {
-      learner.power_cycled(access_point, heard.bursts.front().front().time);
+      learner.power_cycled(access_point, received.bursts.front().front().time);
     }
   }
-  for (const std::vector<CsiFrame>& burst : heard.bursts) {
+  for (const std::vector<CsiFrame>& burst : received.bursts) {
     const SiteTransmitter* fixed = find_fixed_transmitter(site, burst.front().transmitter);
     if (fixed != nullptr && fixed->position) {
-      learner.hear(burst, *fixed->position);
+      learner.receive(burst, *fixed->position);
     } else {
-      learner.hear(burst);
+      learner.receive(burst);
     }
   }
   return learner.states();
@@ -55,11 +55,11 @@ Expected<std::vector<ChainState>> learn_chains(const Site& site,
                                                const RoomModel& room,
                                                const std::vector<CaptureArgument>& captures,
                                                std::vector<std::string>& notes) {
-  const auto heard = read_device_bursts(site, captures, notes);
-  if (!heard) {
-    return tl::make_unexpected(heard.error());
+  const auto received = read_device_bursts(site, captures, notes);
+  if (!received) {
+    return tl::make_unexpected(received.error());
   }
-  if (!heard->is_any_device) {
+  if (!received->is_any_device) {
     return std::vector<ChainState>();
   }
   const auto localizer = device_localizer(site, room);
@@ -70,11 +70,11 @@ Expected<std::vector<ChainState>> learn_chains(const Site& site,
   std::size_t known = 0;
   do {
     known = learned_of(states);
-    std::vector<ChainState> again = heard_once_more(site, *localizer, *heard, states);
+    std::vector<ChainState> again = received_once_more(site, *localizer, *received, states);
     if (states.empty() || learned_of(again) > known) {
       states = std::move(again);
     }
-  } while (learned_of(states) > known && learned_of(states) < heard->heard.size());
+  } while (learned_of(states) > known && learned_of(states) < received->received.size());
   return states;
 }
 

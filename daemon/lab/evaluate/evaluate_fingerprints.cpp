@@ -86,7 +86,7 @@ Expected<std::vector<Frames>> read_windows(const Site& site,
                      " in the times of the points; fingerprints need the recording of that time");
   }
   for (Frames& frames : found.frames()) {
-    keep_most_heard(frames);
+    keep_most_received(frames);
   }
   return std::move(found.frames());
 }

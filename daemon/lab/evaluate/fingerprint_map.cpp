@@ -14,13 +14,13 @@ FingerprintMap::FingerprintMap(const OfdmGrid& grid, std::vector<AccessPoint> ac
 std::optional<FingerprintMap::Fingerprint> FingerprintMap::take(
     std::span<const CsiFrame> frames) const {
   Fingerprint fingerprint;
-  bool is_heard = false;
+  bool is_received = false;
   for (const AccessPoint& ap : access_points_) {
     auto burst = combine_burst(frames, {ap.index, grid_, ap.cores, {}});
-    is_heard = is_heard || burst.has_value();
+    is_received = is_received || burst.has_value();
     fingerprint.push_back(burst ? std::move(burst->h) : std::vector<std::complex<double>>());
   }
-  return is_heard ? std::optional(std::move(fingerprint)) : std::nullopt;
+  return is_received ? std::optional(std::move(fingerprint)) : std::nullopt;
 }
 
 bool FingerprintMap::add(const Vec3d& position, std::span<const CsiFrame> frames) {

@@ -39,7 +39,7 @@ Expected<PersonReference> refer(const RoomModel& room, const StudyLayout& layout
   std::vector<EmptyRoom> empty;
   std::vector<std::string> warnings;
   for (std::size_t ap = 0; ap < room.access_points.size(); ++ap) {
-    auto burst = hear(room, ap, layout.empty, {}, warnings);
+    auto burst = receive(room, ap, layout.empty, {}, warnings);
     if (burst) {
       empty.push_back({ap, std::move(burst->h)});
     }
@@ -200,7 +200,7 @@ std::vector<PublishedEstimate> follow_by_method(PersonMethod& method,
     method.restart("another walk", updates);
     updates.clear();  // end of the previous walk
     for (const Burst& burst : bursts) {
-      method.track(burst.frames, burst.heard_since, updates);
+      method.track(burst.frames, burst.received_since, updates);
       method.advance(burst.last, updates);
     }
     for (PersonUpdate& update : updates) {

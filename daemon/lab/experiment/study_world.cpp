@@ -78,17 +78,17 @@ void append(std::vector<CsiFrame> more, std::vector<CsiFrame>& frames) {
   std::move(more.begin(), more.end(), std::back_inserter(frames));
 }
 
-Expected<void> hear(const Transmissions& sent, CaptureOptions options, StudyLayout& layout) {
+Expected<void> receive(const Transmissions& sent, CaptureOptions options, StudyLayout& layout) {
   const RoomModel& truth = sent.truth.room;
   for (std::size_t ap = 0; ap < truth.access_points.size(); ++ap) {
     const auto listen = [&](CaptureSimulator& simulator,
                             const SimulatedSpot& spot,
                             std::vector<CsiFrame>& frames) -> Expected<void> {
-      auto heard = simulator.hear(spot);
-      if (!heard) {
-        return tl::make_unexpected(std::move(heard.error()));
+      auto received = simulator.receive(spot);
+      if (!received) {
+        return tl::make_unexpected(std::move(received.error()));
       }
-      append(decoded_frames(*heard, truth.access_points[ap], static_cast<int>(ap)), frames);
+      append(decoded_frames(*received, truth.access_points[ap], static_cast<int>(ap)), frames);
       return {};
     };
     options.chain_changes = sent.truth.access_points[ap].chain_changes;
@@ -101,26 +101,26 @@ Expected<void> hear(const Transmissions& sent, CaptureOptions options, StudyLayo
       CaptureOptions alone = options;
       alone.person.reset();
       CaptureSimulator empty(sent.rooms, ap, alone);  // the same radio: it has the same seed
-      if (auto heard = listen(empty, sent.empty, layout.empty); !heard) {
-        return heard;
+      if (auto received = listen(empty, sent.empty, layout.empty); !received) {
+        return received;
       }
     }
     for (std::size_t i = 0; i < sent.spots.size(); ++i) {
-      if (auto heard = listen(simulator, sent.spots[i], layout.spots[i].frames); !heard) {
-        return heard;
+      if (auto received = listen(simulator, sent.spots[i], layout.spots[i].frames); !received) {
+        return received;
       }
     }
     for (std::size_t i = 0; i < sent.walks.size(); ++i) {
       for (const SimulatedSpot& frame : sent.walks[i]) {
-        if (auto heard = listen(simulator, frame, layout.walks[i].frames); !heard) {
-          return heard;
+        if (auto received = listen(simulator, frame, layout.walks[i].frames); !received) {
+          return received;
         }
       }
     }
     // Drawn last: without a survey all other draws are unchanged.
     for (std::size_t i = 0; i < sent.survey.size(); ++i) {
-      if (auto heard = listen(simulator, sent.survey[i], layout.survey[i].frames); !heard) {
-        return heard;
+      if (auto received = listen(simulator, sent.survey[i], layout.survey[i].frames); !received) {
+        return received;
       }
     }
   }
@@ -335,8 +335,8 @@ Expected<StudyLayout> simulate_layout(const RoomPlan& original,
   CaptureOptions options = capture_options(condition, *plan, layout);
   options.impairments = *impairments;
   options.seed = radios;
-  if (auto heard = hear(sent, options, layout); !heard) {
-    return tl::make_unexpected(std::move(heard.error()));
+  if (auto received = receive(sent, options, layout); !received) {
+    return tl::make_unexpected(std::move(received.error()));
   }
   return layout;
 }

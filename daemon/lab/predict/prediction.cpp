@@ -56,11 +56,11 @@ SimulatedSpot spot_of(const Vec3d& position, std::size_t number, std::size_t fra
   return spot;
 }
 
-Expected<std::vector<CsiFrame>> heard_at(const SimulatedSpot& spot,
+Expected<std::vector<CsiFrame>> received_at(const SimulatedSpot& spot,
                                          std::vector<Listener>& listeners) {
   std::vector<CsiFrame> frames;
   for (Listener& listener : listeners) {
-    auto capture = listener.simulator.hear(spot);
+    auto capture = listener.simulator.receive(spot);
     if (!capture) {
       return tl::make_unexpected(std::move(capture.error()));
     }
@@ -156,7 +156,7 @@ Expected<Prediction> predict(const std::shared_ptr<const RoomModel>& room,
                       static_cast<double>(places.size()));
     PredictedPlace place{position, {}, {}};
     for (std::size_t draw = 0; draw < options.draws; ++draw) {
-      const auto frames = heard_at(spot_of(position, number++, options.frames), listeners);
+      const auto frames = received_at(spot_of(position, number++, options.frames), listeners);
       if (!frames) {
         return tl::make_unexpected(frames.error());
       }

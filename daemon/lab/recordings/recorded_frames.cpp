@@ -163,7 +163,7 @@ void note_recording(const RecordedSource& source,
   }
 }
 
-std::optional<MacAddress> keep_most_heard(std::vector<CsiFrame>& frames) {
+std::optional<MacAddress> keep_most_received(std::vector<CsiFrame>& frames) {
   std::map<MacAddress, std::size_t> counts;
   for (const CsiFrame& frame : frames) {
     ++counts[frame.transmitter];

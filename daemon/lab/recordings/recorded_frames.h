@@ -38,6 +38,6 @@ void note_recording(const RecordedSource& source,
 
 // Keeps the frames of the transmitter received most often (of equals the first by address) and
 // returns it. Empty if there was only one or none.
-std::optional<MacAddress> keep_most_heard(std::vector<CsiFrame>& frames);
+std::optional<MacAddress> keep_most_received(std::vector<CsiFrame>& frames);
 
 }  // namespace rayloc::cli

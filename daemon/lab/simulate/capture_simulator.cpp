@@ -184,7 +184,7 @@ Expected<std::vector<std::complex<double>>> CaptureSimulator::channel_at(OnChann
   return h;
 }
 
-Expected<SpotCapture> CaptureSimulator::hear(const SimulatedSpot& spot) {
+Expected<SpotCapture> CaptureSimulator::receive(const SimulatedSpot& spot) {
   SpotCapture capture;
   std::vector<std::vector<std::complex<double>>> h(channels_.size());  // [channel], those in use
   std::uniform_real_distribution<double> uniform;
@@ -198,13 +198,13 @@ Expected<SpotCapture> CaptureSimulator::hear(const SimulatedSpot& spot) {
       h[sent.channel] = *std::move(traced);
       change_power(spot.power_db, h[sent.channel]);
     }
-    RadioFrame heard = on.radio.receive(h[sent.channel], sent.error_seed);
+    RadioFrame received = on.radio.receive(h[sent.channel], sent.error_seed);
     ++header_.sequence;
     header_.chanspec = on.chanspec;
     header_.sequence_control = sent.sequence_control;
-    header_.power_dbm = heard.power_dbm;
+    header_.power_dbm = received.power_dbm;
     Timestamp time = sent.time;
-    for (auto& payload : write_axcsi_frame({header_, cores_, std::move(heard.tones)})) {
+    for (auto& payload : write_axcsi_frame({header_, cores_, std::move(received.tones)})) {
       if (uniform(losses_) < options_.impairments.loss_share) {
         ++capture.lost;
       } else {

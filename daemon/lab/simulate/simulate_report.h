@@ -19,7 +19,7 @@ struct CaptureReport {
   std::string file;
   std::size_t datagrams = 0;
   std::size_t lost = 0;
-  std::vector<int> unheard_lines;  // lines of the points file without a path
+  std::vector<int> unreceived_lines;  // lines of the points file without a path
   ChainGains chains;
 };
 
@@ -35,7 +35,7 @@ struct SimulatedTruth {
 };
 
 // One object on a line: `seed, transmitter, depth, transmission, frames, impairments{key: value},
-// access_points[{id, file, datagrams, lost, unheard_lines[], chains[{core, gain_db, phase_deg}]}],
+// access_points[{id, file, datagrams, lost, unreceived_lines[], chains[{core, gain_db, phase_deg}]}],
 // points[{line, x, y, z}]`, with the true points of the device. Gain and phase of a chain are means
 // over the tones relative to the access point's first chain, as in `rayloc calibrate`.
 //

@@ -63,7 +63,7 @@ milliseconds lease_of(const ClusterView& view) {
   return longest > 0 ? milliseconds(longest) : kUsualLease;
 }
 
-bool all_owners_are_heard(const ClusterView& view) {
+bool all_owners_are_received(const ClusterView& view) {
   return std::all_of(view.sites.begin(), view.sites.end(), [&](const auto& site) {
     return site.second.claim.worker().empty() || view.has_owner(site.second.claim);
   });
@@ -86,13 +86,13 @@ bool wait_for_broker(const Broker& broker, milliseconds patience) {
 
 Expected<ClusterView> look_at_cluster(Broker& broker) {
   ClusterView view;
-  std::map<std::string, ClusterView::Worker> heard;
+  std::map<std::string, ClusterView::Worker> received;
   std::mutex mutex;
   auto states = broker.subscribe(std::string(kWorkerSubjects), [&](const BrokerMessage& message) {
     v1::WorkerState state;
     if (unseal(message.data, state)) {
       const std::lock_guard lock(mutex);
-      ClusterView::Worker& worker = heard[state.worker()];
+      ClusterView::Worker& worker = received[state.worker()];
       worker = {std::move(state), system_now()};
     }
   });
@@ -107,11 +107,11 @@ Expected<ClusterView> look_at_cluster(Broker& broker) {
     std::this_thread::sleep_for(kLook);
     {
       const std::lock_guard lock(mutex);
-      view.workers = heard;
+      view.workers = received;
     }
     const milliseconds lease = lease_of(view);
     const auto passed = std::chrono::steady_clock::now() - begin;
-    enough = passed >= lease || (passed >= lease / 2 && all_owners_are_heard(view));
+    enough = passed >= lease || (passed >= lease / 2 && all_owners_are_received(view));
   }
   states->reset();
   if (const Expected<void> read = read_last_results(broker, view); !read) {

@@ -14,7 +14,7 @@ namespace rayloc {
 struct ClusterView {
   struct Worker {
     v1::WorkerState state;
-    Timestamp heard;  // by the clock of this machine
+    Timestamp received;  // by the clock of this machine
   };
   std::map<std::string, Worker> workers;  // received, by name
   struct Site {

@@ -14,14 +14,14 @@ bool is_used(Timestamp time, std::uint32_t level) {
   return window % (std::int64_t{1} << level) == 0;
 }
 
-std::optional<std::uint32_t> ShedRule::next_level(Timestamp heard,
+std::optional<std::uint32_t> ShedRule::next_level(Timestamp received,
                                                   Timestamp done,
                                                   std::uint32_t level,
                                                   Time now) {
-  if (heard == Timestamp::min() || done == Timestamp::min()) {
+  if (received == Timestamp::min() || done == Timestamp::min()) {
     return std::nullopt;
   }
-  const Duration lag = heard - done;
+  const Duration lag = received - done;
   const Load load = lag > limits_.most_lag    ? Load::kTooMuch
                     : lag < limits_.least_lag ? Load::kLittle
                                               : Load::kUsual;

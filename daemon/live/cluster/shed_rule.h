@@ -32,7 +32,7 @@ class ShedRule {
 
   // Returns the new level, if it differs from `level`. `heard`: end of the received
   // data; `done`: end of the explained data; both are unset before their first value.
-  std::optional<std::uint32_t> next_level(Timestamp heard,
+  std::optional<std::uint32_t> next_level(Timestamp received,
                                           Timestamp done,
                                           std::uint32_t level,
                                           Time now);

@@ -252,7 +252,7 @@ void SiteFeed::take(const BrokerMessage& message) {
     ++refused_;
     return;
   }
-  nodes_[node].heard = std::chrono::steady_clock::now();
+  nodes_[node].last_received = std::chrono::steady_clock::now();
   std::vector<Sequencer::Taken> taken;
   sequencer_.push(node, std::move(*batch), taken);
   for (Sequencer::Taken& one : taken) {
@@ -356,10 +356,10 @@ void SiteFeed::ask_for_holes(Time now) {
 
 void SiteFeed::tell_silent_nodes(Time now) {
   const bool anybody = std::any_of(nodes_.begin(), nodes_.end(), [&](const auto& node) {
-    return now - node.second.heard < options_.silent_after / 2;
+    return now - node.second.last_received < options_.silent_after / 2;
   });
   for (auto& [name, node] : nodes_) {
-    if (!anybody || node.silent || now - node.heard < options_.silent_after ||
+    if (!anybody || node.silent || now - node.last_received < options_.silent_after ||
         now - node.told < kAgain) {
       continue;
     }

@@ -94,7 +94,7 @@ class SiteFeed {
   class Lane;
   class Source;
   struct Node {
-    Time heard;           // by our clock
+    Time received;           // by our clock
     Time told;            // last report of its silence
     bool silent = false;  // according to the stream
   };

@@ -61,10 +61,10 @@ std::optional<BrokerMessage> StreamReader::next(milliseconds timeout) {
       continue;
     }
     bool hole = false;
-    if (auto message = waiting_one(std::min(deadline, heard_ + options_.quiet), hole)) {
+    if (auto message = waiting_one(std::min(deadline, received_ + options_.quiet), hole)) {
       return accept(std::move(*message), false);
     }
-    if (hole || std::chrono::steady_clock::now() >= heard_ + options_.quiet) {
+    if (hole || std::chrono::steady_clock::now() >= received_ + options_.quiet) {
       if (auto message = ask_for_next(hole)) {
         return accept(std::move(*message), true);
       }
@@ -99,7 +99,7 @@ bool StreamReader::look_at_stream() {
     return false;
   }
   in_doubt_ = false;
-  heard_ = {};  // messages missed while disconnected are requested at once
+  received_ = {};  // messages missed while disconnected are requested at once
   const bool any = place_.created == Timestamp{};
   if ((!any && place_.created != state->created) || place_.sequence > state->last) {
     ++counters_.streams;
@@ -158,7 +158,7 @@ std::optional<BrokerMessage> StreamReader::ask_for_next(bool hole) {
     return std::nullopt;
   }
   if (!*message) {
-    heard_ = now;
+    received_ = now;
     if (hole) {
       return ask_the_leader();
     }
@@ -205,7 +205,7 @@ BrokerMessage StreamReader::accept(BrokerMessage&& message, bool asked_for) {
   place_.sequence = message.sequence;
   missing_.reset();
   // After a requested message, more may have been republished before we subscribed.
-  heard_ = asked_for ? Time{} : std::chrono::steady_clock::now();
+  received_ = asked_for ? Time{} : std::chrono::steady_clock::now();
   const std::lock_guard lock(mutex_);
   ++counters_.read;
   counters_.asked_for += asked_for ? 1U : 0U;

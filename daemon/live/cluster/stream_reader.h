@@ -75,7 +75,7 @@ class StreamReader {
   Place place_;
   std::uint64_t connections_ = 0;  // at the last check of the stream; 0: it did not exist
   Time looked_;
-  Time heard_;                   // or last requested
+  Time received_;                   // or last requested
   std::optional<Time> missing_;  // since when the next message is missing while later ones exist
   std::optional<Time> shorter_;  // since when the stream ends before the last message read
   mutable std::mutex mutex_;

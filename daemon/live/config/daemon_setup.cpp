@@ -150,11 +150,11 @@ void resolve_access_point(const Site& site, std::size_t index, ConfigReading& re
 
 void resolve_sources(const std::vector<ReadSite>& sites, ConfigReading& reading) {
   const bool listed = reading.config.has_site_list;
-  std::set<int> heard;
+  std::set<int> received;
   for (std::size_t i = 0; i < reading.config.sources.size(); ++i) {
     SourceConfig& source = reading.config.sources[i];
     source.site_index = site_of(source, reading.source_tables[i], sites, listed);
-    heard.insert(source.site_index);
+    received.insert(source.site_index);
     if (source.site_index < 0) {
       continue;
     }
@@ -168,8 +168,8 @@ void resolve_sources(const std::vector<ReadSite>& sites, ConfigReading& reading)
       source.instance = topic_component(site.name) + "-" + source.access_point;
     }
   }
-  for (std::size_t i = 0; i < sites.size() && listed && heard.count(-1) == 0; ++i) {
-    if (heard.count(static_cast<int>(i)) == 0 && !reading.config.sources.empty()) {
+  for (std::size_t i = 0; i < sites.size() && listed && received.count(-1) == 0; ++i) {
+    if (received.count(static_cast<int>(i)) == 0 && !reading.config.sources.empty()) {
       reading.site_tables[i].error("[[site]]" +
                                    (sites[i].name.empty() ? "" : " '" + sites[i].name + "'") +
                                    " has no [[source]]; write one with site = its name");

@@ -61,11 +61,11 @@ SiteLacks lacks_of(const SiteSetup& setup, const RoomModel& room) {
   if (setup.config.engine.method == nullptr) {
     return {};
   }
-  std::vector<int> heard;
+  std::vector<int> received;
   for (const SourceConfig& source : setup.config.sources) {
-    heard.push_back(source.access_point_index);
+    received.push_back(source.access_point_index);
   }
-  return site_lacks(setup.site, room, heard);
+  return site_lacks(setup.site, room, received);
 }
 
 std::vector<std::string> warnings_for_everybody(const ServiceHealth& health) {

@@ -124,12 +124,12 @@ class HttpServer::Impl {
   void run();
   void accept_all();
   bool somebody_waits() const;
-  bool make_room(bool heard);
+  bool make_room(bool received);
   // Returns false when the connection is over.
   bool advance(HttpConnection& connection, PollEvents events);
   bool read_request(HttpConnection& connection);
-  void hear_head(HttpConnection& connection);
-  bool hear_viewer(HttpConnection& connection);
+  void receive_head(HttpConnection& connection);
+  bool receive_viewer(HttpConnection& connection);
   bool write_answer(HttpConnection& connection);
   void set_answer(HttpConnection& connection, HttpAnswer answer);
   void make_viewer(HttpConnection& connection, HttpAnswer answer);
@@ -196,10 +196,10 @@ void HttpServer::Impl::run() {
 }
 
 void HttpServer::Impl::accept_all() {
-  for (bool heard = true; somebody_waits(); heard = false) {
-    if (!make_room(heard)) {
+  for (bool received = true; somebody_waits(); received = false) {
+    if (!make_room(received)) {
       // New connections are read first; if that frees no place, accepting pauses.
-      accepts_again_ = heard ? Clock::now() + kRest : accepts_again_;
+      accepts_again_ = received ? Clock::now() + kRest : accepts_again_;
       return;
     }
     const int fd = accept4(listener_.get(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
@@ -232,7 +232,7 @@ bool HttpServer::Impl::somebody_waits() const {
 }
 
 // `heard`: the input of all current clients was read. Returns false while none may be closed.
-bool HttpServer::Impl::make_room(bool heard) {
+bool HttpServer::Impl::make_room(bool received) {
   if (connections_.size() < limits_.connections) {
     return true;
   }
@@ -240,7 +240,7 @@ bool HttpServer::Impl::make_room(bool heard) {
     return std::find_if(connections_.begin(), connections_.end(), that);
   };
   auto victim = first([](const HttpConnection& one) { return one.finished; });
-  if (victim == connections_.end() && heard) {
+  if (victim == connections_.end() && received) {
     const Clock::time_point begun = Clock::now() - limits_.chance;
     victim = first([&](const HttpConnection& one) { return !one.events && one.since <= begun; });
   }
@@ -253,7 +253,7 @@ bool HttpServer::Impl::make_room(bool heard) {
 }
 
 bool HttpServer::Impl::advance(HttpConnection& connection, PollEvents events) {
-  if (connection.events && (events & ~POLLOUT) != 0 && !hear_viewer(connection)) {
+  if (connection.events && (events & ~POLLOUT) != 0 && !receive_viewer(connection)) {
     return false;
   }
   if ((events & POLLOUT) != 0) {
@@ -263,7 +263,7 @@ bool HttpServer::Impl::advance(HttpConnection& connection, PollEvents events) {
 }
 
 // A viewer sends no further requests; only the end of its connection matters.
-bool HttpServer::Impl::hear_viewer(HttpConnection& connection) {
+bool HttpServer::Impl::receive_viewer(HttpConnection& connection) {
   std::array<char, 4096> buffer;
   const ssize_t got = recv(connection.socket.get(), buffer.data(), buffer.size(), 0);
   return got > 0 || (got < 0 && (errno == EAGAIN || errno == EINTR));
@@ -281,7 +281,7 @@ bool HttpServer::Impl::read_request(HttpConnection& connection) {
   std::string& into = connection.awaits > 0 ? connection.body : connection.head;
   into.append(buffer.data(), static_cast<std::size_t>(got));
   if (connection.awaits == 0) {
-    hear_head(connection);
+    receive_head(connection);
   }
   if (connection.awaits > 0 && connection.body.size() >= connection.awaits) {
     connection.body.resize(connection.awaits);
@@ -294,7 +294,7 @@ bool HttpServer::Impl::read_request(HttpConnection& connection) {
 }
 
 // Answers a complete request; otherwise it awaits a body, or the rest of the head.
-void HttpServer::Impl::hear_head(HttpConnection& connection) {
+void HttpServer::Impl::receive_head(HttpConnection& connection) {
   const std::size_t end = connection.head.find(kEndOfHead);
   if (end == std::string::npos && connection.head.size() <= limits_.head_bytes) {
     return;

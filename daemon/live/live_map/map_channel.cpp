@@ -70,26 +70,26 @@ std::vector<std::complex<double>> simulate(const Paths& paths,
       .expected({rays, offsets}, none);
 }
 
-Json array_json(const HeardArray& heard,
+Json array_json(const ArrayObservation& received,
                 std::vector<std::complex<double>> simulated,
                 const OfdmGrid& grid) {
   const std::size_t tones = grid.size();
   double power = 0.0;
-  for (const std::complex<double>& value : heard.h) {
+  for (const std::complex<double>& value : received.h) {
     power += std::norm(value);
   }
   // 1: root mean square of the measured values, over antennas and tones.
-  const double scale = std::sqrt(static_cast<double>(heard.h.size()) / power);
+  const double scale = std::sqrt(static_cast<double>(received.h.size()) / power);
   const Aligner aligner(grid);
-  const Alignment alignment = aligner.align(heard.h, simulated);
+  const Alignment alignment = aligner.align(received.h, simulated);
   aligner.apply(alignment, simulated);
   Json antennas = Json::array();
-  for (std::size_t i = 0; i < heard.map->antennas(); ++i) {
+  for (std::size_t i = 0; i < received.map->antennas(); ++i) {
     antennas.push_back(
-        {{"measured", amplitudes(std::span(heard.h).subspan(i * tones, tones), scale)},
+        {{"measured", amplitudes(std::span(received.h).subspan(i * tones, tones), scale)},
          {"simulated", amplitudes(std::span(simulated).subspan(i * tones, tones), scale)}});
   }
-  return {{"id", heard.map->access_point().id},
+  return {{"id", received.map->access_point().id},
           {"correlation", alignment.correlation},
           {"antennas", std::move(antennas)}};
 }
@@ -109,19 +109,19 @@ const ReceiverTracer& MapChannel::tracer_at(const ChannelWatch::Sight& sight,
 }
 
 std::string MapChannel::sight_json(const ChannelWatch::Sight& sight) {
-  const RoomObservation observation = sight.localizer->hear(sight.frames);
+  const RoomObservation observation = sight.localizer->receive(sight.frames);
   const OfdmGrid& grid = sight.localizer->room().grid;
   Json arrays = Json::array();
-  for (const HeardArray& heard : observation.arrays) {
-    const RoomAccessPoint& at = heard.map->access_point();
+  for (const ArrayObservation& received : observation.arrays) {
+    const RoomAccessPoint& at = received.map->access_point();
     const DeviceModel& device = sight.localizer->room().device;
     const Paths paths = tracer_at(sight, at).trace(
         Transmitter{{sight.position, {}, device.pattern, device.polarization}});
     auto simulated = simulate(paths, sight.localizer->room(), at, sight.position);
-    if (simulated.size() != heard.h.size()) {  // the measured channel lacks a dead chain
-      simulated = heard.map->expected(heard.map->rays_to(sight.position));
+    if (simulated.size() != received.h.size()) {  // the measured channel lacks a dead chain
+      simulated = received.map->expected(received.map->rays_to(sight.position));
     }
-    arrays.push_back(array_json(heard, std::move(simulated), grid));
+    arrays.push_back(array_json(received, std::move(simulated), grid));
     arrays.back()["paths"] = paths_json(paths, sight.position, at.array.pose.position);
   }
   return Json{{"target", sight.target},

@@ -170,15 +170,15 @@ class Hints {
       const auto found = std::find_if(source_.cores().begin(),
                                       source_.cores().end(),
                                       [&](const auto& report) { return report.core() == core; });
-      const std::uint64_t heard = found == source_.cores().end() ? 0U : found->frames();
-      if (heard == 0) {
+      const std::uint64_t received = found == source_.cores().end() ? 0U : found->frames();
+      if (received == 0) {
         add(Kind::kProblem,
             fmt::format("no frame has core {}, which site.toml names", core),
             "add it to the antennas of the extractor (RXANT of config5GHZ.sh, -C of "
             "makecsiparams), check its antenna and pigtail, or correct site.toml");
-      } else if (heard * 10 < frames_ * 9) {
+      } else if (received * 10 < frames_ * 9) {
         add(Kind::kWarning,
-            fmt::format("core {} is in {} of {} frames only", core, heard, frames_),
+            fmt::format("core {} is in {} of {} frames only", core, received, frames_),
             "datagrams are lost on their way, or the access point is overloaded: lower the rate "
             "of frames");
       } else if (found->below_strongest_db() > kDeafDb) {

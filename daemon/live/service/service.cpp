@@ -179,7 +179,7 @@ std::string Service::status_line() const {
   std::uint64_t sources = 0;
   std::uint64_t received = 0;
   std::uint64_t kernel_drops = 0;
-  std::uint64_t heard = 0;
+  std::uint64_t active = 0;
   std::uint64_t fixes = 0;
   const std::vector<SiteSet::Site> sites = sites_.all();
   for (const SiteSet::Site& site : sites) {
@@ -187,7 +187,7 @@ std::string Service::status_line() const {
       ++sources;
       received += report.source.received;
       kernel_drops += report.source.kernel_drops;
-      heard += report.source.delivered > 0 ? 1U : 0U;
+      active += report.source.delivered > 0 ? 1U : 0U;
     }
     const EstimationCounters estimation = site->runtime->pipeline().estimation_counters();
     fixes += estimation.snapshots - estimation.no_fix;
@@ -195,7 +195,7 @@ std::string Service::status_line() const {
   const std::lock_guard lock(health_mutex_);
   return fmt::format(
       "{} of {} sources receive; {} datagrams, {} dropped by the kernel; {} fixes{}{}",
-      heard,
+      active,
       sources,
       received,
       kernel_drops,

@@ -60,8 +60,8 @@ void SiteRuntime::speak() {
 std::optional<OutStage::Standby> SiteRuntime::standby() const {
   std::optional<OutStage::Standby> standby = results_ ? results_->standby() : std::nullopt;
   if (standby && standby->trouble.empty()) {
-    const SiteFeed::Counters heard = feed_->counters();
-    if (heard.stream.lost > 0 || heard.stream.streams > 0) {
+    const SiteFeed::Counters received = feed_->counters();
+    if (received.stream.lost > 0 || received.stream.streams > 0) {
       standby->trouble = "the site's stream has lost what it had not read yet";
     }
   }
@@ -111,13 +111,13 @@ Expected<void> SiteRuntime::open_feed(SiteOutput& output) {
   results.resume = [feed = feed_.get()](Timestamp time) { return feed->resume_for(time); };
   results.progress = [feed = feed_.get()](Timestamp done) { feed->note_done(done); };
   if (along_) {
-    return hear_owner(output, std::move(results));
+    return receive_owner(output, std::move(results));
   }
   results_ = std::make_unique<OutStage>(std::move(log_), output, std::move(results));
   return {};
 }
 
-Expected<void> SiteRuntime::hear_owner(SiteOutput& output, OutStage::Options options) {
+Expected<void> SiteRuntime::receive_owner(SiteOutput& output, OutStage::Options options) {
   StandbyAudit::Options audit;
   audit.generation = along_->start.generation;
   audit.likeness = along_->is_late ? Likeness::kSameSnapshots : Likeness::kSameBytes;
@@ -126,7 +126,7 @@ Expected<void> SiteRuntime::hear_owner(SiteOutput& output, OutStage::Options opt
                                                [results = results_.get()](BrokerMessage&& message) {
                                                  v1::OutputRecord record;
                                                  if (unseal(message.data, record)) {
-                                                   results->hear(std::move(record));
+                                                   results->receive(std::move(record));
                                                  }
                                                });
   if (!words) {

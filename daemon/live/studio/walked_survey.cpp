@@ -19,14 +19,14 @@ constexpr double kFarthest = 10'000.0;  // [m], as for positions in site.toml
 
 }  // namespace
 
-WalkedSurvey::Frames WalkedSurvey::heard() const {
-  Frames heard = frames_();
-  for (auto& [name, count] : heard) {
+WalkedSurvey::Frames WalkedSurvey::received() const {
+  Frames received = frames_();
+  for (auto& [name, count] : received) {
     const auto before = standing_->frames.find(name);
     const std::uint64_t then = before == standing_->frames.end() ? 0 : before->second;
     count -= std::min(count, then);
   }
-  return heard;
+  return received;
 }
 
 Expected<Json> WalkedSurvey::state() const {
@@ -45,7 +45,7 @@ Expected<Json> WalkedSurvey::state() const {
     state["standing"] = {
         {"position", {p.x, p.y, p.z}},
         {"seconds", to_seconds(std::chrono::system_clock::now() - standing_->since)},
-        {"frames", heard()}};
+        {"frames", received()}};
   }
   return state;
 }
@@ -63,7 +63,7 @@ Expected<void> WalkedSurvey::keep() {
   if (!standing_) {
     return bad_input("no place was tapped: tap your place first");
   }
-  const Frames frames = heard();
+  const Frames frames = received();
   if (std::all_of(frames.begin(), frames.end(), [](const auto& one) { return one.second == 0; })) {
     return make_error(ErrorKind::kUnavailable,
                       "no access point has received a frame since you tapped your place; does the "

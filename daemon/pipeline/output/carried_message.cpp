@@ -74,7 +74,7 @@ void set_zones(const ZoneStays& zones, v1::Carried* message) {
   for (const ZoneStays::Occupant& occupant : zones.occupants) {
     v1::CarriedOccupant* const one = message->add_occupants();
     *one->mutable_target() = target_message(occupant.target);
-    *one->mutable_heard() = to_proto(occupant.heard);
+    *one->mutable_heard() = to_proto(occupant.received);
     for (std::size_t zone = 0; zone < zones.zones.size(); ++zone) {
       v1::CarriedStay* const stay = one->add_stays();
       stay->set_zone(zones.zones[zone]);
@@ -97,7 +97,7 @@ Expected<ZoneStays> zones_of(const v1::Carried& message) {
   for (const v1::CarriedOccupant& occupant : message.occupants()) {
     ZoneStays::Occupant& one = zones.occupants.emplace_back();
     one.target = target_of(occupant.target());
-    one.heard = from_proto(occupant.heard());
+    one.received = from_proto(occupant.heard());
     std::vector<std::string> names;
     for (const v1::CarriedStay& stay : occupant.stays()) {
       names.push_back(stay.zone());
@@ -229,7 +229,7 @@ v1::Carried carried_message(const Carried& carried) {
   v1::Carried message;
   *message.mutable_done() = to_proto(carried.done);
   set_open(carried.open, message.mutable_open());
-  *message.mutable_heard() = to_proto(carried.heard);
+  *message.mutable_heard() = to_proto(carried.received);
   message.set_last_track(carried.devices.last);
   for (const NumberedTracks::Track& track : carried.devices.tracks) {
     v1::CarriedTrack* const one = message.add_tracks();
@@ -263,7 +263,7 @@ Expected<Carried> carried_of(const v1::Carried& message) {
   Carried carried;
   carried.done = from_proto(message.done());
   carried.open = open_of(message.open());
-  carried.heard = from_proto(message.heard());
+  carried.received = from_proto(message.heard());
   carried.devices.last = message.last_track();
   for (const v1::CarriedTrack& track : message.tracks()) {
     carried.devices.tracks.push_back({track.target(), track.number()});

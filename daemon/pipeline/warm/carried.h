@@ -35,7 +35,7 @@ struct Carried {
   OpenBursts open;  // at the mark; every one starts at `done` or later
   // Last frame of the living track that has been silent longest: a successor that continues it
   // processes frames from before then. `done` if none is silent.
-  Timestamp heard = Timestamp::max();
+  Timestamp received = Timestamp::max();
   NumberedTracks devices;
   std::vector<People> people;  // by transmitter
   ZoneStays zones;

@@ -45,7 +45,7 @@ Expected<WarmStart> warm_start(std::span<const Carried> records,
     return bad_input("the first record is of a later time");
   }
   Carried carried = *last;
-  const Timestamp needed = std::min(last->done, last->heard) - warm_up;
+  const Timestamp needed = std::min(last->done, last->received) - warm_up;
   const auto begin = std::find_if(
       last, records.rend(), [&](const Carried& record) { return record.open.at <= needed; });
   if (begin != records.rend()) {

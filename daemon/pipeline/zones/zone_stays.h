@@ -23,7 +23,7 @@ struct ZoneStay {
 struct ZoneStays {
   struct Occupant {
     Target target;
-    Timestamp heard;
+    Timestamp received;
     std::vector<ZoneStay> stays;  // by zone
   };
   std::vector<std::string> zones;   // their names

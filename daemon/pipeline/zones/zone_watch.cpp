@@ -42,7 +42,7 @@ ZoneWatch::ZoneWatch(std::vector<SiteZone> zones, const ZoneStays& stays, Timest
   for (const ZoneStays::Occupant& occupant : stays.occupants) {
     Watched& watched = targets_[target_component(occupant.target)];
     watched.target = occupant.target;
-    watched.heard = occupant.heard;
+    watched.received = occupant.received;
     watched.stays.resize(zones_.size());
   }
   for (std::size_t old = 0; old < stays.zones.size(); ++old) {
@@ -73,7 +73,7 @@ ZoneStays ZoneWatch::stays() const {
   stays.occupants.reserve(targets_.size());
   for (const auto& [key, watched] : targets_) {
     number[key] = stays.occupants.size();
-    stays.occupants.push_back({watched.target, watched.heard, watched.stays});
+    stays.occupants.push_back({watched.target, watched.received, watched.stays});
   }
   for (std::size_t zone = 0; zone < zones_.size(); ++zone) {
     stays.inside[zone].reserve(inside_[zone].size());
@@ -122,7 +122,7 @@ void ZoneWatch::restart(const std::string& reason, std::vector<ZoneEvent>& event
   done_ = Timestamp::min();
   Timestamp last = Timestamp::min();
   for (const auto& [key, watched] : targets_) {
-    last = std::max(last, watched.heard);
+    last = std::max(last, watched.received);
   }
   while (!targets_.empty()) {
     leave_all(targets_.begin(), last, reason);
@@ -145,7 +145,7 @@ void ZoneWatch::take(Timestamp time, const std::string& key, const Sighting& sig
   }
   const auto watched = targets_.try_emplace(key).first;
   watched->second.target = sighting.target;
-  watched->second.heard = time;
+  watched->second.received = time;
   watched->second.stays.resize(zones_.size());
   for (std::size_t zone = 0; zone < zones_.size(); ++zone) {
     watched->second.stays[zone].probability = sighting.probability[zone];
@@ -206,9 +206,9 @@ void ZoneWatch::forget_silent(Timestamp before) {
   while (!targets_.empty()) {
     const auto silent =
         std::min_element(targets_.begin(), targets_.end(), [](const auto& a, const auto& b) {
-          return a.second.heard < b.second.heard;
+          return a.second.received < b.second.received;
         });
-    const Timestamp given_up = silent->second.heard + kSilence;
+    const Timestamp given_up = silent->second.received + kSilence;
     if (given_up >= before) {
       return;
     }

@@ -61,7 +61,7 @@ class ZoneWatch {
   };
   struct Watched {
     Target target;
-    Timestamp heard;
+    Timestamp received;
     std::vector<ZoneStay> stays;  // by zone
   };
   using Targets = std::map<std::string, Watched>;

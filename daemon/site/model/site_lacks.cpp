@@ -15,9 +15,9 @@ struct Uncalibrated {
   std::string problem;
 };
 
-std::vector<Uncalibrated> uncalibrated(const RoomModel& room, std::span<const int> heard) {
+std::vector<Uncalibrated> uncalibrated(const RoomModel& room, std::span<const int> received) {
   std::vector<Uncalibrated> all;
-  for (const int index : heard) {
+  for (const int index : received) {
     const RoomAccessPoint& ap = room.access_points[static_cast<std::size_t>(index)];
     if (std::string problem = calibration_problem(room, ap); !problem.empty()) {
       all.push_back({ap.id, std::move(problem)});
@@ -52,10 +52,10 @@ std::vector<std::string> SiteLacks::all() const {
   return all;
 }
 
-SiteLacks site_lacks(const Site& site, const RoomModel& room, std::span<const int> heard) {
+SiteLacks site_lacks(const Site& site, const RoomModel& room, std::span<const int> received) {
   std::vector<int> every(site.access_points.size());
   std::iota(every.begin(), every.end(), 0);
-  const std::span<const int> asked = heard.empty() ? std::span<const int>(every) : heard;
+  const std::span<const int> asked = received.empty() ? std::span<const int>(every) : received;
   SiteLacks lacks;
   const std::vector<Uncalibrated> without = uncalibrated(room, asked);
   if (without.size() == asked.size()) {

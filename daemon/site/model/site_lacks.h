@@ -20,6 +20,6 @@ struct SiteLacks {
 
 // `heard`: positions in Site::access_points of those that send datagrams; empty: all of them.
 // REQUIRES: `room` was loaded for `site`.
-SiteLacks site_lacks(const Site& site, const RoomModel& room, std::span<const int> heard = {});
+SiteLacks site_lacks(const Site& site, const RoomModel& room, std::span<const int> received = {});
 
 }  // namespace rayloc

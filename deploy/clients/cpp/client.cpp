@@ -114,7 +114,7 @@ class Subscriber::Impl {
   std::uint64_t malformed() const {
     return malformed_ + (plain_ ? plain_->malformed() : late_->malformed());
   }
-  bool stale() const { return !heard_ || Clock::now() - *heard_ > options_.stale_after; }
+  bool stale() const { return !received_ || Clock::now() - *received_ > options_.stale_after; }
 
  private:
   void look_at(const Message& message) {
@@ -123,9 +123,9 @@ class Subscriber::Impl {
       return;  // does not count as a sign of life
     }
     if (message.envelope.has_heartbeat()) {
-      heard_ = Clock::now();
+      received_ = Clock::now();
     } else if (message.envelope.has_goodbye()) {
-      heard_.reset();
+      received_.reset();
     }
   }
 
@@ -145,7 +145,7 @@ class Subscriber::Impl {
   std::optional<LateSubscriber> late_;
   GapDetector gaps_;
   std::uint64_t malformed_ = 0;
-  std::optional<Clock::time_point> heard_;
+  std::optional<Clock::time_point> received_;
 };
 
 Subscriber::Subscriber(Options options) : impl_(std::make_unique<Impl>(std::move(options))) {}

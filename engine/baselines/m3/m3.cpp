@@ -46,11 +46,11 @@ std::string one_decimal(double value) {
 
 // Warnings about the number of channels, and about the resolution of a single one.
 void describe_hops(const RoomModel& room,
-                   std::span<const M3Heard> heard,
+                   std::span<const M3Received> received,
                    std::vector<std::string>& warnings) {
   const OfdmGrid& site = room.grid;
   bool hops = false;
-  for (const M3Heard& one : heard) {
+  for (const M3Received& one : received) {
     hops = hops || one.hops.size() > 1;
   }
   if (!hops) {
@@ -59,7 +59,7 @@ void describe_hops(const RoomModel& room,
                        " MHz it separates paths that differ by " +
                        one_decimal(kSpeedOfLight / width) + " m");
   }
-  for (const M3Heard& one : heard) {
+  for (const M3Received& one : received) {
     if (hops || one.hops.front().grid.centre_hz != site.centre_hz) {
       warnings.push_back("access point " + room.access_points[one.access_point].id +
                          ": m3 hops over " + std::to_string(one.hops.size()) +
@@ -71,14 +71,14 @@ void describe_hops(const RoomModel& room,
 }
 
 // The bearing with the most power over all hops.
-double strongest_bearing(const M3Heard& heard, const SageOptions& options) {
+double strongest_bearing(const M3Received& received, const SageOptions& options) {
   double best = 0.0;
   double most = -1.0;
   for (std::size_t i = 0; i < options.u_points; ++i) {
     const double u = 2.0 * static_cast<double>(i) / static_cast<double>(options.u_points - 1) - 1.0;
     double sum = 0.0;
-    for (const M3Hop& hop : heard.hops) {
-      const double step = kTwoPi * hop.grid.centre_hz * heard.line.spacing * u / kSpeedOfLight;
+    for (const M3Hop& hop : received.hops) {
+      const double step = kTwoPi * hop.grid.centre_hz * received.line.spacing * u / kSpeedOfLight;
       Eigen::RowVectorXcd steering(hop.h.rows());
       for (Eigen::Index m = 0; m < hop.h.rows(); ++m) {
         steering(m) = turn(-step * static_cast<double>(m));
@@ -122,25 +122,25 @@ Expected<M3> M3::create(std::shared_ptr<const RoomModel> room, const M3Options& 
   return made;
 }
 
-M3Paths M3::find_paths(const M3Heard& heard) const {
+M3Paths M3::find_paths(const M3Received& received) const {
   SageOptions options;
   options.paths = options_.paths;
   std::vector<OfdmGrid> grids;
-  double lowest = heard.hops.front().grid.frequency_hz(0);
+  double lowest = received.hops.front().grid.frequency_hz(0);
   double highest = lowest;
-  for (const M3Hop& hop : heard.hops) {
+  for (const M3Hop& hop : received.hops) {
     grids.push_back(hop.grid);
     lowest = std::min(lowest, hop.grid.frequency_hz(0));
     highest = std::max(highest, hop.grid.frequency_hz(hop.grid.size() - 1));
   }
-  const Sage sage(std::move(grids), heard.line.spacing, heard.line.element.size(), options);
+  const Sage sage(std::move(grids), received.line.spacing, received.line.element.size(), options);
   std::vector<Eigen::MatrixXcd> h;
-  const SagePath alone{strongest_bearing(heard, options), 0.0, 1.0};
-  for (std::size_t hop = 0; hop < heard.hops.size(); ++hop) {
-    h.push_back(aligned(sage.hops()[hop], sage.model({&alone, 1}, hop), heard.hops[hop].h));
+  const SagePath alone{strongest_bearing(received, options), 0.0, 1.0};
+  for (std::size_t hop = 0; hop < received.hops.size(); ++hop) {
+    h.push_back(aligned(sage.hops()[hop], sage.model({&alone, 1}, hop), received.hops[hop].h));
   }
   std::vector<SagePath> paths = sage.paths(h);
-  for (int round = 0; round < kAlignments && heard.hops.size() > 1; ++round) {
+  for (int round = 0; round < kAlignments && received.hops.size() > 1; ++round) {
     for (std::size_t hop = 0; hop < h.size(); ++hop) {
       h[hop] = aligned(sage.hops()[hop], sage.model(paths, hop), h[hop]);
     }
@@ -156,29 +156,29 @@ M3Paths M3::find_paths(const M3Heard& heard) const {
   std::stable_sort(paths.begin(), paths.end(), [](const SagePath& a, const SagePath& b) {
     return a.tau < b.tau;
   });
-  return {heard.access_point,
-          heard.line,
-          kSpeedOfLight / heard.hops.front().grid.centre_hz,
+  return {received.access_point,
+          received.line,
+          kSpeedOfLight / received.hops.front().grid.centre_hz,
           highest - lowest,
           std::move(paths)};
 }
 
-double M3::log_likelihood(const M3Paths& heard, const Vec3d& place) const {
-  const AntennaArray& array = room_->access_points[heard.access_point].array;
+double M3::log_likelihood(const M3Paths& received, const Vec3d& place) const {
+  const AntennaArray& array = room_->access_points[received.access_point].array;
   const Vec3d& at = array.pose.position;
-  const double turns = kTwoPi * heard.line.spacing / heard.wavelength;  // [rad], phase of u = 1
+  const double turns = kTwoPi * received.line.spacing / received.wavelength;  // [rad], phase of u = 1
   // Difference between the sine of a path and that of a place, for the nearest alias.
   const auto off = [&](double u, const Vec3d& from) {
-    return wrapped(turns * u - psi_of(array, heard.line, from, heard.wavelength)) / turns;
+    return wrapped(turns * u - psi_of(array, received.line, from, received.wavelength)) / turns;
   };
-  const SagePath& first = heard.paths.front();
+  const SagePath& first = received.paths.front();
   double sum = std::log(normal(off(first.u, place), options_.sigma_u) +
                         normal(4.0 * options_.sigma_u, options_.sigma_u));
-  const double sigma_tau = std::max(kMinSigmaTau, kSigmaOfResolution / heard.band);
-  const auto& mirrors = reflectors_[heard.access_point];
+  const double sigma_tau = std::max(kMinSigmaTau, kSigmaOfResolution / received.band);
+  const auto& mirrors = reflectors_[received.access_point];
   // A phase of a wide array covers only a part of the circle of sines.
   const double anywhere = 1.0 / (std::min(2.0, kTwoPi / turns) * kDelays);
-  for (std::size_t i = 1; i < heard.paths.size(); ++i) {
+  for (std::size_t i = 1; i < received.paths.size(); ++i) {
     double density = 0.0;
     for (const Plane<double>& mirror : mirrors) {
       if (distance(mirror, place) * distance(mirror, at) <= 0.0) {
@@ -186,8 +186,8 @@ double M3::log_likelihood(const M3Paths& heard, const Vec3d& place) const {
       }
       const Vec3d image = mirrored(mirror, place);
       const double later = (norm(image - at) - norm(place - at)) / kSpeedOfLight;
-      density += normal(off(heard.paths[i].u, image), options_.sigma_u_later) *
-                 normal(heard.paths[i].tau - first.tau - later, sigma_tau);
+      density += normal(off(received.paths[i].u, image), options_.sigma_u_later) *
+                 normal(received.paths[i].tau - first.tau - later, sigma_tau);
     }
     sum += std::log(options_.known * density / static_cast<double>(mirrors.size()) +
                     (1.0 - options_.known) * anywhere);
@@ -195,13 +195,13 @@ double M3::log_likelihood(const M3Paths& heard, const Vec3d& place) const {
   return sum;
 }
 
-void M3::summarise(std::span<const M3Paths> heard, LocationEstimate& estimate) const {
+void M3::summarise(std::span<const M3Paths> received, LocationEstimate& estimate) const {
   summarise_plan(
       *room_,
       {options_.grid, options_.accuracy_confidence},
       [&](const Vec3d& place) {
         return std::accumulate(
-            heard.begin(), heard.end(), 0.0, [&](double sum, const M3Paths& paths) {
+            received.begin(), received.end(), 0.0, [&](double sum, const M3Paths& paths) {
               return sum + log_likelihood(paths, place);
             });
       },
@@ -217,22 +217,22 @@ LocationEstimate M3::locate(std::span<const CsiFrame> frames) const {
   }
   const std::vector<ChannelFrames> channels = by_channel(room_->grid, frames);
   ObservationTally tally;
-  std::vector<M3Heard> heard;
+  std::vector<M3Received> received;
   for (const std::size_t i : usable_) {
     if (auto hops = observe_hops(*room_, i, channels, estimate.warnings)) {
       tally.add(room_->access_points[i], hops->burst);
-      heard.push_back(std::move(hops->heard));
+      received.push_back(std::move(hops->received));
     }
   }
   tally.fill(frames, estimate);
-  if (heard.empty()) {
-    estimate.reason = nothing_heard(*room_, estimate.warnings);
+  if (received.empty()) {
+    estimate.reason = no_usable_csi(*room_, estimate.warnings);
     return estimate;
   }
-  describe_hops(*room_, heard, estimate.warnings);
+  describe_hops(*room_, received, estimate.warnings);
   std::vector<M3Paths> paths;
-  paths.reserve(heard.size());
-  for (const M3Heard& one : heard) {
+  paths.reserve(received.size());
+  for (const M3Received& one : received) {
     paths.push_back(find_paths(one));
   }
   summarise(paths, estimate);

@@ -54,14 +54,14 @@ class M3 {
   LocationEstimate locate(std::span<const CsiFrame> frames) const;
 
   // The steps of locate(), for hops, studies and tests. REQUIRES: a hop and an access point.
-  M3Paths find_paths(const M3Heard& heard) const;
-  void summarise(std::span<const M3Paths> heard, LocationEstimate& estimate) const;
+  M3Paths find_paths(const M3Received& received) const;
+  void summarise(std::span<const M3Paths> received, LocationEstimate& estimate) const;
 
   const RoomModel& room() const { return *room_; }
 
  private:
   M3(std::shared_ptr<const RoomModel> room, const M3Options& options);
-  double log_likelihood(const M3Paths& heard, const Vec3d& place) const;
+  double log_likelihood(const M3Paths& received, const Vec3d& place) const;
 
   std::shared_ptr<const RoomModel> room_;
   M3Options options_;

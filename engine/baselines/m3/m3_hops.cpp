@@ -70,7 +70,7 @@ std::optional<ObservedHops> observe_hops(const RoomModel& room,
   std::vector<OneHop> hops;
   for (const ChannelFrames& channel : channels) {
     std::vector<std::string> problems;
-    auto burst = hear(room, access_point, channel.frames, {}, problems);
+    auto burst = receive(room, access_point, channel.frames, {}, problems);
     auto line = burst ? living_line(ap, *burst, problems) : std::nullopt;
     for (std::string& problem : problems) {
       problem +=
@@ -88,7 +88,7 @@ std::optional<ObservedHops> observe_hops(const RoomModel& room,
   }
   ObservedHops all{{access_point, most_common_line(hops), {}}, {}};
   const std::size_t left_out = std::erase_if(
-      hops, [&](const OneHop& hop) { return hop.line.element != all.heard.line.element; });
+      hops, [&](const OneHop& hop) { return hop.line.element != all.received.line.element; });
   if (left_out > 0) {
     warnings.push_back("access point " + ap.id + ": " + std::to_string(left_out) + " of " +
                        std::to_string(hops.size() + left_out) +
@@ -97,7 +97,7 @@ std::optional<ObservedHops> observe_hops(const RoomModel& room,
   std::vector<std::size_t> tones(room.grid.size());
   std::iota(tones.begin(), tones.end(), std::size_t{0});
   for (const OneHop& hop : hops) {
-    all.heard.hops.push_back({hop.grid, along(all.heard.line, hop.burst, tones)});
+    all.received.hops.push_back({hop.grid, along(all.received.line, hop.burst, tones)});
   }
   all.burst = summary_of(hops);
   return all;

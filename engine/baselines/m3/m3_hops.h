@@ -35,7 +35,7 @@ struct M3Hop {
 };
 
 // All channels of one access point.
-struct M3Heard {
+struct M3Received {
   std::size_t access_point = 0;
   AntennaLine line;
   std::vector<M3Hop> hops;  // the lowest channel first
@@ -52,7 +52,7 @@ struct ChannelFrames {
 std::vector<ChannelFrames> by_channel(const OfdmGrid& site, std::span<const CsiFrame> frames);
 
 struct ObservedHops {
-  M3Heard heard;
+  M3Received received;
   BurstObservation burst;  // of the first hop, with the counts and times of all
 };
 

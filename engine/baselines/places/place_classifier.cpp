@@ -71,19 +71,19 @@ LocationEstimate PlaceClassifier::locate(std::span<const CsiFrame> frames, std::
     return estimate;
   }
   const PlaceNetwork& learned = *training_->network;
-  BurstImages heard = burst_images(*room_,
+  BurstImages received = burst_images(*room_,
                                    access_points_,
                                    frames,
                                    options_.kind,
                                    {options_.images, options_.seed + repeat},
                                    estimate);
-  if (heard.images.empty()) {
+  if (received.images.empty()) {
     estimate.reason = "no access point that the network was trained with heard the burst";
     return estimate;
   }
   WeightedPlaces weighted;
   weighted.places = learned.places;
-  weighted.weights = mean_probabilities(network_, learned, heard.images);
+  weighted.weights = mean_probabilities(network_, learned, received.images);
   weighted.temperature = learned.temperature;
   weighted.sigma = learned.sigma;
   weighted.residual = learned.residual;

@@ -62,8 +62,8 @@ std::vector<std::vector<float>> Trainer::images_of(const std::vector<CsiFrame>& 
                    options_.classifier.kind,
                    {times * options_.classifier.images, input_.seed * 1'000'003U + number},
                    unused);
-  for (std::size_t i = 0; i < drawn.heard.size(); ++i) {
-    points_[i] += drawn.heard[i] ? 1U : 0U;
+  for (std::size_t i = 0; i < drawn.received.size(); ++i) {
+    points_[i] += drawn.received[i] ? 1U : 0U;
   }
   return std::move(drawn.images);
 }

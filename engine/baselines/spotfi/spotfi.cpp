@@ -19,7 +19,7 @@ constexpr double kMaxWidening = 3.0;  // of sigma, a ratio, chosen: for an unlik
 }  // namespace
 
 // Measurement of one access point.
-struct Spotfi::Heard {
+struct Spotfi::Received {
   std::size_t access_point = 0;
   DirectPath path;
   double sigma = 0.0;     // [rad]
@@ -59,9 +59,9 @@ Expected<Spotfi> Spotfi::create(std::shared_ptr<const RoomModel> room,
   return Spotfi(std::move(room), options, std::move(training));
 }
 
-std::string Spotfi::refusal(std::span<const Heard> heard) const {
-  if (heard.size() > 1 || options_.range == SpotfiRange::kRoom ||
-      (options_.range == SpotfiRange::kLevel && heard.front().is_power_constant)) {
+std::string Spotfi::refusal(std::span<const Received> received) const {
+  if (received.size() > 1 || options_.range == SpotfiRange::kRoom ||
+      (options_.range == SpotfiRange::kLevel && received.front().is_power_constant)) {
     return {};
   }
   return "one access point and no learned level: spotfi has a bearing and no range (add access "
@@ -69,12 +69,12 @@ std::string Spotfi::refusal(std::span<const Heard> heard) const {
 }
 
 // Uses the distances for a device with constant power; otherwise their differences.
-double Spotfi::level_log_likelihood(std::span<const Heard> heard, const Vec3d& place) const {
-  const bool is_constant = heard.front().is_power_constant;
+double Spotfi::level_log_likelihood(std::span<const Received> received, const Vec3d& place) const {
+  const bool is_constant = received.front().is_power_constant;
   double weights = 0.0;
   double mean = 0.0;
   double squares = 0.0;
-  for (const Heard& one : heard) {
+  for (const Received& one : received) {
     if (!one.path.burst.level_dbm || one.is_power_constant != is_constant) {
       continue;
     }
@@ -91,10 +91,10 @@ double Spotfi::level_log_likelihood(std::span<const Heard> heard, const Vec3d& p
   return -0.5 * (is_constant ? squares : squares - mean * mean / weights);
 }
 
-double Spotfi::log_likelihood(std::span<const Heard> heard, const Vec3d& place) const {
+double Spotfi::log_likelihood(std::span<const Received> received, const Vec3d& place) const {
   const double wavelength = kSpeedOfLight / room_->grid.centre_hz;
-  double sum = options_.range == SpotfiRange::kNone ? 0.0 : level_log_likelihood(heard, place);
-  for (const Heard& one : heard) {
+  double sum = options_.range == SpotfiRange::kNone ? 0.0 : level_log_likelihood(received, place);
+  for (const Received& one : received) {
     const AntennaArray& array = room_->access_points[one.access_point].array;
     const double off = wrapped(one.path.psi - psi_of(array, one.path.line, place, wavelength));
     const double x = off / one.sigma;
@@ -112,7 +112,7 @@ LocationEstimate Spotfi::locate(std::span<const CsiFrame> frames, std::uint64_t 
     return estimate;
   }
   ObservationTally tally;
-  std::vector<Heard> heard;
+  std::vector<Received> received;
   double most = 0.0;
   for (const std::size_t i : usable_) {
     const RoomAccessPoint& ap = room_->access_points[i];
@@ -123,7 +123,7 @@ LocationEstimate Spotfi::locate(std::span<const CsiFrame> frames, std::uint64_t 
     }
     tally.add(ap, path->burst);
     most = std::max(most, path->likelihood);
-    Heard one{i, *std::move(path), options_.sigma_psi, options_.outliers, {}};
+    Received one{i, *std::move(path), options_.sigma_psi, options_.outliers, {}};
     if (const AccessPointTraining* learned = training_ ? training_->find(ap.id) : nullptr) {
       one.sigma = learned->sigma_psi;
       one.outliers = learned->outliers;
@@ -136,26 +136,26 @@ LocationEstimate Spotfi::locate(std::span<const CsiFrame> frames, std::uint64_t 
                 constant.end();
       }
     }
-    heard.push_back(std::move(one));
+    received.push_back(std::move(one));
   }
   tally.fill(frames, estimate);
-  if (heard.empty()) {
-    estimate.reason = nothing_heard(*room_, estimate.warnings);
+  if (received.empty()) {
+    estimate.reason = no_usable_csi(*room_, estimate.warnings);
     return estimate;
   }
-  if (estimate.reason = refusal(heard); !estimate.reason.empty()) {
+  if (estimate.reason = refusal(received); !estimate.reason.empty()) {
     return estimate;
   }
-  if (heard.size() == 1 && !heard.front().is_power_constant) {
+  if (received.size() == 1 && !received.front().is_power_constant) {
     estimate.warnings.emplace_back("one bearing and no range: it ends at the walls of the room");
   }
-  for (Heard& one : heard) {
+  for (Received& one : received) {
     one.sigma *= std::min(kMaxWidening, std::sqrt(most / one.path.likelihood));
   }
   summarise_plan(
       *room_,
       {options_.grid, options_.accuracy_confidence},
-      [&](const Vec3d& place) { return log_likelihood(heard, place); },
+      [&](const Vec3d& place) { return log_likelihood(received, place); },
       estimate);
   return estimate;
 }

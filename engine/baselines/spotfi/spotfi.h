@@ -45,14 +45,14 @@ class Spotfi {
   const RoomModel& room() const { return *room_; }
 
  private:
-  struct Heard;
+  struct Received;
 
   Spotfi(std::shared_ptr<const RoomModel> room,
          const SpotfiOptions& options,
          std::shared_ptr<const Training> training);
-  std::string refusal(std::span<const Heard> heard) const;
-  double log_likelihood(std::span<const Heard> heard, const Vec3d& place) const;
-  double level_log_likelihood(std::span<const Heard> heard, const Vec3d& place) const;
+  std::string refusal(std::span<const Received> received) const;
+  double log_likelihood(std::span<const Received> received, const Vec3d& place) const;
+  double level_log_likelihood(std::span<const Received> received, const Vec3d& place) const;
 
   std::shared_ptr<const RoomModel> room_;
   SpotfiOptions options_;

@@ -38,9 +38,9 @@ std::optional<MotionPath> PathLink::add(std::vector<MotionPath> paths) {
   for (const MotionPath& path : window.paths) {
     double best = 0.0;
     std::size_t before = 0;
-    if (!heard_.empty()) {
+    if (!received_.empty()) {
       best = std::numeric_limits<double>::infinity();
-      const Window& last = heard_.back();
+      const Window& last = received_.back();
       for (std::size_t i = 0; i < last.paths.size(); ++i) {
         const double cost = last.cost[i] + edge(last.paths[i], path);
         if (cost < best) {
@@ -57,18 +57,18 @@ std::optional<MotionPath> PathLink::add(std::vector<MotionPath> paths) {
   for (double& cost : window.cost) {
     cost -= least;  // keeps the sums small
   }
-  heard_.push_back(std::move(window));
-  if (heard_.size() <= windows_) {
+  received_.push_back(std::move(window));
+  if (received_.size() <= windows_) {
     return std::nullopt;
   }
-  const auto& last = heard_.back().cost;
+  const auto& last = received_.back().cost;
   auto at = static_cast<std::size_t>(std::min_element(last.begin(), last.end()) - last.begin());
-  for (std::size_t i = heard_.size() - 1; i > heard_.size() - 1 - windows_; --i) {
-    at = heard_[i].before[at];
+  for (std::size_t i = received_.size() - 1; i > received_.size() - 1 - windows_; --i) {
+    at = received_[i].before[at];
   }
-  const MotionPath told = heard_[heard_.size() - 1 - windows_].paths[at];
-  if (heard_.size() > windows_ + 1) {
-    heard_.pop_front();
+  const MotionPath told = received_[received_.size() - 1 - windows_].paths[at];
+  if (received_.size() > windows_ + 1) {
+    received_.pop_front();
   }
   return told;
 }

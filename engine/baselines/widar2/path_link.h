@@ -22,7 +22,7 @@ class PathLink {
 
   // The target's path `windows` ago, if it was received. REQUIRES: paths not empty.
   std::optional<MotionPath> add(std::vector<MotionPath> paths);
-  void clear() { heard_.clear(); }
+  void clear() { received_.clear(); }
 
  private:
   struct Window {
@@ -32,7 +32,7 @@ class PathLink {
   };
 
   std::size_t windows_;
-  std::deque<Window> heard_;
+  std::deque<Window> received_;
 };
 
 }  // namespace rayloc

@@ -199,7 +199,7 @@ bool Widar2::is_complete(Timestamp window) const {
   return latest >= needed;
 }
 
-std::optional<Widar2::Heard> Widar2::hear_window(Receiver& receiver, Timestamp window) {
+std::optional<Widar2::Received> Widar2::receive_window(Receiver& receiver, Timestamp window) {
   const auto first = receiver.series.first();
   const auto last = receiver.series.last();
   const Duration length = from_seconds(options_.window_s);
@@ -254,16 +254,16 @@ std::optional<Widar2::Heard> Widar2::hear_window(Receiver& receiver, Timestamp w
   if (!receiver.range.is_ready()) {
     return std::nullopt;
   }
-  const Heard heard{&receiver, receiver.range.smoothed(), receiver.psi.front()};
+  const Received received{&receiver, receiver.range.smoothed(), receiver.psi.front()};
   receiver.psi.erase(receiver.psi.begin());
-  return receiver.still_s < kWidar2StillTime ? std::optional(heard) : std::nullopt;
+  return receiver.still_s < kWidar2StillTime ? std::optional(received) : std::nullopt;
 }
 
-LocationEstimate Widar2::estimate(std::span<const Heard> heard, Timestamp time) const {
+LocationEstimate Widar2::estimate(std::span<const Received> received, Timestamp time) const {
   const double wavelength = kSpeedOfLight / room_->grid.centre_hz;
   LocationEstimate estimate;
   estimate.time = estimate.capture_start = estimate.capture_end = time;
-  estimate.access_points_used = heard.size();
+  estimate.access_points_used = received.size();
   PlanMapOptions map;
   map.step = options_.grid;
   map.accuracy_confidence = options_.accuracy_confidence;
@@ -273,7 +273,7 @@ LocationEstimate Widar2::estimate(std::span<const Heard> heard, Timestamp time) 
       map,
       [&](const Vec3d& place) {
         double sum = 0.0;
-        for (const Heard& one : heard) {
+        for (const Received& one : received) {
           const AntennaArray& array = room_->access_points[one.receiver->access_point].array;
           const double length =
               norm(in_plan(place - link_.position)) + norm(in_plan(place - array.pose.position));
@@ -296,7 +296,7 @@ LocationEstimate Widar2::estimate(std::span<const Heard> heard, Timestamp time) 
   return estimate;
 }
 
-void Widar2::hear(std::span<const CsiFrame> frames, std::vector<LocationEstimate>& out) {
+void Widar2::receive(std::span<const CsiFrame> frames, std::vector<LocationEstimate>& out) {
   for (const CsiFrame& frame : frames) {
     take(frame);
   }
@@ -313,16 +313,16 @@ void Widar2::hear(std::span<const CsiFrame> frames, std::vector<LocationEstimate
     }
   }
   for (; is_complete(*window_); *window_ += length) {
-    std::vector<Heard> heard;
+    std::vector<Received> received;
     for (Receiver& receiver : receivers_) {
-      if (const auto one = hear_window(receiver, *window_)) {
-        heard.push_back(*one);
+      if (const auto one = receive_window(receiver, *window_)) {
+        received.push_back(*one);
       }
     }
-    if (!heard.empty()) {
+    if (!received.empty()) {
       // The current output belongs to the middle of an earlier window.
       const auto behind = static_cast<std::int64_t>(2 * options_.windows);
-      out.push_back(estimate(heard, *window_ - behind * length + length / 2));
+      out.push_back(estimate(received, *window_ - behind * length + length / 2));
     }
   }
   const bool all_still =

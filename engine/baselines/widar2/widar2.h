@@ -58,7 +58,7 @@ class Widar2 {
 
   // Appends a position for every window that these frames complete. `frames`: of the link's
   // transmitter, in order of time.
-  void hear(std::span<const CsiFrame> frames, std::vector<LocationEstimate>& out);
+  void receive(std::span<const CsiFrame> frames, std::vector<LocationEstimate>& out);
   // Reason why there is no position so far; empty: there is one.
   const std::string& problem() const { return problem_; }
   void restart();
@@ -78,7 +78,7 @@ class Widar2 {
     std::vector<double> psi = {};
   };
   // Measurement of an access point in a window.
-  struct Heard {
+  struct Received {
     const Receiver* receiver = nullptr;
     SmoothedRange range;
     double psi = 0.0;
@@ -89,9 +89,9 @@ class Widar2 {
   void begin_anew(Receiver& receiver) const;
   bool is_ready();
   bool is_complete(Timestamp window) const;
-  std::optional<Heard> hear_window(Receiver& receiver, Timestamp window);
+  std::optional<Received> receive_window(Receiver& receiver, Timestamp window);
   Eigen::MatrixXcd samples_of(const Receiver& receiver, Timestamp from, Timestamp to) const;
-  LocationEstimate estimate(std::span<const Heard> heard, Timestamp time) const;
+  LocationEstimate estimate(std::span<const Received> received, Timestamp time) const;
 
   std::shared_ptr<const RoomModel> room_;
   Widar2Link link_;

@@ -362,7 +362,7 @@ void Witraj::process(std::vector<LocationEstimate>& out) {
   }
 }
 
-void Witraj::hear(std::span<const CsiFrame> frames, std::vector<LocationEstimate>& out) {
+void Witraj::receive(std::span<const CsiFrame> frames, std::vector<LocationEstimate>& out) {
   for (const CsiFrame& frame : frames) {
     take(frame);
   }

@@ -59,7 +59,7 @@ class Witraj {
 
   // Appends a position for every step that these frames complete. `frames`: of the link's
   // transmitter, in order of time.
-  void hear(std::span<const CsiFrame> frames, std::vector<LocationEstimate>& out);
+  void receive(std::span<const CsiFrame> frames, std::vector<LocationEstimate>& out);
   // Reason why there is no position so far; empty: there is one.
   const std::string& problem() const { return problem_; }
   // Returns to the start, at any time.

@@ -34,12 +34,12 @@ std::vector<std::complex<double>> reordered(const std::vector<std::complex<doubl
 StatedSurvey::StatedSurvey(const RoomModel& room, std::span<const CalibrationPoint> points)
     : room_(room), points_(points) {
   for (std::size_t ap = 0; ap < room.access_points.size(); ++ap) {
-    heard_.push_back(hear_stated(room, ap));
-    stated_.push_back(judged(heard_.back(), room.access_points[ap].array));
+    received_.push_back(receive_stated(room, ap));
+    stated_.push_back(judged(received_.back(), room.access_points[ap].array));
   }
 }
 
-StatedSurvey::Heard StatedSurvey::hear(const RoomModel& room,
+StatedSurvey::Received StatedSurvey::receive(const RoomModel& room,
                                        std::size_t access_point,
                                        const Rows& rows,
                                        const std::function<Vec3d(std::size_t)>& place) const {
@@ -55,39 +55,39 @@ StatedSurvey::Heard StatedSurvey::hear(const RoomModel& room,
   return {std::move(point), AccessPointCalibrator(room, access_point, std::move(samples))};
 }
 
-StatedSurvey::Heard StatedSurvey::hear_stated(const RoomModel& room,
+StatedSurvey::Received StatedSurvey::receive_stated(const RoomModel& room,
                                               std::size_t access_point) const {
-  return hear(
+  return receive(
       room,
       access_point,
       [&](std::size_t i) { return points_[i].h.at(access_point); },
       [&](std::size_t i) { return place(i); });
 }
 
-Correlations StatedSurvey::of_points(const Heard& heard, const Correlations& samples) const {
+Correlations StatedSurvey::of_points(const Received& received, const Correlations& samples) const {
   Correlations result(points_.size());
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    result[heard.point[i]] = samples[i];
+    result[received.point[i]] = samples[i];
   }
   return result;
 }
 
-Correlations StatedSurvey::judged(const Heard& heard, const AntennaArray& array) const {
-  return of_points(heard, heard.calibrator.crossed_correlations(offsets_of(array)));
+Correlations StatedSurvey::judged(const Received& received, const AntennaArray& array) const {
+  return of_points(received, received.calibrator.crossed_correlations(offsets_of(array)));
 }
 
 bool StatedSurvey::is_recorded(std::size_t access_point) const {
-  return !heard_[access_point].point.empty();
+  return !received_[access_point].point.empty();
 }
 
 std::vector<PointFit> StatedSurvey::fits() const {
   std::vector<PointFit> fits;
-  for (std::size_t ap = 0; ap < heard_.size(); ++ap) {
-    const auto fit = heard_[ap].calibrator.fit_gains();
+  for (std::size_t ap = 0; ap < received_.size(); ++ap) {
+    const auto fit = received_[ap].calibrator.fit_gains();
     if (!fit) {
       continue;
     }
-    const Correlations each = of_points(heard_[ap], heard_[ap].calibrator.correlations(&*fit));
+    const Correlations each = of_points(received_[ap], received_[ap].calibrator.correlations(&*fit));
     for (std::size_t i = 0; i < each.size(); ++i) {
       if (each[i]) {
         fits.push_back({i, ap, *each[i], *each[i], 0.0});
@@ -103,7 +103,7 @@ Correlations StatedSurvey::other(const Meant& meant) const {
   const AntennaArray& array = meant.array ? *meant.array : stated;
   const bool own = meant.recorded == meant.pose && !meant.place;
   if (own && share_rays(array, stated)) {
-    return judged(heard_[meant.pose], array);
+    return judged(received_[meant.pose], array);
   }
   RoomModel room = room_;
   room.access_points[meant.pose].array = array;
@@ -112,7 +112,7 @@ Correlations StatedSurvey::other(const Meant& meant) const {
         points_[i].h.at(meant.recorded), aps[meant.recorded], aps[meant.pose], room_.grid.size());
   };
   const auto at = [&](std::size_t i) { return meant.place ? meant.place(i) : place(i); };
-  return judged(hear(room, meant.pose, rows, at), array);
+  return judged(receive(room, meant.pose, rows, at), array);
 }
 
 Correlations StatedSurvey::by_chance(const Meant& meant) const {
@@ -125,9 +125,9 @@ Correlations StatedSurvey::by_chance(const Meant& meant) const {
 }
 
 Correlations StatedSurvey::at_carrier(std::size_t access_point, double centre_hz) const {
-  const Heard& heard = heard_[access_point];
+  const Received& received = received_[access_point];
   const auto offsets = offsets_of(room_.access_points[access_point].array);
-  return of_points(heard, heard.calibrator.at_carrier(centre_hz).crossed_correlations(offsets));
+  return of_points(received, received.calibrator.at_carrier(centre_hz).crossed_correlations(offsets));
 }
 
 }  // namespace rayloc

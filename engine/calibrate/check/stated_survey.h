@@ -46,23 +46,23 @@ class StatedSurvey {
   Correlations at_carrier(std::size_t access_point, double centre_hz) const;
 
  private:
-  struct Heard {
+  struct Received {
     std::vector<std::size_t> point;  // for each sample
     AccessPointCalibrator calibrator;
   };
   using Rows = std::function<std::vector<std::complex<double>>(std::size_t point)>;
-  Heard hear(const RoomModel& room,
+  Received receive(const RoomModel& room,
              std::size_t access_point,
              const Rows& rows,
              const std::function<Vec3d(std::size_t)>& place) const;
-  Heard hear_stated(const RoomModel& room, std::size_t access_point) const;
-  Correlations of_points(const Heard& heard, const Correlations& samples) const;
-  Correlations judged(const Heard& heard, const AntennaArray& array) const;
+  Received receive_stated(const RoomModel& room, std::size_t access_point) const;
+  Correlations of_points(const Received& received, const Correlations& samples) const;
+  Correlations judged(const Received& received, const AntennaArray& array) const;
   Vec3d place(std::size_t point) const { return points_[point].position; }
 
   const RoomModel& room_;
   std::span<const CalibrationPoint> points_;
-  std::vector<Heard> heard_;  // for each access point, as stated
+  std::vector<Received> received_;  // for each access point, as stated
   std::vector<Correlations> stated_;
 };
 

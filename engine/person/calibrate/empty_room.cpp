@@ -40,13 +40,13 @@ double first_length(const std::vector<Ray>& rays) {
 
 class EmptyRoomFit {
  public:
-  EmptyRoomFit(const RoomModel& room, const Transmitter& surveyed, std::span<const EmptyRoom> heard)
+  EmptyRoomFit(const RoomModel& room, const Transmitter& surveyed, std::span<const EmptyRoom> received)
       : room_(room),
         surveyed_(surveyed),
         device_{surveyed.position.z, 0.0, surveyed.pattern, surveyed.polarization},
-        heard_(heard),
+        received_(received),
         aligner_(room.grid) {
-    for (const EmptyRoom& one : heard) {
+    for (const EmptyRoom& one : received) {
       arrays_.emplace_back(room, one.access_point);
     }
   }
@@ -68,17 +68,17 @@ class EmptyRoomFit {
 
   Alignment align(std::size_t i, const Vec3d& place) const {
     const auto traced =
-        expected(i, place, room_.access_points[heard_[i].access_point].error.plan_tolerance);
-    return traced.empty() ? Alignment{} : aligner_.align(traced, heard_[i].h);
+        expected(i, place, room_.access_points[received_[i].access_point].error.plan_tolerance);
+    return traced.empty() ? Alignment{} : aligner_.align(traced, received_[i].h);
   }
 
   // Twice the negative log-likelihood, up to a constant.
   double cost(const Vec3d& place, double sigma) const {
     const Vec3d off = place - surveyed_.position;
     double sum = dot(off, off) / (sigma * sigma);
-    for (std::size_t i = 0; i < heard_.size(); ++i) {
+    for (std::size_t i = 0; i < received_.size(); ++i) {
       // The array has as many informative numbers on the place as antennas.
-      const std::size_t numbers = heard_[i].h.size() / room_.grid.size();
+      const std::size_t numbers = received_[i].h.size() / room_.grid.size();
       sum +=
           2.0 * static_cast<double>(numbers) * std::log(kFloor + 1.0 - align(i, place).correlation);
     }
@@ -98,13 +98,13 @@ class EmptyRoomFit {
   // Scaled to the power of the traced room: least squares would treat power that the trace does not
   // explain as a loss.
   PersonLink link(std::size_t i, const Vec3d& place) const {
-    PersonLink result{heard_[i].access_point, heard_[i].h, 1.0, 0.0};
+    PersonLink result{received_[i].access_point, received_[i].h, 1.0, 0.0};
     Alignment alignment = align(i, place);
     result.room_fit = alignment.correlation;
     const auto traced = expected(i, place, 0.0);
     if (!traced.empty() && alignment.correlation > 0.0) {
       alignment.factor *=
-          std::sqrt(power(traced) / power(heard_[i].h)) / std::abs(alignment.factor);
+          std::sqrt(power(traced) / power(received_[i].h)) / std::abs(alignment.factor);
       aligner_.apply(alignment, result.empty);
     }
     return result;
@@ -114,7 +114,7 @@ class EmptyRoomFit {
   const RoomModel& room_;
   const Transmitter& surveyed_;
   DeviceModel device_;
-  std::span<const EmptyRoom> heard_;
+  std::span<const EmptyRoom> received_;
   Aligner aligner_;
   std::vector<SpotArrays> arrays_;
 };
@@ -123,17 +123,17 @@ class EmptyRoomFit {
 
 Expected<PersonReference> fit_empty_room(const RoomModel& room,
                                          const Transmitter& surveyed,
-                                         std::span<const EmptyRoom> heard,
+                                         std::span<const EmptyRoom> received,
                                          const EmptyRoomOptions& options) {
-  RAYLOC_CHECK(!heard.empty());
-  const EmptyRoomFit fit(room, surveyed, heard);
+  RAYLOC_CHECK(!received.empty());
+  const EmptyRoomFit fit(room, surveyed, received);
   PersonReference reference;
   reference.transmitter = surveyed;
   reference.transmitter.position = fit.best_place(options.place_sigma);
-  for (std::size_t i = 0; i < heard.size(); ++i) {
+  for (std::size_t i = 0; i < received.size(); ++i) {
     PersonLink link = fit.link(i, reference.transmitter.position);
     if (!(link.room_fit > 0.0)) {
-      return bad_input("access point " + room.access_points[heard[i].access_point].id +
+      return bad_input("access point " + room.access_points[received[i].access_point].id +
                        ": no path of the room leads to it from the fixed transmitter; is the "
                        "transmitter's position in site.toml right?");
     }

@@ -29,7 +29,7 @@ struct EmptyRoomOptions {
 // the room reaches. REQUIRES: `heard` is not empty; all its access points are calibrated.
 Expected<PersonReference> fit_empty_room(const RoomModel& room,
                                          const Transmitter& surveyed,
-                                         std::span<const EmptyRoom> heard,
+                                         std::span<const EmptyRoom> received,
                                          const EmptyRoomOptions& options = {});
 
 }  // namespace rayloc

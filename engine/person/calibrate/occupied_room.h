@@ -1,4 +1,4 @@
-// hear_background: the empty room as received by one access point, from a recording with walking
+// receive_background: the empty room as received by one access point, from a recording with walking
 // people: for places that are never empty (METHODS B5: moving people need no empty room).
 //
 // A walking person adds a different and mostly small array to every frame; the room is the
@@ -19,8 +19,8 @@
 
 namespace rayloc {
 
-// As hear() of engine/room/hear_burst.h, for the frames that differ least.
-std::optional<BurstObservation> hear_background(const RoomModel& room,
+// As hear() of engine/room/preprocess_burst.h, for the frames that differ least.
+std::optional<BurstObservation> receive_background(const RoomModel& room,
                                                 std::size_t access_point,
                                                 std::span<const CsiFrame> frames,
                                                 const BurstOptions& options,

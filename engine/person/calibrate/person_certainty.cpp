@@ -59,7 +59,7 @@ Expected<PersonCertainty> fit_person_certainty(const RoomModel& room,
       return tl::make_unexpected(localizer.error());
     }
     for (std::size_t s = part; s < spots.size(); s += kFolds) {
-      const PersonObservation observation = localizer->hear(frames[s]);
+      const PersonObservation observation = localizer->receive(frames[s]);
       if (observation.arrays.empty()) {
         continue;
       }

@@ -36,7 +36,7 @@ constexpr std::array<double, 2> kFronts = {0.0, 0.03};
 constexpr int kErrorRounds = 4;         // a count, chosen: over the errors, one after the other
 constexpr double kFitLevelSigma = 0.3;  // of the logarithm of |a|
 
-struct HeardSpot {
+struct ReceivedSpot {
   std::size_t spot = 0;
   ScatteredPatch patch;
   PersonLikelihood::Observed observed;
@@ -45,7 +45,7 @@ struct HeardSpot {
 // Observations of all spots by one link, with one body.
 struct FitLink {
   PersonLikelihood likelihood;
-  std::vector<HeardSpot> heard;
+  std::vector<ReceivedSpot> received;
 };
 
 class PersonFitter {
@@ -78,7 +78,7 @@ class PersonFitter {
 
  private:
   std::vector<double> samples(const FitLink& link,
-                              const HeardSpot& heard,
+                              const ReceivedSpot& received,
                               Value scale,
                               const PersonModel& model,
                               double nobody) const;
@@ -107,18 +107,18 @@ Expected<std::vector<FitLink>> PersonFitter::listen(const PersonModel& person) c
                                  link,
                                  norm(ap.array.pose.position - reference_.transmitter.position)),
                 {}};
-    std::vector<std::optional<HeardSpot>> heard(spots_.size());
+    std::vector<std::optional<ReceivedSpot>> received(spots_.size());
     parallel_for(spots_.size(), 1, [&](std::size_t s) {
       const auto rays = spots_[s].h[l].empty() ? std::nullopt : scattering->at(spots_[s].place);
       if (rays) {
-        heard[s] = HeardSpot{s,
+        received[s] = ReceivedSpot{s,
                              fit.likelihood.patch(*rays, plan, person.front_sigma),
                              fit.likelihood.observe(spots_[s].h[l])};
       }
     });
-    for (auto& one : heard) {
+    for (auto& one : received) {
       if (one) {
-        fit.heard.push_back(*std::move(one));
+        fit.received.push_back(*std::move(one));
       }
     }
     links.push_back(std::move(fit));
@@ -127,13 +127,13 @@ Expected<std::vector<FitLink>> PersonFitter::listen(const PersonModel& person) c
 }
 
 std::vector<double> PersonFitter::samples(const FitLink& link,
-                                          const HeardSpot& heard,
+                                          const ReceivedSpot& received,
                                           Value scale,
                                           const PersonModel& model,
                                           double nobody) const {
   std::vector<double> values(prior_.size());
   link.likelihood.log_likelihood(
-      link.likelihood.place(heard.patch, scale, model), heard.observed, {}, values);
+      link.likelihood.place(received.patch, scale, model), received.observed, {}, values);
   for (double& value : values) {
     value -= nobody;
   }
@@ -153,9 +153,9 @@ double PersonFitter::marginal(std::span<const double> samples) const {
 }
 
 double PersonFitter::of_link(const FitLink& link, Value scale, const PersonModel& model) const {
-  std::vector<double> sums(link.heard.size());
+  std::vector<double> sums(link.received.size());
   parallel_for(sums.size(), 2, [&](std::size_t i) {
-    sums[i] = marginal(samples(link, link.heard[i], scale, model, 0.0));
+    sums[i] = marginal(samples(link, link.received[i], scale, model, 0.0));
   });
   double total = 0.0;
   for (const double sum : sums) {
@@ -169,11 +169,11 @@ double PersonFitter::of_all(const std::vector<FitLink>& links,
                             const PersonModel& model) const {
   std::vector<std::vector<double>> sums(spots_.size(), std::vector<double>(prior_.size()));
   for (std::size_t l = 0; l < links.size(); ++l) {
-    parallel_for(links[l].heard.size(), 2, [&](std::size_t i) {
-      const HeardSpot& heard = links[l].heard[i];
-      const auto values = samples(links[l], heard, scales[l], model, 0.0);
+    parallel_for(links[l].received.size(), 2, [&](std::size_t i) {
+      const ReceivedSpot& received = links[l].received[i];
+      const auto values = samples(links[l], received, scales[l], model, 0.0);
       for (std::size_t p = 0; p < values.size(); ++p) {
-        sums[heard.spot][p] += values[p];
+        sums[received.spot][p] += values[p];
       }
     });
   }
@@ -255,7 +255,7 @@ Expected<PersonFit> fit_body(const RoomModel& room,
   }
   std::vector<Value> scales;
   for (const FitLink& link : *links) {
-    fit.spots = std::max(fit.spots, link.heard.size());
+    fit.spots = std::max(fit.spots, link.received.size());
     scales.push_back(fitter.best_scale(link, person));
   }
   if (fit.spots < kMinPersonSpots) {

@@ -13,18 +13,18 @@ namespace {
 
 using Value = std::complex<double>;
 
-const EmptyRoom* find_array(std::span<const EmptyRoom> heard, std::size_t access_point) {
-  const auto found = std::find_if(heard.begin(), heard.end(), [&](const EmptyRoom& one) {
+const EmptyRoom* find_array(std::span<const EmptyRoom> received, std::size_t access_point) {
+  const auto found = std::find_if(received.begin(), received.end(), [&](const EmptyRoom& one) {
     return one.access_point == access_point;
   });
-  return found == heard.end() ? nullptr : &*found;
+  return found == received.end() ? nullptr : &*found;
 }
 
 // The arrays of both days that were received on the other day, too.
-HeardDays on_both(const HeardDays& heard) {
-  HeardDays both{heard.surveyed, {}, {}};
-  for (const EmptyRoom& one : heard.today) {
-    if (const EmptyRoom* before = find_array(heard.people, one.access_point)) {
+ReceivedDays on_both(const ReceivedDays& received) {
+  ReceivedDays both{received.surveyed, {}, {}};
+  for (const EmptyRoom& one : received.today) {
+    if (const EmptyRoom* before = find_array(received.people, one.access_point)) {
       both.people.push_back(*before);
       both.today.push_back(one);
     }
@@ -65,9 +65,9 @@ double fit_of(const PersonReference& reference, std::size_t access_point) {
 
 // Change of each access point between the days, from the transmitter with the least change.
 Expected<std::vector<DayChange>> changes_of(const RoomModel& room,
-                                            std::span<const HeardDays> heard) {
+                                            std::span<const ReceivedDays> received) {
   std::vector<DayChange> changes;
-  for (const HeardDays& days : heard) {
+  for (const ReceivedDays& days : received) {
     if (days.today.empty()) {
       continue;
     }
@@ -99,12 +99,12 @@ Expected<std::vector<DayChange>> changes_of(const RoomModel& room,
 
 }  // namespace
 
-Expected<TwoDays> tell_days_apart(const RoomModel& room, std::span<const HeardDays> heard) {
+Expected<TwoDays> tell_days_apart(const RoomModel& room, std::span<const ReceivedDays> received) {
   TwoDays days{room, room, {}, {}};
-  for (const HeardDays& one : heard) {
-    days.heard.push_back(on_both(one));
+  for (const ReceivedDays& one : received) {
+    days.received.push_back(on_both(one));
   }
-  auto changes = changes_of(room, days.heard);
+  auto changes = changes_of(room, days.received);
   if (!changes) {
     return tl::make_unexpected(std::move(changes.error()));
   }
@@ -121,7 +121,7 @@ Expected<TwoDays> tell_days_apart(const RoomModel& room, std::span<const HeardDa
     RoomModel& other = change.is_today_turned ? days.today : days.people;
     ChainGains& own = other.access_points[change.access_point].gains;
     own = change.is_today_turned ? turned(gains, change.chains) : turned_back(gains, change.chains);
-    for (HeardDays& one : days.heard) {
+    for (ReceivedDays& one : days.received) {
       for (EmptyRoom& array : change.is_today_turned ? one.today : one.people) {
         if (array.access_point == change.access_point) {
           remove_others(gains, own, array.h);
@@ -137,9 +137,9 @@ PersonReference moved_to_today(const OfdmGrid& grid,
                                std::span<const EmptyRoom> today) {
   const Aligner aligner(grid);
   for (PersonLink& link : reference.links) {
-    const EmptyRoom* heard = find_array(today, link.access_point);
-    RAYLOC_CHECK(heard != nullptr);
-    std::vector<Value> empty = heard->h;
+    const EmptyRoom* received = find_array(today, link.access_point);
+    RAYLOC_CHECK(received != nullptr);
+    std::vector<Value> empty = received->h;
     aligner.apply(aligner.align(link.empty, empty), empty);
     link.empty = std::move(empty);
   }

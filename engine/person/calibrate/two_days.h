@@ -19,7 +19,7 @@
 namespace rayloc {
 
 // Arrays received from one transmitter, with the calibration's gains removed.
-struct HeardDays {
+struct ReceivedDays {
   Transmitter surveyed;
   std::vector<EmptyRoom> people;  // on the day when people were recorded
   std::vector<EmptyRoom> today;
@@ -36,13 +36,13 @@ struct DayChange {
 struct TwoDays {
   RoomModel people;  // with that day's gains
   RoomModel today;
-  std::vector<HeardDays> heard;  // of the same access points on both days, own gains removed
+  std::vector<ReceivedDays> received;  // of the same access points on both days, own gains removed
   std::vector<DayChange> changes;
 };
 
 // An Error when an access point receives a transmitter as if it were another one, or when no access
 // point received one on both days. REQUIRES: all access points with arrays are calibrated.
-Expected<TwoDays> tell_days_apart(const RoomModel& room, std::span<const HeardDays> heard);
+Expected<TwoDays> tell_days_apart(const RoomModel& room, std::span<const ReceivedDays> received);
 
 // A reference of the day of the people, moved to today: each link gets today's empty room, with the
 // phase, amplitude and delay of its present one (by what both have in common): `scale` holds.

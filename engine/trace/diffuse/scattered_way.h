@@ -128,7 +128,7 @@ ScatteredWay<T> scattered_way(const RoughMaterial<T>& rough,
   const auto turned = [&](const Vec3<T>& v) { return v - dot(v, to) * middle; };
   const ComplexVec3<T> kept{turned(mirrored(in.wave.field.re)), turned(mirrored(in.wave.field.im))};
   const ComplexVec3<T> other{cross(to, kept.re), cross(to, kept.im)};
-  const auto heard = [&](const ComplexVec3<T>& field) {
+  const auto received = [&](const ComplexVec3<T>& field) {
     const ComplexVec3<T>& at = out.wave.field;
     return Complex<T>{dot(field.re, at.re) - dot(field.im, at.im),
                       dot(field.re, at.im) + dot(field.im, at.re)};
@@ -142,8 +142,8 @@ ScatteredWay<T> scattered_way(const RoughMaterial<T>& rough,
   const T spread =
       rough.scattering * wavelength / (T(4.0 * std::numbers::pi) * in.length * out.length);
   way.per_area = spread * spread * rough.lobe.weight(end(in), end(out), cos_reflected, cos_back);
-  way.co = heard(kept);
-  way.cross = heard(other);
+  way.co = received(kept);
+  way.cross = received(other);
   way.length = in.length + out.length;
   return way;
 }

@@ -119,12 +119,12 @@ class Ear {
       if (envelope.has_heartbeat()) {
         counters_ = envelope.heartbeat().estimation();
       } else if (envelope.has_location() && envelope.location().mode() != v1::FIX_MODE_PREDICTED) {
-        hear(envelope);
+        receive(envelope);
       }
     }
   }
   // A burst's estimates are sent together; the latency of its last instant is that of the burst.
-  void hear(const v1::Envelope& envelope) {
+  void receive(const v1::Envelope& envelope) {
     const auto& end = envelope.location().capture_end();
     const auto ended = Clock::time_point(std::chrono::duration_cast<Clock::duration>(
         std::chrono::seconds(end.seconds()) + std::chrono::nanoseconds(end.nanos())));

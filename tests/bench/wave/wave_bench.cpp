@@ -66,7 +66,7 @@ struct Options {
   bool made = false;
 };
 
-struct Heard {
+struct Received {
   std::vector<WaveSample> samples;
   std::vector<std::vector<std::complex<double>>> h;  // chain gains removed
 };
@@ -85,14 +85,14 @@ class Judge {
     std::vector<double> place;
     ModelError fitted;  // by the first fold
   };
-  Judged judged(const Heard& heard, const WaveVariant& variant) const {
-    const std::size_t count = heard.samples.size();
+  Judged judged(const Received& received, const WaveVariant& variant) const {
+    const std::size_t count = received.samples.size();
     std::vector<PreparedPlace> prepared(count);
     parallel_for(count, 4, [&](std::size_t i) {
-      prepared[i] = likelihood_.prepare(heard.samples[i].place, variant);
+      prepared[i] = likelihood_.prepare(received.samples[i].place, variant);
     });
     const auto model = [&](std::size_t i, const ModelError& error) {
-      return likelihood_.model_of(heard.samples[i].place, prepared[i], variant, error);
+      return likelihood_.model_of(received.samples[i].place, prepared[i], variant, error);
     };
     Judged judged{std::vector<double>(count), std::vector<double>(count), {}};
     for (std::size_t fold = 0; fold < kFolds; ++fold) {
@@ -100,7 +100,7 @@ class Judge {
         std::vector<double> each(count);
         parallel_for(count, 4, [&](std::size_t i) {
           if (i % kFolds == fold) {
-            each[i] = ObservationModel::log_likelihood(model(i, error), heard.samples[i].observed);
+            each[i] = ObservationModel::log_likelihood(model(i, error), received.samples[i].observed);
           }
         });
         return kEvidence * std::accumulate(each.begin(), each.end(), 0.0);
@@ -111,7 +111,7 @@ class Judge {
       parallel_for(count, 4, [&](std::size_t i) { models[i] = model(i, error); });
       parallel_for(count, 1, [&](std::size_t i) {
         if (i % kFolds != fold) {
-          judge(models, heard.samples[i].observed, i, judged);
+          judge(models, received.samples[i].observed, i, judged);
         }
       });
     }
@@ -119,11 +119,11 @@ class Judge {
   }
 
   // Median correlation of measured and expected arrays, with so much of the edges' amplitude.
-  double correlation(const Heard& heard, const WaveTracer& tracer, double edges) const {
+  double correlation(const Received& received, const WaveTracer& tracer, double edges) const {
     const Aligner aligner(room_.grid);
-    std::vector<double> values(heard.samples.size());
+    std::vector<double> values(received.samples.size());
     parallel_for(values.size(), 4, [&](std::size_t i) {
-      const WavePlace& place = heard.samples[i].place;
+      const WavePlace& place = received.samples[i].place;
       std::vector<Ray> rays = place.rays;
       for (const EdgeRay& edge : place.edges) {
         rays.push_back(edge.ray);
@@ -145,7 +145,7 @@ class Judge {
       for (std::size_t j = 0; j < over.size(); ++j) {
         expected[j] += over[j];
       }
-      values[i] = aligner.align(expected, heard.h[i]).correlation;
+      values[i] = aligner.align(expected, received.h[i]).correlation;
     });
     return median(values);
   }
@@ -186,10 +186,10 @@ class Judge {
   const WaveLikelihood& likelihood_;
 };
 
-void print_powers(const Heard& heard, std::size_t densities) {
+void print_powers(const Received& received, std::size_t densities) {
   std::vector<double> edges;
   std::vector<double> count;
-  for (const WaveSample& sample : heard.samples) {
+  for (const WaveSample& sample : received.samples) {
     double rays = 0.0;
     double over = 0.0;
     for (const Ray& ray : sample.place.rays) {
@@ -206,7 +206,7 @@ void print_powers(const Heard& heard, std::size_t densities) {
               median(edges));
   for (std::size_t i = 0; i < densities; ++i) {
     std::vector<double> power;
-    for (const WaveSample& sample : heard.samples) {
+    for (const WaveSample& sample : received.samples) {
       power.push_back(10.0 * std::log10(sample.place.density.at(i).power));
     }
     std::printf("; density %zu: %.1f dB", i, median(power));
@@ -215,14 +215,14 @@ void print_powers(const Heard& heard, std::size_t densities) {
 }
 
 // A density's power counts from its median over the points, so that d keeps its size.
-void scale_powers(Heard& heard, std::size_t densities) {
+void scale_powers(Received& received, std::size_t densities) {
   for (std::size_t i = 0; i < densities; ++i) {
     std::vector<double> power;
-    for (const WaveSample& sample : heard.samples) {
+    for (const WaveSample& sample : received.samples) {
       power.push_back(sample.place.density.at(i).power);
     }
     const double middle = median(power);
-    for (WaveSample& sample : heard.samples) {
+    for (WaveSample& sample : received.samples) {
       sample.place.density.at(i).power /= middle;
     }
   }
@@ -285,9 +285,9 @@ void study(const RoomModel& room,
     }
   }
   const double before = seconds_of_cpu();
-  Heard heard{std::vector<WaveSample>(used.size()), {}};
+  Received received{std::vector<WaveSample>(used.size()), {}};
   parallel_for(used.size(), 1, [&](std::size_t i) {
-    heard.samples[i].place = tracer.trace(used[i]->position);
+    received.samples[i].place = tracer.trace(used[i]->position);
   });
   std::printf("%s: %zu points, %.1f s of CPU to trace\n",
               ap.id.c_str(),
@@ -295,30 +295,30 @@ void study(const RoomModel& room,
               seconds_of_cpu() - before);
   std::size_t kept = 0;
   for (std::size_t i = 0; i < used.size(); ++i) {
-    if (heard.samples[i].place.rays.empty()) {
+    if (received.samples[i].place.rays.empty()) {
       continue;
     }
     auto h = options.made ? tracer.edge_recording(used[i]->position) : used[i]->h[number];
     if (!options.made) {
       remove_gains(ap.gains, h);
     }
-    heard.samples[i].observed = likelihood.model().observe(h);
-    heard.h.push_back(std::move(h));
-    std::swap(heard.samples[kept++], heard.samples[i]);
+    received.samples[i].observed = likelihood.model().observe(h);
+    received.h.push_back(std::move(h));
+    std::swap(received.samples[kept++], received.samples[i]);
   }
-  heard.samples.resize(kept);
-  print_powers(heard, densities);
-  scale_powers(heard, densities);
+  received.samples.resize(kept);
+  print_powers(received, densities);
+  scale_powers(received, densities);
   const Judge judge(room, ap, likelihood);
-  const double plain = judge.correlation(heard, tracer, 0.0);
+  const double plain = judge.correlation(received, tracer, 0.0);
   std::printf("  median correlation: %.4f, with edges %.4f, with half of their amplitude %.4f\n",
               plain,
-              judge.correlation(heard, tracer, 1.0),
-              judge.correlation(heard, tracer, 0.5));
+              judge.correlation(received, tracer, 1.0),
+              judge.correlation(received, tracer, 0.5));
   std::printf("  not explained by rays: %.1f dB of the power\n", 10.0 * std::log10(1.0 - plain));
   Judge::Judged today;
   for (const WaveVariant& variant : variants_of(options.reflected)) {
-    const Judge::Judged values = judge.judged(heard, variant);
+    const Judge::Judged values = judge.judged(received, variant);
     if (today.place.empty()) {
       today = values;
     }

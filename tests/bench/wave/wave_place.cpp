@@ -161,10 +161,10 @@ WavePlace WaveTracer::trace(const Vec3d& device) const {
 }
 
 std::vector<EdgeRay> WaveTracer::edges_to(const Transmitter& device) const {
-  std::vector<std::map<PathKey, const Path*>> heard;
+  std::vector<std::map<PathKey, const Path*>> received;
   const std::vector<Paths> elements = edge_array_->trace(device);
   for (const Paths& paths : elements) {
-    auto& one = heard.emplace_back();
+    auto& one = received.emplace_back();
     for (const Path& path : paths) {
       if (bends(path)) {
         one.emplace(key_of(path), &path);
@@ -177,13 +177,13 @@ std::vector<EdgeRay> WaveTracer::edges_to(const Transmitter& device) const {
       continue;
     }
     EdgeRay edge{edge_ray(path, room_, device.position, access_point_.array.pose.position), {}, {}};
-    for (const auto& one : heard) {
+    for (const auto& one : received) {
       const auto found = one.find(key_of(path));
-      const bool is_heard = found != one.end();
-      edge.factor.push_back(is_heard ? Value(found->second->a.re, found->second->a.im) /
+      const bool is_received = found != one.end();
+      edge.factor.push_back(is_received ? Value(found->second->a.re, found->second->a.im) /
                                            Value(path.a.re, path.a.im)
                                      : Value());
-      edge.longer.push_back(is_heard ? (found->second->tau - path.tau) * kSpeedOfLight : 0.0);
+      edge.longer.push_back(is_received ? (found->second->tau - path.tau) * kSpeedOfLight : 0.0);
     }
     edges.push_back(std::move(edge));
   }

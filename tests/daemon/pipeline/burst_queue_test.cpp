@@ -16,7 +16,7 @@ Burst burst(std::uint8_t transmitter, int ms) {
   Burst burst;
   burst.transmitter.octets[5] = transmitter;
   burst.first = at(ms);
-  burst.heard_since = burst.first;
+  burst.received_since = burst.first;
   burst.last = at(ms + 150);
   burst.frames.resize(3);
   burst.surplus = 1;
@@ -61,10 +61,10 @@ TEST(BurstQueue, LiveANewerBurstTakesThePlaceOfTheOneThatWaits) {
   const Burst first = queue.pop();
   EXPECT_EQ(first.transmitter.octets[5], 1);
   EXPECT_EQ(first.first, at(400));
-  EXPECT_EQ(first.heard_since, at(0));
+  EXPECT_EQ(first.received_since, at(0));
   const Burst second = queue.pop();
   EXPECT_EQ(second.transmitter.octets[5], 2);
-  EXPECT_EQ(second.heard_since, second.first);
+  EXPECT_EQ(second.received_since, second.first);
   EXPECT_TRUE(queue.empty());
   EXPECT_EQ(queue.frames(), 0U);
   EXPECT_EQ(queue.earliest(at(1000)), at(1000));
@@ -75,7 +75,7 @@ TEST(BurstQueue, WhatHasBeenTakenIsNotMerged) {
   push(queue, {burst(1, 0)});
   EXPECT_EQ(queue.pop().first, at(0));
   push(queue, {burst(1, 200)});
-  EXPECT_EQ(queue.pop().heard_since, at(200));
+  EXPECT_EQ(queue.pop().received_since, at(200));
   EXPECT_EQ(queue.merged_bursts(), 0U);
 }
 
@@ -175,7 +175,7 @@ TEST(Field, BurstQueueDropsAndCountsWhatHasWaitedTooLong) {
   EXPECT_EQ(queue.merged_bursts(), 1U);
   // The next burst of a dropped transmitter begins anew.
   push(queue, {burst(1, 6000)}, at(6200));
-  EXPECT_EQ(queue.pop().heard_since, at(6000));
+  EXPECT_EQ(queue.pop().received_since, at(6000));
 }
 
 TEST(Field, BurstQueueHoldsABoundedNumberOfFrames) {

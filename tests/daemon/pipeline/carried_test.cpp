@@ -67,7 +67,7 @@ Carried filled() {
   Carried carried;
   carried.done = at(10.0001);
   carried.open = {at(10.2), {{mac(1), at(10.1), at(10.19)}, {mac(2), at(10.05), at(10.05)}}};
-  carried.heard = at(8);
+  carried.received = at(8);
   carried.devices = {7, {{"02:52:4c:00:00:01", 3}, {"02:52:4c:00:00:01", 7}}};
   carried.people = {{mac(9), 11, at(9.93)}};
   Target device;
@@ -144,7 +144,7 @@ TEST(CarriedMessage, RefusesWhatContradictsItself) {
 TEST(CarriedMessage, OfASmallSiteIsSmall) {
   Carried carried;
   carried.done = at(10);
-  carried.heard = at(10);
+  carried.received = at(10);
   carried.open = {at(10.2), {{mac(1), at(10.1), at(10.19)}}};
   carried.devices = {1, {{"02:52:4c:00:00:01", 1}}};
   EXPECT_LT(carried_message(carried).ByteSizeLong(), 100U);

@@ -188,7 +188,7 @@ TEST(ComparedMethod, OneThatIsStuckHoldsNobodyUpAndIsCounted) {
 Burst burst_of(std::uint8_t device, Timestamp begin) {
   Burst burst;
   burst.transmitter = MacAddress{{0x02, 0, 0, 0, 0, device}};
-  burst.first = burst.heard_since = begin;
+  burst.first = burst.received_since = begin;
   burst.last = begin + 100ms;
   burst.frames.resize(1);
   burst.frames[0].time = begin;

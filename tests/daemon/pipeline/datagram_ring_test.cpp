@@ -92,11 +92,11 @@ class RingSnapshotsTest : public ::testing::Test {
 };
 
 TEST_F(RingSnapshotsTest, WritesAFileForEachSourceThatWasHeard) {
-  DatagramRing heard(std::chrono::seconds(30), std::size_t{1} << 30U);
+  DatagramRing received(std::chrono::seconds(30), std::size_t{1} << 30U);
   DatagramRing silent(std::chrono::seconds(30), std::size_t{1} << 30U);
-  RingSnapshots snapshots({{"ap1", &heard}, {"ap2", &silent}}, folder_, limits_);
+  RingSnapshots snapshots({{"ap1", &received}, {"ap2", &silent}}, folder_, limits_);
   EXPECT_THAT(snapshots.request().error().message, HasSubstr("no source has received"));
-  tap(heard, 1, 1000, std::chrono::milliseconds(1));
+  tap(received, 1, 1000, std::chrono::milliseconds(1));
   const auto files = snapshots.request();
   ASSERT_TRUE(files) << files.error().message;
   ASSERT_EQ(files->size(), 1U);

@@ -204,12 +204,12 @@ TEST(Pipeline, LiveTakesTheNewestBurstAndCountsWhatItMerged) {
   EXPECT_EQ(counters.in_flight, 0U);
   EXPECT_EQ(counters.taken + pipeline.mailbox_counters()[0].dropped,
             pipeline.source_reports()[0].receiver.frames);
-  // The burst explained last is the newest of the recording; heard_since covers those before.
+  // The burst explained last is the newest of the recording; received_since covers those before.
   const Outcome all = replay(8192, nullptr, 1);
   // One that waits through a silence of more than three seconds is dropped instead.
   EXPECT_EQ(explained.size() + counters.bursts_merged + counters.bursts_dropped,
             all.counters.bursts);
-  EXPECT_LT(explained.back().heard_since, explained.back().first);
+  EXPECT_LT(explained.back().received_since, explained.back().first);
   EXPECT_GT(explained.back().first, explained.front().last);
 }
 

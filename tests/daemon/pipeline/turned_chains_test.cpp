@@ -97,7 +97,7 @@ Burst burst_of(std::vector<CsiFrame> frames) {
   Burst burst;
   burst.frames = std::move(frames);
   burst.transmitter = burst.frames.front().transmitter;
-  burst.first = burst.heard_since = burst.frames.front().time;
+  burst.first = burst.received_since = burst.frames.front().time;
   burst.last = burst.frames.back().time;
   return burst;
 }

@@ -55,20 +55,20 @@ class Writer : public OrderedSink {
   std::vector<Carried> records;
 };
 
-struct Heard {
+struct Received {
   int sources = 3;
   Duration burst = milliseconds(200);
   std::size_t ring_frames = 8192;
   std::string recording = "device_los";
 };
 
-Writer replay(const Heard& heard, const WarmStart& start, Duration carry_every) {
+Writer replay(const Received& received, const WarmStart& start, Duration carry_every) {
   std::vector<SourceWorker::Input> inputs;
-  for (int index = 0; index < heard.sources; ++index) {
+  for (int index = 0; index < received.sources; ++index) {
     const std::string id = "ap" + std::to_string(index + 1);
     SourceWorker::Input input;
     input.access_point = id;
-    input.source = PcapFileSource::open(kSite + (heard.recording + "-" + id + ".pcap.gz")).value();
+    input.source = PcapFileSource::open(kSite + (received.recording + "-" + id + ".pcap.gz")).value();
     if (start.listen_from != Timestamp::min()) {
       input.source = std::make_unique<LaterSource>(std::move(input.source), start.listen_from);
     }
@@ -78,8 +78,8 @@ Writer replay(const Heard& heard, const WarmStart& start, Duration carry_every) 
   DescribingEstimator estimator;
   Writer sink;
   PipelineOptions options;
-  options.burst.length = heard.burst;
-  options.ring_frames = heard.ring_frames;
+  options.burst.length = received.burst;
+  options.ring_frames = received.ring_frames;
   options.overflow = Overflow::kWait;
   options.open = start.open;
   options.from = start.from;
@@ -111,7 +111,7 @@ std::string text_behind(Timestamp done, const std::vector<Carried>& records) {
   return text;
 }
 
-class WarmStartOf : public ::testing::TestWithParam<Heard> {};
+class WarmStartOf : public ::testing::TestWithParam<Received> {};
 
 TEST_P(WarmStartOf, GoesOnWithTheSameBursts) {
   const Writer whole = replay(GetParam(), {}, milliseconds(230));
@@ -137,29 +137,29 @@ TEST_P(WarmStartOf, GoesOnWithTheSameBursts) {
 }
 
 TEST_P(WarmStartOf, RecordsAndQueuesMakeNoDifference) {
-  Heard heard = GetParam();
-  const Writer reference = replay(heard, {}, {});
+  Received received = GetParam();
+  const Writer reference = replay(received, {}, {});
   EXPECT_TRUE(reference.records.empty());
-  const Writer recorded = replay(heard, {}, milliseconds(100));
+  const Writer recorded = replay(received, {}, milliseconds(100));
   EXPECT_EQ(recorded.lines, reference.lines);
-  heard.ring_frames = 3;
-  const Writer narrow = replay(heard, {}, milliseconds(100));
+  received.ring_frames = 3;
+  const Writer narrow = replay(received, {}, milliseconds(100));
   EXPECT_EQ(narrow.lines, reference.lines);
   EXPECT_EQ(text_behind({}, narrow.records), text_behind({}, recorded.records));
 }
 
 INSTANTIATE_TEST_SUITE_P(Recordings,
                          WarmStartOf,
-                         ::testing::Values(Heard{},
-                                           Heard{1},
-                                           Heard{2, milliseconds(1200)},
-                                           Heard{3, milliseconds(200), 8192, "walk"}));
+                         ::testing::Values(Received{},
+                                           Received{1},
+                                           Received{2, milliseconds(1200)},
+                                           Received{3, milliseconds(200), 8192, "walk"}));
 
 TEST(WarmStart, ListensFromBeforeTheLongestSilence) {
   std::vector<Carried> records(20);
   for (std::size_t i = 0; i < records.size(); ++i) {
     records[i].open.at = kStart + std::chrono::seconds(i);
-    records[i].done = records[i].heard = records[i].open.at - milliseconds(100);
+    records[i].done = records[i].received = records[i].open.at - milliseconds(100);
     records[i].people = {{{}, i, records[i].done}};
   }
   const auto begin = [&] {
@@ -170,10 +170,10 @@ TEST(WarmStart, ListensFromBeforeTheLongestSilence) {
   const auto people = warm_start(records, std::nullopt, std::chrono::seconds(5))->carried->people;
   EXPECT_EQ(people[0].number, 19U);
   EXPECT_EQ(people[0].moment, records[13].done);
-  records.back().heard = kStart + std::chrono::seconds(15);
+  records.back().received = kStart + std::chrono::seconds(15);
   EXPECT_EQ(begin(), kStart + std::chrono::seconds(10));
   // The whole recording where no record states the open bursts of that time.
-  records.back().heard = kStart + std::chrono::seconds(4);
+  records.back().received = kStart + std::chrono::seconds(4);
   EXPECT_EQ(begin(), Timestamp::min());
 }
 

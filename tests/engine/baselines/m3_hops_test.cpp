@@ -76,8 +76,8 @@ LocationEstimate located_by_steps(const M3& m3, std::span<const CsiFrame> frames
   std::vector<M3Paths> paths;
   for (std::size_t i = 0; i < room.access_points.size(); ++i) {
     const RoomAccessPoint& ap = room.access_points[i];
-    M3Heard heard;
-    heard.access_point = i;
+    M3Received received;
+    received.access_point = i;
     for (const double away : kHops) {
       const RoomModel other = on_channel(room, away);
       std::vector<CsiFrame> own;
@@ -90,10 +90,10 @@ LocationEstimate located_by_steps(const M3& m3, std::span<const CsiFrame> frames
       }
       remove_gains(ap.gains, burst->h);
       std::vector<std::string> warnings;
-      heard.line = *living_line(ap, *burst, warnings);
-      heard.hops.push_back({other.grid, along(heard.line, *burst, tones)});
+      received.line = *living_line(ap, *burst, warnings);
+      received.hops.push_back({other.grid, along(received.line, *burst, tones)});
     }
-    paths.push_back(m3.find_paths(heard));
+    paths.push_back(m3.find_paths(received));
   }
   LocationEstimate estimate;
   m3.summarise(paths, estimate);
@@ -196,9 +196,9 @@ TEST(M3Hops, LeaveOutAChannelOfOtherAntennasAndOneThatIsNoHop) {
   const auto channels = by_channel(room.grid, frames);
   const auto hops = observe_hops(room, 0, channels, warnings);
   ASSERT_TRUE(hops);
-  ASSERT_EQ(hops->heard.hops.size(), 2U);
-  EXPECT_EQ(hops->heard.line.element.size(), 3U);
-  EXPECT_EQ(hops->heard.hops[1].grid.centre_hz, room.grid.centre_hz + 80e6);
+  ASSERT_EQ(hops->received.hops.size(), 2U);
+  EXPECT_EQ(hops->received.line.element.size(), 3U);
+  EXPECT_EQ(hops->received.hops[1].grid.centre_hz, room.grid.centre_hz + 80e6);
   EXPECT_EQ(hops->burst.frames_used, 8U);
   EXPECT_THAT(warnings, Contains(HasSubstr("1 of 3 channels are left out")));
   EXPECT_THAT(warnings, Contains(HasSubstr("(at 5300 MHz)")));
@@ -240,7 +240,7 @@ TEST(M3Hops, ResolveAPathThatOneChannelDoesNot) {
     for (unsigned seed = 1; seed <= 20; ++seed) {
       std::vector<std::string> warnings;
       const auto channels = by_channel(room.grid, two_paths(room, hops, 100 * seed));
-      M3Paths found = m3.find_paths(observe_hops(room, 0, channels, warnings)->heard);
+      M3Paths found = m3.find_paths(observe_hops(room, 0, channels, warnings)->received);
       std::sort(found.paths.begin(), found.paths.end(), [](const auto& a, const auto& b) {
         return std::abs(a.amplitude) > std::abs(b.amplitude);
       });

@@ -157,18 +157,18 @@ TEST(M3, FindsThePlaceOfExactPaths) {
   const double wavelength = kLight / 5.18e9;
   std::vector<double> errors;
   for (const Vec3d& truth : places(20)) {
-    M3Paths heard{0, line, wavelength, 180e6, {}};
+    M3Paths received{0, line, wavelength, 180e6, {}};
     for (const Vec3d& image : images(room, truth, 4)) {
-      heard.paths.push_back(
+      received.paths.push_back(
           {psi_of(array, line, image, wavelength) * wavelength / (kTwoPi * line.spacing),
            norm(image - array.pose.position) / kLight,
            1.0});
     }
-    std::sort(heard.paths.begin(), heard.paths.end(), [](const auto& a, const auto& b) {
+    std::sort(received.paths.begin(), received.paths.end(), [](const auto& a, const auto& b) {
       return a.tau < b.tau;
     });
     LocationEstimate estimate;
-    m3().summarise({&heard, 1}, estimate);
+    m3().summarise({&received, 1}, estimate);
     errors.push_back(error_of(estimate, truth));
   }
   EXPECT_LT(median(errors), 0.06);
@@ -176,7 +176,7 @@ TEST(M3, FindsThePlaceOfExactPaths) {
 
 // The channel of an access point from a device and `walls` of its images; every hop has its own
 // factor, delay and noise (40 dB).
-M3Heard heard_by_hops(const RoomModel& room,
+M3Received received_by_hops(const RoomModel& room,
                       const Vec3d& place,
                       std::span<const int> hops,
                       std::size_t walls,
@@ -184,7 +184,7 @@ M3Heard heard_by_hops(const RoomModel& room,
   std::mt19937 random(seed);
   std::normal_distribution<double> normal(0.0, 0.01 / std::sqrt(2.0));
   std::uniform_real_distribution<double> uniform;
-  M3Heard heard{0, line_of(room), {}};
+  M3Received received{0, line_of(room), {}};
   const auto& array = room.access_points[0].array;
   const auto seen = images(room, place, walls);
   for (const int number : hops) {
@@ -197,7 +197,7 @@ M3Heard heard_by_hops(const RoomModel& room,
         const auto tone = static_cast<std::size_t>(k);
         for (std::size_t i = 0; i < seen.size(); ++i) {
           const double r = norm(
-              seen[i] - element_position(array, heard.line.element[static_cast<std::size_t>(m)]));
+              seen[i] - element_position(array, received.line.element[static_cast<std::size_t>(m)]));
           hop.h(m, k) += std::polar((i == 0 ? 1.0 : 0.6) / r,
                                     -kTwoPi * hop.grid.frequency_hz(tone) * r / kLight);
         }
@@ -207,9 +207,9 @@ M3Heard heard_by_hops(const RoomModel& room,
                       std::complex<double>(real, normal(random)));
       }
     }
-    heard.hops.push_back(std::move(hop));
+    received.hops.push_back(std::move(hop));
   }
-  return heard;
+  return received;
 }
 
 // Over 40 places: a quarter of the estimates are an alias away, so medians of fewer places jump.
@@ -217,7 +217,7 @@ double median_error(std::span<const int> hops) {
   std::vector<double> errors;
   unsigned seed = 1;
   for (const Vec3d& truth : places(40)) {
-    const M3Paths paths = m3().find_paths(heard_by_hops(m3().room(), truth, hops, 2, seed++));
+    const M3Paths paths = m3().find_paths(received_by_hops(m3().room(), truth, hops, 2, seed++));
     LocationEstimate estimate;
     m3().summarise({&paths, 1}, estimate);
     errors.push_back(error_of(estimate, truth));

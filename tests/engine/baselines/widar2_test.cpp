@@ -225,10 +225,10 @@ std::vector<CsiFrame> walk(double seconds, double step, const std::function<Vec3
   return test::frames_past(*room(), {kPlug, kLink.position}, seconds, step, place);
 }
 
-std::vector<LocationEstimate> heard(Widar2& widar2, const std::vector<CsiFrame>& frames) {
+std::vector<LocationEstimate> received(Widar2& widar2, const std::vector<CsiFrame>& frames) {
   std::vector<LocationEstimate> out;
   for (std::size_t i = 0; i < frames.size(); i += 240) {  // bursts of 0.2 s
-    widar2.hear(std::span(frames).subspan(i, std::min<std::size_t>(240, frames.size() - i)), out);
+    widar2.receive(std::span(frames).subspan(i, std::min<std::size_t>(240, frames.size() - i)), out);
   }
   return out;
 }
@@ -247,7 +247,7 @@ Vec3d around(double t) {
 TEST(Widar2, FollowsAPointThatWalks) {
   const auto place = around;
   auto widar2 = *Widar2::create(room(), kLink, a_point());
-  const auto estimates = heard(widar2, walk(4.0, kStep, place));
+  const auto estimates = received(widar2, walk(4.0, kStep, place));
   ASSERT_GT(estimates.size(), 15U);
   std::vector<double> errors;
   for (const LocationEstimate& estimate : estimates) {
@@ -259,7 +259,7 @@ TEST(Widar2, FollowsAPointThatWalks) {
   EXPECT_LT(errors[errors.size() / 2], 0.25) << errors.back();
   EXPECT_EQ(widar2.problem(), "");
   auto again = *Widar2::create(room(), kLink, a_point());
-  const auto same = heard(again, walk(4.0, kStep, place));
+  const auto same = received(again, walk(4.0, kStep, place));
   ASSERT_EQ(same.size(), estimates.size());
   EXPECT_EQ(same.back().position->x, estimates.back().position->x);
 }
@@ -267,7 +267,7 @@ TEST(Widar2, FollowsAPointThatWalks) {
 TEST(Widar2, OneLinkLeavesItsAliases) {
   const auto place = around;
   auto widar2 = *Widar2::create(room(), {kPlug, kLink.position, {0}}, a_point());
-  const auto estimates = heard(widar2, walk(4.0, kStep, place));
+  const auto estimates = received(widar2, walk(4.0, kStep, place));
   ASSERT_FALSE(estimates.empty());
   std::vector<double> nearest;
   for (const LocationEstimate& estimate : estimates) {
@@ -285,13 +285,13 @@ TEST(Widar2, OneLinkLeavesItsAliases) {
 
 TEST(Widar2, RefusesInWords) {
   auto still = *Widar2::create(room(), kLink, {});
-  const auto estimates = heard(still, walk(3.5, kStep, [](double) {
+  const auto estimates = received(still, walk(3.5, kStep, [](double) {
                                  return Vec3d{0.2, 0.3, 1.2};
                                }));
   EXPECT_EQ(still.problem(), "nothing moves: widar2 sees only what moves");
   EXPECT_LT(estimates.size(), 8U) << "until a second without motion is over";
   auto slow = *Widar2::create(room(), kLink, {});
-  EXPECT_TRUE(heard(slow,
+  EXPECT_TRUE(received(slow,
                     walk(2.0,
                          0.02,
                          [](double t) {
@@ -318,7 +318,7 @@ TEST(Widar2, BeginsAnewAfterAGap) {
   auto frames = walk(6.0, 0.005, place);
   std::erase_if(frames,
                 [](const CsiFrame& frame) { return frame.time > at(3.0) && frame.time < at(3.3); });
-  const auto estimates = heard(widar2, frames);
+  const auto estimates = received(widar2, frames);
   const auto after = std::count_if(estimates.begin(), estimates.end(), [](const auto& estimate) {
     return estimate.time > at(3.3);
   });

@@ -141,10 +141,10 @@ std::vector<CsiFrame> walk(double seconds,
       *room(), {kPlug, kLink.position, 0.3, 40.0, share}, seconds, step, place);
 }
 
-std::vector<LocationEstimate> heard(Witraj& witraj, const std::vector<CsiFrame>& frames) {
+std::vector<LocationEstimate> received(Witraj& witraj, const std::vector<CsiFrame>& frames) {
   std::vector<LocationEstimate> out;
   for (std::size_t i = 0; i < frames.size(); i += 240) {  // bursts of 0.2 s
-    witraj.hear(std::span(frames).subspan(i, std::min<std::size_t>(240, frames.size() - i)), out);
+    witraj.receive(std::span(frames).subspan(i, std::min<std::size_t>(240, frames.size() - i)), out);
   }
   return out;
 }
@@ -164,7 +164,7 @@ double worst_error(const std::vector<LocationEstimate>& estimates) {
 
 TEST(Witraj, FollowsAWalkFromItsStart) {
   auto witraj = *Witraj::create(room(), kLink, way(0.0), {});
-  const auto estimates = heard(witraj, walk(3.0, kStep, way));
+  const auto estimates = received(witraj, walk(3.0, kStep, way));
   ASSERT_GT(estimates.size(), 90U);
   EXPECT_LT(worst_error(estimates), 0.12) << "of a walk of 1.4 m";
   EXPECT_GT(estimates.back().accuracy_m, estimates.front().accuracy_m) << "the error grows";
@@ -181,15 +181,15 @@ TEST(Witraj, TellsTheWeakerAntennaOfEachToneWhenAsked) {
   const auto frames = walk(3.0, kStep, way, fades);
   auto published = *Witraj::create(room(), kLink, way(0.0), {});
   auto by_tone = *Witraj::create(room(), kLink, way(0.0), {.by_tone = true});
-  const double worst = worst_error(heard(by_tone, frames));
+  const double worst = worst_error(received(by_tone, frames));
   EXPECT_LT(worst, 0.15);
-  EXPECT_GT(worst_error(heard(published, frames)), 2.0 * worst);
+  EXPECT_GT(worst_error(received(published, frames)), 2.0 * worst);
 }
 
 TEST(Witraj, HoldsThePlaceOfWhoStandsStill) {
   const Vec3d start{0.1, 0.2, 1.2};
   auto witraj = *Witraj::create(room(), kLink, start, {});
-  const auto estimates = heard(witraj, walk(2.0, kStep, [&](double) { return start; }));
+  const auto estimates = received(witraj, walk(2.0, kStep, [&](double) { return start; }));
   ASSERT_FALSE(estimates.empty());
   EXPECT_NEAR(estimates.back().position->x, start.x, 0.25);
   EXPECT_NEAR(estimates.back().position->y, start.y, 0.25);
@@ -208,7 +208,7 @@ TEST(Witraj, RefusesInWords) {
             "witraj needs 2 access points that receive one transmitter, 3 to drop the worst; the "
             "site has a");
   auto slow = *Witraj::create(room(), kLink, Vec3d{}, {});
-  EXPECT_TRUE(heard(slow,
+  EXPECT_TRUE(received(slow,
                     walk(1.5,
                          0.02,
                          [](double t) {

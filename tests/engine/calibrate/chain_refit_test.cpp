@@ -35,7 +35,7 @@ RoomModel before_the_power_cycle(const std::vector<double>& turn_deg) {
   return room;
 }
 
-KnownSpot hear(const RoomModel& room, const Vec3d& position, unsigned seed = 1) {
+KnownSpot receive(const RoomModel& room, const Vec3d& position, unsigned seed = 1) {
   const auto frames = test::frames_at(room, position, {8, 30.0, seed});
   return {position,
           room.device,
@@ -66,7 +66,7 @@ void expect_true_phases(const ChainRefit& refit, double tolerance) {
 
 TEST(RefitChains, FindsThePhasesFromOneSpot) {
   const RoomModel room = before_the_power_cycle({0.0, 180.0, 90.0});
-  const std::vector<KnownSpot> spots = {hear(room, {0.4, -0.2, 1.1})};
+  const std::vector<KnownSpot> spots = {receive(room, {0.4, -0.2, 1.1})};
   const auto refit = refit_chains(room, 0, spots, {0.01, kUsual});
   ASSERT_TRUE(refit) << refit.error().message;
   EXPECT_EQ(refit->spots, 1U);
@@ -77,9 +77,9 @@ TEST(RefitChains, FindsThePhasesFromOneSpot) {
 
 TEST(RefitChains, ThreeSpotsStateASmallerUncertaintyThanOne) {
   const RoomModel room = before_the_power_cycle({30.0, -120.0, 75.0});
-  const std::vector<KnownSpot> spots = {hear(room, {0.4, -0.2, 1.1}, 1),
-                                        hear(room, {-0.5, -0.6, 1.2}, 2),
-                                        hear(room, {0.9, 0.3, 1.3}, 3)};
+  const std::vector<KnownSpot> spots = {receive(room, {0.4, -0.2, 1.1}, 1),
+                                        receive(room, {-0.5, -0.6, 1.2}, 2),
+                                        receive(room, {0.9, 0.3, 1.3}, 3)};
   const auto one = refit_chains(room, 0, std::span(spots).first(1));
   const auto three = refit_chains(room, 0, spots);
   ASSERT_TRUE(one && three);
@@ -97,8 +97,8 @@ TEST(RefitChains, ComparesATransmitterWithWhatWasHeardOfItBefore) {
     ap.error.plan_tolerance = 0.03;
   }
   const Vec3d place{0.4, -0.2, 1.1};
-  KnownSpot spot = hear(room, place, 2);
-  spot.usual = hear(room, place, 3).h;
+  KnownSpot spot = receive(room, place, 2);
+  spot.usual = receive(room, place, 3).h;
   remove_gains(test::make_gains(test::make_room(), 0), spot.usual);
   const auto refit = refit_chains(room, 0, std::span(&spot, 1));
   ASSERT_TRUE(refit) << refit.error().message;
@@ -110,7 +110,7 @@ TEST(RefitChains, KeepsTheCouplingOfTheAntennas) {
   RoomModel room = before_the_power_cycle({0.0, 180.0, 90.0});
   room.access_points[0].gains.coupling = {
       1.0, {0.0, 0.2}, 0.1, {-0.2, 0.1}, 1.0, 0.15, 0.1, 0.2, 1.0};
-  const std::vector<KnownSpot> spots = {hear(room, {0.4, -0.2, 1.1})};
+  const std::vector<KnownSpot> spots = {receive(room, {0.4, -0.2, 1.1})};
   const auto refit = refit_chains(room, 0, spots, {0.01, kUsual});
   ASSERT_TRUE(refit) << refit.error().message;
   EXPECT_EQ(refit->gains.coupling, room.access_points[0].gains.coupling);
@@ -123,7 +123,7 @@ TEST(RefitChains, KeepsTheCouplingOfTheAntennas) {
 TEST(RefitChains, KeepsLevelsThatTheSpotCannotTell) {
   RoomModel room = before_the_power_cycle({0.0, 0.0, 0.0});
   const std::size_t tones = room.grid.size();
-  KnownSpot spot = hear(room, {0.4, -0.2, 1.1});
+  KnownSpot spot = receive(room, {0.4, -0.2, 1.1});
   for (std::size_t k = 0; k < tones; ++k) {
     spot.h[2 * tones + k] *= 0.2 * std::cos(0.2 * static_cast<double>(k));
   }
@@ -153,7 +153,7 @@ TEST(RefitChains, ManySpotsTellTheRippleToo) {
   std::vector<KnownSpot> spots;
   for (unsigned i = 0; i < 16; ++i) {
     const unsigned row = i / 4;
-    spots.push_back(hear(room, {-0.9 + 0.6 * (i % 4), -0.8 + 0.5 * row, 1.2}, i + 1));
+    spots.push_back(receive(room, {-0.9 + 0.6 * (i % 4), -0.8 + 0.5 * row, 1.2}, i + 1));
   }
   const auto refit = refit_chains(room, 0, spots);
   ASSERT_TRUE(refit);
@@ -167,7 +167,7 @@ TEST(RefitChains, RefusesPlacesThatContradictEachOther) {
   std::vector<KnownSpot> spots;
   for (unsigned i = 0; i < 6; ++i) {
     const unsigned row = i / 3;
-    spots.push_back(hear(room, {-0.9 + 0.6 * (i % 3), -0.6 + 0.9 * row, 1.2}, i + 1));
+    spots.push_back(receive(room, {-0.9 + 0.6 * (i % 3), -0.6 + 0.9 * row, 1.2}, i + 1));
     spots.back().position.x *= -1.0;
   }
   const auto refit = refit_chains(room, 0, spots, {0.01, kUsual});
@@ -179,7 +179,7 @@ TEST(RefitChains, RefusesPlacesThatContradictEachOther) {
 
 TEST(RefitChains, RefusesAPlaceThatNoRayReaches) {
   const RoomModel room = before_the_power_cycle({0.0, 0.0, 0.0});
-  std::vector<KnownSpot> spots = {hear(room, {0.4, -0.2, 1.1})};
+  std::vector<KnownSpot> spots = {receive(room, {0.4, -0.2, 1.1})};
   spots[0].position = {20.0, 0.0, 1.1};
   const auto refit = refit_chains(room, 0, spots);
   ASSERT_FALSE(refit);

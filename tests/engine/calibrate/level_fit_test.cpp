@@ -13,7 +13,7 @@
 namespace rayloc::level_fit_test {
 namespace {
 
-constexpr std::size_t kHeardBy = 1;
+constexpr std::size_t kReceivedBy = 1;
 constexpr double kOffset = -37.25;  // [dB]
 
 const RoomModel& room() {
@@ -23,7 +23,7 @@ const RoomModel& room() {
 
 // Power that reaches the middle of the array of the access point, and diffuse power with it [dB].
 double power_at(const Vec3d& position) {
-  const RoomAccessPoint& ap = room().access_points[kHeardBy];
+  const RoomAccessPoint& ap = room().access_points[kReceivedBy];
   const Paths paths = PathTracer(room().scene, room().trace)
                           .trace(Transmitter{{position, {}, room().device.pattern}},
                                  Receiver{{ap.array.pose.position,
@@ -57,7 +57,7 @@ TEST(LevelFit, RecoversTheOffsetAndTheSpread) {
   for (double& one : off) {
     one = 2.5 * normal(random);
   }
-  const auto fit = fit_level(room(), kHeardBy, samples_off(off));
+  const auto fit = fit_level(room(), kReceivedBy, samples_off(off));
   ASSERT_TRUE(fit);
   EXPECT_EQ(fit->samples, 400U);
   EXPECT_NEAR(fit->offset_db, kOffset, 4.0 * 2.5 / 20.0);  // four standard errors
@@ -67,7 +67,7 @@ TEST(LevelFit, RecoversTheOffsetAndTheSpread) {
 TEST(LevelFit, IsTheMeanAndTheUnbiasedDeviation) {
   std::vector<double> off(5, 3.0);
   off.resize(10, -1.0);
-  const auto fit = fit_level(room(), kHeardBy, samples_off(off));
+  const auto fit = fit_level(room(), kReceivedBy, samples_off(off));
   ASSERT_TRUE(fit);
   EXPECT_NEAR(fit->offset_db, kOffset + 1.0, 1e-6);
   EXPECT_NEAR(fit->sigma_db, std::sqrt(10.0 * 4.0 / 9.0), 1e-6);
@@ -75,7 +75,7 @@ TEST(LevelFit, IsTheMeanAndTheUnbiasedDeviation) {
 
 // Levels in whole decibels have no smaller error.
 TEST(LevelFit, StatesNoSpreadBelowThatOfTheReadings) {
-  const auto fit = fit_level(room(), kHeardBy, samples_off(std::vector<double>(20, 0.0)));
+  const auto fit = fit_level(room(), kReceivedBy, samples_off(std::vector<double>(20, 0.0)));
   ASSERT_TRUE(fit);
   EXPECT_NEAR(fit->offset_db, kOffset, 1e-6);
   EXPECT_EQ(fit->sigma_db, 0.5);
@@ -83,17 +83,17 @@ TEST(LevelFit, StatesNoSpreadBelowThatOfTheReadings) {
 
 TEST(LevelFit, TakesAtLeastTenPoints) {
   const auto samples = samples_off(std::vector<double>(10, 0.0));
-  EXPECT_TRUE(fit_level(room(), kHeardBy, samples));
-  EXPECT_FALSE(fit_level(room(), kHeardBy, std::span(samples).first(9)));
-  EXPECT_FALSE(fit_level(room(), kHeardBy, {}));
+  EXPECT_TRUE(fit_level(room(), kReceivedBy, samples));
+  EXPECT_FALSE(fit_level(room(), kReceivedBy, std::span(samples).first(9)));
+  EXPECT_FALSE(fit_level(room(), kReceivedBy, {}));
 }
 
 TEST(LevelFit, CountsOnlyPointsThatARayLeadsTo) {
   auto samples = samples_off(std::vector<double>(10, 0.0));
   samples[0].position = {0.0, 0.0, -5.0};  // below the floor
-  EXPECT_FALSE(fit_level(room(), kHeardBy, samples));
+  EXPECT_FALSE(fit_level(room(), kReceivedBy, samples));
   samples.push_back(samples[1]);
-  const auto fit = fit_level(room(), kHeardBy, samples);
+  const auto fit = fit_level(room(), kReceivedBy, samples);
   ASSERT_TRUE(fit);
   EXPECT_EQ(fit->samples, 10U);
   EXPECT_NEAR(fit->offset_db, kOffset, 1e-6);

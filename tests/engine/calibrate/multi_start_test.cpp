@@ -39,16 +39,16 @@ std::vector<double> numbers(const RoomCalibration& calibration) {
 
 // Bursts at access points count: three access points receive three times as many.
 TEST(MultiStart, BeginsTheMoreOftenTheFewerBurstsThereAre) {
-  const auto heard = [](std::size_t points, std::size_t access_points) {
+  const auto received = [](std::size_t points, std::size_t access_points) {
     CalibrationPoint point;
     point.h.assign(access_points, {1.0});
     point.h.emplace_back();  // an access point without a burst
     return usual_draws(std::vector<CalibrationPoint>(points, point));
   };
-  EXPECT_EQ(heard(72, 1), 3);
-  EXPECT_EQ(heard(143, 1), 2);
-  EXPECT_EQ(heard(72, 2), 2);
-  EXPECT_EQ(heard(143, 3), 1);
+  EXPECT_EQ(received(72, 1), 3);
+  EXPECT_EQ(received(143, 1), 2);
+  EXPECT_EQ(received(72, 2), 2);
+  EXPECT_EQ(received(143, 3), 1);
 }
 
 TEST(MultiStart, KeepsTheRunWhoseRoomMeetsThePointsBest) {

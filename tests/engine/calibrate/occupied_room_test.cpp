@@ -29,9 +29,9 @@ TEST(OccupiedRoom, IsHeardThroughWhoWalksInIt) {
   for (std::size_t ap = 0; ap < room.access_points.size(); ++ap) {
     BurstOptions options;
     options.max_frames = 1024;
-    const auto truth = hear(room, ap, empty, options, warnings);
-    const auto mean = hear(room, ap, frames, options, warnings);
-    const auto background = hear_background(room, ap, frames, options, warnings);
+    const auto truth = receive(room, ap, empty, options, warnings);
+    const auto mean = receive(room, ap, frames, options, warnings);
+    const auto background = receive_background(room, ap, frames, options, warnings);
     ASSERT_TRUE(truth && mean && background);
     const double off_mean = 1.0 - aligner.align(truth->h, mean->h).correlation;
     const double off = 1.0 - aligner.align(truth->h, background->h).correlation;
@@ -46,7 +46,7 @@ TEST(OccupiedRoom, IsHeardThroughWhoWalksInIt) {
 TEST(OccupiedRoom, NeedsFrames) {
   const RoomModel room = test::make_room();
   std::vector<std::string> warnings;
-  EXPECT_FALSE(hear_background(room, 0, {}, {}, warnings));
+  EXPECT_FALSE(receive_background(room, 0, {}, {}, warnings));
 }
 
 }  // namespace

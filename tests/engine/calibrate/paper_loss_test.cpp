@@ -65,7 +65,7 @@ std::vector<Value> channel(const std::vector<std::vector<TestPath>>& antennas) {
 const std::vector<double> kLineOfSight = {8e-9, 8.3e-9, 8.6e-9};
 
 // As a frame brings it: gain, phase and timing offset unknown.
-std::vector<Value> as_heard(std::vector<Value> h) {
+std::vector<Value> as_received(std::vector<Value> h) {
   const OfdmGrid grid = make_grid();
   for (std::size_t i = 0; i < h.size(); ++i) {
     const double turn = 2.0 * std::numbers::pi * grid.offset_hz(i % grid.size()) * 310e-9;
@@ -101,7 +101,7 @@ TEST(PaperDelay, OfALineOfSightIsItsOwn) {
   const std::vector<std::vector<TestPath>> direct = {
       {{1.0, 8e-9}}, {{1.0, 8.3e-9}}, {{1.0, 8.6e-9}}};
   const PaperLoss loss(make_grid(), {}, 1e-3);
-  const auto measured = loss.measure(as_heard(channel(direct)), kLineOfSight);
+  const auto measured = loss.measure(as_received(channel(direct)), kLineOfSight);
   for (std::size_t i = 0; i < measured.delay.size(); ++i) {
     EXPECT_NEAR(measured.delay[i], kLineOfSight[i / 112], 1e-15);  // 112 pairs of neighbours
   }
@@ -140,7 +140,7 @@ TEST(PaperDelay, IsTheGroupDelayButForItsMean) {
 TEST(PaperLoss, ForgetsGainPhaseAndTimingOffset) {
   const PaperLoss loss(make_grid(), {}, 1e-3);
   const auto h = channel(antennas(2));
-  const auto measured = loss.measure(as_heard(h), kLineOfSight);
+  const auto measured = loss.measure(as_received(h), kLineOfSight);
   EXPECT_NEAR(loss.value(PaperLossKind::kRatioAmplitude, measured, h), 0.0, 1e-9);
   // Smoothing commutes with a turn over the tones only nearly: the rest of the offset, about 2 ns.
   EXPECT_NEAR(loss.value(PaperLossKind::kDelay, measured, h), 0.0, 2e-3);
@@ -149,7 +149,7 @@ TEST(PaperLoss, ForgetsGainPhaseAndTimingOffset) {
 
 TEST(PaperLoss, AdjointsMatchDifferences) {
   const PaperLoss loss(make_grid(), {9, 2}, 1e-3);
-  const auto measured = loss.measure(as_heard(channel(antennas(4))), kLineOfSight);
+  const auto measured = loss.measure(as_received(channel(antennas(4))), kLineOfSight);
   auto h = channel(antennas(5));
   h[130] *= 1e-2;  // a null
   const auto direction = channel(antennas(6));

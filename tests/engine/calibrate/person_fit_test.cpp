@@ -29,7 +29,7 @@ std::vector<PersonSpot> spots(const RoomModel& room, std::size_t count) {
     PersonSpot spot{{place.x + 0.008 * std::sin(5.0 * t), place.y + 0.008 * std::cos(7.0 * t)}, {}};
     std::vector<std::string> warnings;
     for (std::size_t a = 0; a < room.access_points.size(); ++a) {
-      spot.h.push_back(hear(room, a, frames, {}, warnings)->h);
+      spot.h.push_back(receive(room, a, frames, {}, warnings)->h);
     }
     result.push_back(std::move(spot));
   }
@@ -46,8 +46,8 @@ PersonReference displaced(const RoomModel& room) {
 
 TEST(PersonFit, FindsTheTransmitterAndTheBody) {
   const RoomModel room = test::make_room();
-  const auto heard = spots(room, 20);
-  const auto fit = fit_person(room, displaced(room), heard);
+  const auto received = spots(room, 20);
+  const auto fit = fit_person(room, displaced(room), received);
   ASSERT_TRUE(fit) << fit.error().message;
   const Vec3d off = fit->reference.transmitter.position - test::fixed_transmitter().position;
   EXPECT_LT(std::hypot(off.x, off.y), 0.004) << off.x << " " << off.y;
@@ -62,8 +62,8 @@ TEST(PersonFit, FindsTheTransmitterAndTheBody) {
 
 TEST(PersonFit, NeedsEnoughPlaces) {
   const RoomModel room = test::make_room();
-  const auto heard = spots(room, 4);
-  const auto fit = fit_person(room, displaced(room), heard);
+  const auto received = spots(room, 4);
+  const auto fit = fit_person(room, displaced(room), received);
   ASSERT_FALSE(fit);
   EXPECT_NE(fit.error().message.find("4 places"), std::string::npos) << fit.error().message;
 }

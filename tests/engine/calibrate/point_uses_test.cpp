@@ -13,7 +13,7 @@ namespace rayloc::point_uses_test {
 namespace {
 
 // Points with a burst at one access point; every fifth is held out.
-std::vector<CalibrationPoint> heard_points(std::size_t count) {
+std::vector<CalibrationPoint> received_points(std::size_t count) {
   std::vector<CalibrationPoint> points(count);
   for (std::size_t p = 0; p < count; ++p) {
     points[p].held_out = p % 5 == 4;
@@ -27,7 +27,7 @@ std::ptrdiff_t count_of(const std::vector<Use>& uses, Use use) {
 }
 
 TEST(PointUses, DrawAFixedShareForEverySeed) {
-  const auto points = heard_points(150);
+  const auto points = received_points(150);
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     const auto uses = draw_uses(points, seed);
     EXPECT_EQ(count_of(uses, Use::kHeldOut), 30);
@@ -38,7 +38,7 @@ TEST(PointUses, DrawAFixedShareForEverySeed) {
 TEST(PointUses, LeaveEnoughToDecideAndToFitInSmallSurveys) {
   for (const auto& [count, deciding] :
        {std::pair(5, 0), std::pair(10, 2), std::pair(15, 3), std::pair(25, 3), std::pair(40, 5)}) {
-    const auto uses = draw_uses(heard_points(static_cast<std::size_t>(count)), 1);
+    const auto uses = draw_uses(received_points(static_cast<std::size_t>(count)), 1);
     EXPECT_EQ(count_of(uses, Use::kDecide), deciding) << count;
     EXPECT_GE(count_of(uses, Use::kFit), 4) << count;
     EXPECT_EQ(deciders(uses)[0], deciding > 0 ? Use::kDecide : Use::kFit) << count;
@@ -46,7 +46,7 @@ TEST(PointUses, LeaveEnoughToDecideAndToFitInSmallSurveys) {
 }
 
 TEST(PointUses, NeverDecideByWhatNobodyHeard) {
-  auto points = heard_points(40);
+  auto points = received_points(40);
   for (std::size_t p = 0; p < 20; ++p) {
     points[p].h[0].clear();
   }
@@ -59,7 +59,7 @@ TEST(PointUses, NeverDecideByWhatNobodyHeard) {
 
 // Each point in its turn: no part of the room is always left out.
 TEST(PointUses, DrawEveryPointSoonerOrLater) {
-  const auto points = heard_points(20);
+  const auto points = received_points(20);
   std::set<std::size_t> drawn;
   for (std::uint64_t seed = 1; seed <= 200; ++seed) {
     const auto uses = draw_uses(points, seed);

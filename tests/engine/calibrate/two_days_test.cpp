@@ -47,13 +47,13 @@ Channels turned_channels(const OfdmGrid& grid, Channels channels) {
   return channels;
 }
 
-std::vector<EmptyRoom> heard_by(const RoomModel& room, const std::vector<CsiFrame>& frames) {
-  std::vector<EmptyRoom> heard;
+std::vector<EmptyRoom> received_by(const RoomModel& room, const std::vector<CsiFrame>& frames) {
+  std::vector<EmptyRoom> received;
   std::vector<std::string> warnings;
   for (std::size_t a = 0; a < room.access_points.size(); ++a) {
-    heard.push_back({a, hear(room, a, frames, {}, warnings)->h});
+    received.push_back({a, receive(room, a, frames, {}, warnings)->h});
   }
-  return heard;
+  return received;
 }
 
 std::vector<CsiFrame> frames_of_empty(const RoomModel& room,
@@ -76,10 +76,10 @@ class TwoDaysTest : public ::testing::Test {
   TwoDaysTest() : empty_(test::channels_past(room_, {})) {}
 
   // `calibrated`: the room with the calibration's gains.
-  HeardDays heard(const RoomModel& calibrated, const Channels& today) const {
+  ReceivedDays received(const RoomModel& calibrated, const Channels& today) const {
     return {test::fixed_transmitter(),
-            heard_by(calibrated, frames_of_empty(room_, empty_, 1)),
-            heard_by(calibrated, frames_of_empty(room_, turned_channels(room_.grid, today), 2))};
+            received_by(calibrated, frames_of_empty(room_, empty_, 1)),
+            received_by(calibrated, frames_of_empty(room_, turned_channels(room_.grid, today), 2))};
   }
 
   const RoomModel room_ = test::make_room();
@@ -88,8 +88,8 @@ class TwoDaysTest : public ::testing::Test {
 };
 
 TEST_F(TwoDaysTest, TurnedChainsChangeNoAnswer) {
-  const std::vector<HeardDays> heard_days = {heard(room_, empty_)};
-  const auto days = tell_days_apart(room_, heard_days);
+  const std::vector<ReceivedDays> received_days = {received(room_, empty_)};
+  const auto days = tell_days_apart(room_, received_days);
   ASSERT_TRUE(days) << days.error().message;
   ASSERT_EQ(days->changes.size(), 3U);
   for (const DayChange& change : days->changes) {
@@ -103,13 +103,13 @@ TEST_F(TwoDaysTest, TurnedChainsChangeNoAnswer) {
               room_.access_points[change.access_point].gains.gain);
   }
   const auto reference =
-      fit_empty_room(days->people, test::fixed_transmitter(), days->heard[0].people);
+      fit_empty_room(days->people, test::fixed_transmitter(), days->received[0].people);
   ASSERT_TRUE(reference);
   const auto before =
       PersonLocalizer::create(std::make_shared<const RoomModel>(room_), *reference, {});
   const auto after =
       PersonLocalizer::create(std::make_shared<const RoomModel>(days->today),
-                              moved_to_today(room_.grid, *reference, days->heard[0].today),
+                              moved_to_today(room_.grid, *reference, days->received[0].today),
                               {});
   ASSERT_TRUE(before && after);
   unsigned seed = 1;
@@ -127,8 +127,8 @@ TEST_F(TwoDaysTest, TurnedChainsChangeNoAnswer) {
 
 // If the chains of a site were renewed first, the calibration has today's gains.
 TEST_F(TwoDaysTest, GainsOfTheCalibrationMayBeTodays) {
-  const std::vector<HeardDays> heard_days = {heard(later_, empty_)};
-  const auto days = tell_days_apart(later_, heard_days);
+  const std::vector<ReceivedDays> received_days = {received(later_, empty_)};
+  const auto days = tell_days_apart(later_, received_days);
   ASSERT_TRUE(days) << days.error().message;
   for (const DayChange& change : days->changes) {
     EXPECT_TRUE(change.is_turned);
@@ -141,8 +141,8 @@ TEST_F(TwoDaysTest, GainsOfTheCalibrationMayBeTodays) {
 }
 
 TEST_F(TwoDaysTest, ChainsThatAreAsTheyWereKeepTheirGains) {
-  HeardDays same = heard(room_, empty_);
-  same.today = heard_by(room_, frames_of_empty(room_, empty_, 3));
+  ReceivedDays same = received(room_, empty_);
+  same.today = received_by(room_, frames_of_empty(room_, empty_, 3));
   const auto days = tell_days_apart(room_, std::vector{same});
   ASSERT_TRUE(days) << days.error().message;
   for (const DayChange& change : days->changes) {
@@ -167,7 +167,7 @@ TEST_F(TwoDaysTest, WhatMovedIsNotTakenForAChain) {
       h[j] += std::polar(0.1 * std::sqrt(power), turn + 1.3 * static_cast<double>(core));
     }
   }
-  const auto days = tell_days_apart(room_, std::vector{heard(room_, today)});
+  const auto days = tell_days_apart(room_, std::vector{received(room_, today)});
   ASSERT_TRUE(days) << days.error().message;
   for (const DayChange& change : days->changes) {
     EXPECT_TRUE(change.is_turned);
@@ -193,7 +193,7 @@ TEST_F(TwoDaysTest, AnotherTransmitterIsNoOtherDay) {
              std::polar(1.0, -w * 70e-9 - 2.0 * core);
     }
   }
-  const auto days = tell_days_apart(room_, std::vector{heard(room_, today)});
+  const auto days = tell_days_apart(room_, std::vector{received(room_, today)});
   ASSERT_FALSE(days);
   EXPECT_NE(days.error().message.find("access point a: the empty rooms of the two days"),
             std::string::npos)
@@ -201,7 +201,7 @@ TEST_F(TwoDaysTest, AnotherTransmitterIsNoOtherDay) {
 }
 
 TEST_F(TwoDaysTest, AnAccessPointIsNeededOnBothDays) {
-  HeardDays apart = heard(room_, empty_);
+  ReceivedDays apart = received(room_, empty_);
   apart.people.resize(1);
   apart.today.erase(apart.today.begin());
   const auto days = tell_days_apart(room_, std::vector{apart});

@@ -56,9 +56,9 @@ TEST(ChainEvidence, WhoseChainsNobodyKnowsStillTellsMuchOfThePlace) {
         }
       }
     }
-    const RoomObservation heard = localizer()->hear(frames);
-    ASSERT_EQ(heard.arrays.size(), 1U);
-    const HeardArray& array = heard.arrays.front();
+    const RoomObservation received = localizer()->receive(frames);
+    ASSERT_EQ(received.arrays.size(), 1U);
+    const ArrayObservation& array = received.arrays.front();
     const TurnGrid grid(array.map->antennas());
     const std::vector<double> any(grid.size(), 1.0 / static_cast<double>(grid.size()));
     std::vector<double> as_calibrated(grid.size());
@@ -75,8 +75,8 @@ TEST(ChainEvidence, WhoseChainsNobodyKnowsStillTellsMuchOfThePlace) {
 
 TEST(CellBelief, AnAccessPointThatMayBeWrongRulesNothingOut) {
   CellBelief belief(4);
-  belief.hear(std::vector<double>{50.0, 0.0, 0.0, 0.0}, 0.1);
-  belief.hear(std::vector<double>{0.0, 1.0, 1.0, 1.0}, 0.1);
+  belief.receive(std::vector<double>{50.0, 0.0, 0.0, 0.0}, 0.1);
+  belief.receive(std::vector<double>{0.0, 1.0, 1.0, 1.0}, 0.1);
   const std::vector<double> log_probability = belief.log_probability();
   double sum = 0.0;
   for (const double one : log_probability) {

@@ -68,7 +68,7 @@ TEST(ChainLearner, LeavesChainsAloneThatAreAsCalibrated) {
   ChainLearner learner(localizer());
   for (int i = 0; i < 20; ++i) {
     const auto frames = burst(i);
-    learner.hear(frames);
+    learner.receive(frames);
     ASSERT_EQ(learner.states().size(), 1U);
     EXPECT_EQ(learner.states()[0].knowledge, ChainKnowledge::kAsCalibrated) << i;
     EXPECT_EQ(learner.believed(frames).size(), frames.size());
@@ -86,7 +86,7 @@ TEST(ChainLearner, LearnsWhatChainsMultiplyByAfterAPowerCycle) {
   for (const std::vector<Value>& factors : cycles) {
     ChainLearner learner(localizer());
     for (int i = 0; i < 24; ++i) {
-      learner.hear(through(burst(i), factors));
+      learner.receive(through(burst(i), factors));
     }
     const ChainState state = learner.states().at(0);
     ASSERT_EQ(state.knowledge, ChainKnowledge::kLearned);
@@ -113,13 +113,13 @@ TEST(ChainLearner, WithdrawsWhatHasBecomeWrongAndLearnsAnew) {
   const std::vector<Value> second = {1.0, std::polar(1.0, -1.0), std::polar(1.0, 0.8)};
   ChainLearner learner(localizer());
   for (int i = 0; i < 24; ++i) {
-    learner.hear(through(burst(i), first));
+    learner.receive(through(burst(i), first));
   }
   ASSERT_EQ(learner.states().at(0).knowledge, ChainKnowledge::kLearned);
   int withdrawn = -1;
   for (int i = 24; i < 64; ++i) {
     const auto frames = through(burst(i), second);
-    learner.hear(frames);
+    learner.receive(frames);
     const bool is_learning = learner.states().at(0).knowledge == ChainKnowledge::kLearning;
     EXPECT_EQ(learner.believed(frames).empty(), is_learning);
     if (withdrawn < 0 && std::abs(phase_error(learner.states().at(0), first, 1)) > 0.5) {
@@ -143,7 +143,7 @@ TEST(ChainLearner, TheSameAgainIsNoFurtherEvidence) {
     for (CsiFrame& frame : frames) {
       frame.time += std::chrono::seconds(2 * i);
     }
-    learner.hear(through(frames, factors));
+    learner.receive(through(frames, factors));
   }
   EXPECT_EQ(learner.states().at(0).knowledge, ChainKnowledge::kAsCalibrated);
   EXPECT_LE(learner.states().at(0).bursts, 2U);
@@ -159,7 +159,7 @@ TEST(ChainLearner, IsToldOfAPowerCycleAndKeepsWhatItLearned) {
   EXPECT_TRUE(learner.believed(burst(0)).empty());
   int bursts = 0;
   while (bursts < 40 && learner.states().at(0).knowledge != ChainKnowledge::kLearned) {
-    learner.hear(through(burst(bursts++), factors));
+    learner.receive(through(burst(bursts++), factors));
   }
   ASSERT_EQ(learner.states().at(0).knowledge, ChainKnowledge::kLearned);
   ChainLearner next(localizer());
@@ -172,7 +172,7 @@ TEST(ChainLearner, IsToldOfAPowerCycleAndKeepsWhatItLearned) {
   ASSERT_TRUE(now.position && as_before.position);
   EXPECT_LT(norm(*now.position - *as_before.position), 0.2);
   for (int i = 51; i < 60; ++i) {
-    next.hear(through(burst(i), factors));
+    next.receive(through(burst(i), factors));
     EXPECT_EQ(next.states().at(0).knowledge, ChainKnowledge::kLearned) << i;
   }
 }
@@ -191,14 +191,14 @@ TEST(ChainLearner, LearnsEarlierWithATransmitterAtAKnownPlace) {
     learner.power_cycled(0, fixed.front().time);
     if (with_fixed) {
       for (int i = 0; i < 3; ++i) {
-        learner.hear(fixed, place);
+        learner.receive(fixed, place);
       }
       EXPECT_EQ(learner.states().at(0).bursts, 1U);
       EXPECT_EQ(learner.states().at(0).knowledge, ChainKnowledge::kLearning);
     }
     int bursts = 0;
     while (bursts < 40 && learner.states().at(0).knowledge != ChainKnowledge::kLearned) {
-      learner.hear(through(burst(10 + bursts++), factors));
+      learner.receive(through(burst(10 + bursts++), factors));
     }
     for (std::size_t m = 1; m < 3; ++m) {
       EXPECT_NEAR(phase_error(learner.states().at(0), factors, m), 0.0, 0.3);
@@ -213,7 +213,7 @@ TEST(ChainLearner, BecomesBetterWithBurstsThatComeAfterwards) {
   const std::vector<Value> factors = {1.0, std::polar(1.1, 1.1), std::polar(0.9, -2.0)};
   ChainLearner learner(localizer());
   for (int i = 0; i < 60; ++i) {
-    learner.hear(through(burst(i), factors));
+    learner.receive(through(burst(i), factors));
   }
   const ChainState state = learner.states().at(0);
   ASSERT_EQ(state.knowledge, ChainKnowledge::kLearned);

@@ -45,12 +45,12 @@ struct Scene {
 TEST(TurnedLikelihood, IsThatOfTheBurstTurnedBackInEveryState) {
   const Scene scene;
   const TurnGrid grid(3);
-  const ObservedArray as_heard = scene.observed({1.0, 1.0, 1.0});
+  const ObservedArray as_received = scene.observed({1.0, 1.0, 1.0});
   std::vector<float> coarse(grid.size());
   std::vector<float> fine(grid.size());
   for (const PlaceModel& place : scene.places) {
-    const auto windows = coarse_of_turns(place, as_heard, 3, grid.undoing(), coarse);
-    log_likelihood_of_turns(place, as_heard, windows, grid, fine);
+    const auto windows = coarse_of_turns(place, as_received, 3, grid.undoing(), coarse);
+    log_likelihood_of_turns(place, as_received, windows, grid, fine);
     for (std::size_t state = 0; state < grid.size(); state += 13) {
       std::vector<Value> back;
       for (std::size_t m = 0; m < 3; ++m) {
@@ -71,12 +71,12 @@ TEST(TurnedLikelihood, OfAnyFactorsIsThatOfTheArrayDividedByThem) {
   const Scene scene;
   const std::vector<Value> factors = {1.0, std::polar(1.3, 0.7), std::polar(0.8, -2.1)};
   const std::vector<Value> undoing = {1.0, 1.0 / factors[1], 1.0 / factors[2]};
-  const ObservedArray heard = scene.observed(factors);
+  const ObservedArray received = scene.observed(factors);
   const ObservedArray divided = scene.observed({1.0, 1.0, 1.0});
   std::vector<double> of_moments;
   std::vector<double> plain;
   for (const PlaceModel& place : scene.places) {
-    of_moments.push_back(chain_moments(place, heard, undoing).log_likelihood(undoing));
+    of_moments.push_back(chain_moments(place, received, undoing).log_likelihood(undoing));
     plain.push_back(ObservationModel::log_likelihood(place, divided));
   }
   // They differ by what the unit power of the burst and the factors' volume make of all places.
@@ -89,7 +89,7 @@ TEST(TurnedLikelihood, OfAnyFactorsIsThatOfTheArrayDividedByThem) {
 // The likelihood of a corrected burst is that of the burst with the correction as a factor.
 TEST(TurnedLikelihood, OfABurstMultipliedByFactorsIsThatOfUndoingThem) {
   const Scene scene;
-  const ObservedArray heard = scene.observed({1.0, std::polar(1.2, 0.4), std::polar(0.9, -1.0)});
+  const ObservedArray received = scene.observed({1.0, std::polar(1.2, 0.4), std::polar(0.9, -1.0)});
   const std::vector<Value> factor = {1.0, std::polar(0.8, -0.5), std::polar(1.1, 0.9)};
   const std::vector<Value> more = {1.0, std::polar(1.1, 0.1), std::polar(1.0, 0.2)};
   std::vector<Value> both;
@@ -98,7 +98,7 @@ TEST(TurnedLikelihood, OfABurstMultipliedByFactorsIsThatOfUndoingThem) {
   }
   std::vector<double> difference;
   for (const PlaceModel& place : scene.places) {
-    const ChainMoments moments = chain_moments(place, heard, factor);
+    const ChainMoments moments = chain_moments(place, received, factor);
     difference.push_back(moments.multiplied(factor).log_likelihood(more) -
                          moments.log_likelihood(both));
   }
@@ -110,9 +110,9 @@ TEST(TurnedLikelihood, OfABurstMultipliedByFactorsIsThatOfUndoingThem) {
 // A common level is no evidence.
 TEST(TurnedLikelihood, CommonFactorOfAllChainsChangesNothing) {
   const Scene scene;
-  const ObservedArray heard = scene.observed({1.0, 1.0, 1.0});
+  const ObservedArray received = scene.observed({1.0, 1.0, 1.0});
   const ChainMoments moments =
-      chain_moments(scene.places[0], heard, std::vector<Value>{1.0, 1.0, 1.0});
+      chain_moments(scene.places[0], received, std::vector<Value>{1.0, 1.0, 1.0});
   const Value common = std::polar(1.7, 0.4);
   EXPECT_NEAR(moments.log_likelihood(std::vector<Value>{1.0, 1.0, 1.0}),
               moments.log_likelihood(std::vector<Value>{common, common, common}),

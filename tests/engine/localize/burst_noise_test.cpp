@@ -40,7 +40,7 @@ class BurstNoise : public ::testing::Test {
 
   // A burst from kTruth with noise of this share of the power within the basis, as in observe() and
   // BurstObservation.
-  ObservedArray heard_with(double noise) const {
+  ObservedArray received_with(double noise) const {
     auto h = model_.expected({rays(kTruth), offsets_, 0.0}, error_);
     double power = 0.0;
     for (const Value& v : h) {
@@ -82,7 +82,7 @@ std::vector<Vec3d> places() {
 
 TEST_F(BurstNoise, IsNearlyThatOfAModelWithTheNoise) {
   for (const double noise : {3e-5, 1e-4, 4e-4}) {
-    const ObservedArray observed = heard_with(noise);
+    const ObservedArray observed = received_with(noise);
     ObservedArray as_if_clean = observed;
     as_if_clean.noise = 0.0;
     double most = 0.0;
@@ -107,7 +107,7 @@ TEST_F(BurstNoise, IsNearlyThatOfAModelWithTheNoise) {
 
 // The search for a delay ignores the noise: the likelihood that it misses is the device's place's.
 TEST_F(BurstNoise, RanksPlacesAsAModelWithTheNoiseDoes) {
-  const ObservedArray observed = heard_with(2e-3);
+  const ObservedArray observed = received_with(2e-3);
   const auto log_likelihood = [&](const Vec3d& position) {
     const auto traced = rays(position);
     return ObservationModel::log_likelihood(model_.place({traced, offsets_, 0.007}, error_),
@@ -151,7 +151,7 @@ TEST_F(BurstNoise, IsExactOfNoiseAlone) {
 }
 
 TEST_F(BurstNoise, OfAStrongDeviceIsNothing) {
-  ObservedArray observed = heard_with(1e-6);
+  ObservedArray observed = received_with(1e-6);
   const auto traced = rays(kTruth);
   const PlaceModel place = model_.place({traced, offsets_, 0.007}, error_);
   EXPECT_FALSE(lacks_noise(place, observed));

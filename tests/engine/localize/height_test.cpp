@@ -200,7 +200,7 @@ TEST(UnknownHeight, IsHandledByEveryLikelihood) {
 
 TEST(UnknownHeight, EvidenceTellsLayersAndKeepsToTheFocus) {
   const auto frames = test::frames_at(localizer().room(), {0.3, 0.2, 1.45});
-  const RoomObservation observation = localizer().hear(frames);
+  const RoomObservation observation = localizer().receive(frames);
   const auto free = localizer().evidence(observation, Localizer::Look::kPlaces);
   ASSERT_FALSE(free.within.empty());
   for (const auto& [cell, mass] : free.within) {

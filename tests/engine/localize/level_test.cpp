@@ -50,23 +50,23 @@ TEST(Level, HasDiffusePowerByTheLengthOfTheShortestRay) {
 }
 
 TEST(Level, IsAGaussianOfWhatIsHeardLessWhatIsTracedAndTheOffset) {
-  const auto heard = heard_level(access_point(), burst_of(kKnown, -81.0));
-  ASSERT_TRUE(heard);
-  EXPECT_DOUBLE_EQ(heard->traced_db, -43.5);
-  EXPECT_DOUBLE_EQ(heard->sigma_db, 2.5);
-  EXPECT_DOUBLE_EQ(heard->log_likelihood(-43.5), 0.0);
-  EXPECT_DOUBLE_EQ(heard->log_likelihood(-46.0), -0.5);  // one sigma
-  EXPECT_DOUBLE_EQ(heard->log_likelihood(-38.5), -2.0);  // two
+  const auto received = received_level(access_point(), burst_of(kKnown, -81.0));
+  ASSERT_TRUE(received);
+  EXPECT_DOUBLE_EQ(received->traced_db, -43.5);
+  EXPECT_DOUBLE_EQ(received->sigma_db, 2.5);
+  EXPECT_DOUBLE_EQ(received->log_likelihood(-43.5), 0.0);
+  EXPECT_DOUBLE_EQ(received->log_likelihood(-46.0), -0.5);  // one sigma
+  EXPECT_DOUBLE_EQ(received->log_likelihood(-38.5), -2.0);  // two
 }
 
 TEST(Level, SaysNothingOfATransmitterThatIsNotKnown) {
   const MacAddress stranger = *parse_mac_address("02:52:4c:00:00:03");
-  EXPECT_FALSE(heard_level(access_point(), burst_of(stranger, -81.0)));
-  EXPECT_FALSE(heard_level(RoomAccessPoint(), burst_of(kKnown, -81.0)));
+  EXPECT_FALSE(received_level(access_point(), burst_of(stranger, -81.0)));
+  EXPECT_FALSE(received_level(RoomAccessPoint(), burst_of(kKnown, -81.0)));
 }
 
 TEST(Level, SaysNothingWhereTheBurstStatesNone) {
-  EXPECT_FALSE(heard_level(access_point(), burst_of(kKnown, std::nullopt)));
+  EXPECT_FALSE(received_level(access_point(), burst_of(kKnown, std::nullopt)));
 }
 
 }  // namespace

@@ -105,10 +105,10 @@ TEST_P(EachLikelihood, IsHighestWhereTheDeviceIs) {
 }
 
 TEST_P(EachLikelihood, DoesNotSeeGainPhaseAndTiming) {
-  const auto heard = link().channel(kTruth);
-  const auto observed = likelihood_->observe(heard);
+  const auto received = link().channel(kTruth);
+  const auto observed = likelihood_->observe(received);
   for (const double delay : {-200e-9, 33e-9, 350e-9}) {
-    auto changed = heard;
+    auto changed = received;
     Aligner(link().room().grid).apply({delay, std::polar(7.0, 2.0), 0.0}, changed);
     const auto again = likelihood_->observe(changed);
     for (const Vec3d place : {kTruth, Vec3d{-0.3, 0.4, 1.2}}) {
@@ -209,9 +209,9 @@ double best_of(const Dense& model, const ObservedArray& observed) {
 double on_delays(LikelihoodKind kind,
                  const std::vector<Ray>& rays,
                  const ModelError& error,
-                 const std::vector<Value>& heard) {
+                 const std::vector<Value>& received) {
   const auto likelihood = Likelihood::make(kind, link().room().grid, 3);
-  const auto observed = likelihood->observe(heard);
+  const auto observed = likelihood->observe(received);
   const auto place = likelihood->place({rays, link().offsets(), 0.0}, error);
   const double found = likelihood->log_likelihood(place, observed);
   double best = -1e300;
@@ -243,14 +243,14 @@ TEST(Likelihoods, MatchTheirFormulasWithDenseMatrices) {
   };
   const auto coherent = [](const Ray&) { return std::pair(1.0, 0.0); };
   const auto covariance = [](const Ray&) { return std::pair(0.0, 1.0); };
-  const auto heard = link().channel(kTruth);
+  const auto received = link().channel(kTruth);
   for (const Vec3d place : {kTruth, Vec3d{-0.3, 0.4, 1.2}}) {
     const auto rays = link().rays(place);
     const auto expect = [&](LikelihoodKind kind, const auto& parts) {
-      const auto observed = ObservationModel(link().room().grid, 3).observe(heard);
+      const auto observed = ObservationModel(link().room().grid, 3).observe(received);
       const double reference = best_of(dense(rays, error, parts), observed);
       // Single precision inside.
-      EXPECT_NEAR(on_delays(kind, rays, error, heard), reference, 1e-3 * std::abs(reference));
+      EXPECT_NEAR(on_delays(kind, rays, error, received), reference, 1e-3 * std::abs(reference));
     };
     expect(LikelihoodKind::kCoherent, coherent);
     expect(LikelihoodKind::kPathCovariance, covariance);
@@ -258,11 +258,11 @@ TEST(Likelihoods, MatchTheirFormulasWithDenseMatrices) {
     const auto covered = [&](const Ray& ray) {
       return std::pair(ray.reflections == 0 ? 0.0 : partial(ray).first, partial(ray).second);
     };
-    const auto observed = ObservationModel(link().room().grid, 3).observe(heard);
+    const auto observed = ObservationModel(link().room().grid, 3).observe(received);
     const double reference =
         std::max(best_of(dense(rays, error, partial), observed),
                  std::log(0.02) + best_of(dense(rays, error, covered), observed));
-    EXPECT_NEAR(on_delays(LikelihoodKind::kPartial, rays, error, heard),
+    EXPECT_NEAR(on_delays(LikelihoodKind::kPartial, rays, error, received),
                 reference,
                 1e-3 * std::abs(reference));
   }
@@ -273,9 +273,9 @@ TEST(Likelihoods, FindADeviceWhoseDirectWayIsCovered) {
   ModelError error;  // a room that is modelled well: reflections distinguish places
   error.plan_tolerance = 0.001;
   error.diffuse = 0.005;
-  const auto log_likelihood = [&](const std::vector<Ray>& rays, const ObservedArray& heard) {
+  const auto log_likelihood = [&](const std::vector<Ray>& rays, const ObservedArray& received) {
     return ObservationModel::log_likelihood(model.place({rays, link().offsets(), 0.0}, error),
-                                            heard);
+                                            received);
   };
   const auto rays = link().rays(kTruth);
   std::vector<Ray> reflected;
@@ -285,14 +285,14 @@ TEST(Likelihoods, FindADeviceWhoseDirectWayIsCovered) {
     }
   }
   ASSERT_EQ(reflected.size() + 1, rays.size());
-  const auto heard = model.observe(model.expected({reflected, link().offsets(), 0.0}, error));
+  const auto received = model.observe(model.expected({reflected, link().offsets(), 0.0}, error));
   const auto place = model.place({rays, link().offsets(), 0.0}, error);
-  const auto odds = ObservationModel::covered_log_odds(place, heard);
+  const auto odds = ObservationModel::covered_log_odds(place, received);
   ASSERT_TRUE(odds);
   EXPECT_GT(*odds, 5.0);
-  const double here = log_likelihood(rays, heard);
+  const double here = log_likelihood(rays, received);
   for (const Vec3d p : {Vec3d{-0.3, 0.4, 1.2}, Vec3d{0.1, 0.7, 1.2}, Vec3d{0.9, 0.2, 1.2}}) {
-    EXPECT_GT(here, log_likelihood(link().rays(p), heard) + 5.0);
+    EXPECT_GT(here, log_likelihood(link().rays(p), received) + 5.0);
   }
   // An open access point has the opposite odds, and a place without a direct way none.
   const auto open = model.observe(model.expected({rays, link().offsets(), 0.0}, error));
@@ -302,27 +302,27 @@ TEST(Likelihoods, FindADeviceWhoseDirectWayIsCovered) {
 }
 
 TEST(Likelihoods, PartialHasCoherentAndPathCovarianceAsItsLimits) {
-  const auto heard = link().channel(kTruth);
+  const auto received = link().channel(kTruth);
   auto rays = link().rays(kTruth);
   ModelError exact = link().error();
   exact.plan_tolerance = 0.0;
   exact.strength = 0.0;
-  EXPECT_NEAR(on_delays(LikelihoodKind::kPartial, rays, exact, heard),
-              on_delays(LikelihoodKind::kCoherent, rays, exact, heard),
+  EXPECT_NEAR(on_delays(LikelihoodKind::kPartial, rays, exact, received),
+              on_delays(LikelihoodKind::kCoherent, rays, exact, received),
               1e-6);
   // The direct way meets no surface, so nothing makes its phase uncertain.
   std::erase_if(rays, [](const Ray& ray) { return ray.reflections == 0; });
   ModelError vague = exact;
   vague.plan_tolerance = 10.0;
-  EXPECT_NEAR(on_delays(LikelihoodKind::kPartial, rays, vague, heard),
-              on_delays(LikelihoodKind::kPathCovariance, rays, vague, heard),
+  EXPECT_NEAR(on_delays(LikelihoodKind::kPartial, rays, vague, received),
+              on_delays(LikelihoodKind::kPathCovariance, rays, vague, received),
               1e-6);
 }
 
 TEST(Likelihoods, PathCovarianceDoesNotSeePhasesOfRays) {
-  const auto heard = link().channel(kTruth);
+  const auto received = link().channel(kTruth);
   auto rays = link().rays(kTruth);
-  const auto of = [&](LikelihoodKind kind) { return on_delays(kind, rays, link().error(), heard); };
+  const auto of = [&](LikelihoodKind kind) { return on_delays(kind, rays, link().error(), received); };
   const double covariance = of(LikelihoodKind::kPathCovariance);
   const double coherent = of(LikelihoodKind::kCoherent);
   std::mt19937 random(3);

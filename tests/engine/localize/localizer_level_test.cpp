@@ -58,7 +58,7 @@ RoomModel with_level(RoomModel room) {
 }
 
 // Frames of the device at 2 m, with the level that it has at `distance`.
-std::vector<CsiFrame> heard_at(const RoomModel& room, std::optional<double> distance) {
+std::vector<CsiFrame> received_at(const RoomModel& room, std::optional<double> distance) {
   auto frames = test::frames_at(room, kAccessPoint + Vec3d{2.0, 0.0, 0.0});
   for (CsiFrame& frame : frames) {
     frame.transmitter = kDevice;
@@ -72,7 +72,7 @@ std::vector<CsiFrame> heard_at(const RoomModel& room, std::optional<double> dist
 
 // Share of the posterior's mass that is within 0.4 m of the place that far in front.
 double mass_at(const Localizer& localizer, std::span<const CsiFrame> frames, double distance) {
-  const auto evidence = localizer.evidence(localizer.hear(frames));
+  const auto evidence = localizer.evidence(localizer.receive(frames));
   const Vec3d place = kAccessPoint + Vec3d{distance, 0.0, 0.0};
   double near = 0.0;
   double all = 0.0;
@@ -108,7 +108,7 @@ TEST(LocalizerLevel, MovesTheMassToTheDistanceThatItSays) {
   const Localizer without = localizer_in(make_field());
   const Localizer with = localizer_in(with_level(make_field()));
   for (const double distance : {1.0, 2.0, 3.5}) {
-    const auto frames = heard_at(with.room(), distance);
+    const auto frames = received_at(with.room(), distance);
     EXPECT_LT(mass_at(without, frames, distance), 0.4) << distance;
     EXPECT_GT(mass_at(with, frames, distance), 0.8) << distance;
     const LocationEstimate estimate = with.locate(frames);
@@ -121,7 +121,7 @@ TEST(LocalizerLevel, MovesTheMassToTheDistanceThatItSays) {
 // Its spread was measured: it is as sure with any exponent of the likelihood.
 TEST(LocalizerLevel, IsNotTempered) {
   const Localizer with = localizer_in(with_level(make_field()));
-  const auto frames = heard_at(with.room(), 2.0);
+  const auto frames = received_at(with.room(), 2.0);
   double most = 0.0;
   double least = 10.0;
   for (const double likelihood_exponent : {0.2, 0.6, 1.8}) {
@@ -138,13 +138,13 @@ TEST(LocalizerLevel, IsNotTempered) {
 TEST(LocalizerLevel, ChangesNothingWhereItIsNotKnownOrNotStated) {
   const Localizer without = localizer_in(make_field());
   const Localizer with = localizer_in(with_level(make_field()));
-  const auto silent = heard_at(with.room(), std::nullopt);
-  auto strange = heard_at(with.room(), 1.0);
+  const auto silent = received_at(with.room(), std::nullopt);
+  auto strange = received_at(with.room(), 1.0);
   for (CsiFrame& frame : strange) {
     frame.transmitter = kStranger;
   }
   const LocationEstimate usual = without.locate(silent);
-  expect_same(without.locate(heard_at(with.room(), 1.0)), usual);
+  expect_same(without.locate(received_at(with.room(), 1.0)), usual);
   expect_same(with.locate(silent), usual);
   expect_same(with.locate(strange), usual);
 }

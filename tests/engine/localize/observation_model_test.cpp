@@ -68,10 +68,10 @@ TEST(ObservationModel, LikelihoodPeaksAtThePlaceWhateverGainPhaseAndDelay) {
   error.plan_tolerance = 0.001;
   error.diffuse = 0.005;
   const Vec3d truth{0.4, -0.5, 1.2};
-  const auto heard = model.expected({rays_to(room, ap.array, truth), offsets, 0.0}, error);
-  auto changed = heard;
+  const auto received = model.expected({rays_to(room, ap.array, truth), offsets, 0.0}, error);
+  auto changed = received;
   Aligner(room.grid).apply({-200e-9, Value(0.0, 7.0), 0.0}, changed);
-  const auto observed = model.observe(heard);
+  const auto observed = model.observe(received);
   const auto again = model.observe(changed);
   EXPECT_GT(observed.captured, 0.98);
   const auto at = [&](const Vec3d& p, const ObservedArray& y) {

@@ -174,9 +174,9 @@ TEST(PathGrid, LocalizerIsTheSameToTheBitWithAStoreAndWithout) {
   EXPECT_EQ(store->saves, 3);
   EXPECT_EQ(store->refusals, 0);
   const auto frames = test::frames_at(*room, {0.3, 0.2, 1.2});
-  const auto map = without->evidence(without->hear(frames)).log_likelihood;
-  EXPECT_EQ(saving->evidence(saving->hear(frames)).log_likelihood, map);
-  EXPECT_EQ(loading->evidence(loading->hear(frames)).log_likelihood, map);
+  const auto map = without->evidence(without->receive(frames)).log_likelihood;
+  EXPECT_EQ(saving->evidence(saving->receive(frames)).log_likelihood, map);
+  EXPECT_EQ(loading->evidence(loading->receive(frames)).log_likelihood, map);
   EXPECT_EQ(loading->locate(frames).position, without->locate(frames).position);
   EXPECT_EQ(loading->locate(frames).model_residual_db, without->locate(frames).model_residual_db);
 }

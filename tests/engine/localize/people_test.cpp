@@ -86,10 +86,10 @@ TEST_F(PeopleTest, TwoAreToldApart) {
 TEST_F(PeopleTest, OneIsLocatedAsByThePersonLocalizer) {
   unsigned seed = 1;
   for (const Pair& pair : kPairs) {
-    const auto heard = frames({pair.one}, seed++);
-    const auto found = locate_people(localizer(), heard);
+    const auto received = frames({pair.one}, seed++);
+    const auto found = locate_people(localizer(), received);
     ASSERT_EQ(found.size(), 1U);
-    EXPECT_EQ(found[0].position, localizer().locate(heard).position);
+    EXPECT_EQ(found[0].position, localizer().locate(received).position);
   }
 }
 
@@ -103,18 +103,18 @@ TEST_F(PeopleTest, NobodyIsOneAnswer) {
 
 TEST_F(PeopleTest, WithoutKnownPlacesNoSecondIsLookedFor) {
   const PersonLocalizer unknown = make(std::nullopt);
-  const auto heard = frames({kPairs[0].one, kPairs[0].other}, 1);
-  EXPECT_EQ(locate_people(unknown, heard).size(), 1U);
+  const auto received = frames({kPairs[0].one, kPairs[0].other}, 1);
+  EXPECT_EQ(locate_people(unknown, received).size(), 1U);
 }
 
 TEST_F(PeopleTest, OneAccessPointIsNotEnough) {
-  auto heard = frames({kPairs[0].one, kPairs[0].other}, 1);
-  std::erase_if(heard, [](const CsiFrame& frame) { return frame.access_point != 0; });
-  EXPECT_EQ(locate_people(localizer(), heard).size(), 1U);
+  auto received = frames({kPairs[0].one, kPairs[0].other}, 1);
+  std::erase_if(received, [](const CsiFrame& frame) { return frame.access_point != 0; });
+  EXPECT_EQ(locate_people(localizer(), received).size(), 1U);
 }
 
 TEST_F(PeopleTest, ASecondStandsClearOfTheFirst) {
-  const auto observation = localizer().hear(frames({kPairs[0].one, kPairs[0].other}, 1));
+  const auto observation = localizer().receive(frames({kPairs[0].one, kPairs[0].other}, 1));
   const double likelihood_exponent = localizer().reference().person.likelihood_exponent;
   const PersonMap alone = localizer().map(observation, likelihood_exponent);
   const std::array others = {alone.places.front()};

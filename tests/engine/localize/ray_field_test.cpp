@@ -44,7 +44,7 @@ class RayFields : public ::testing::Test {
   }
 
   // With noise of this share of the power within the basis.
-  ObservedArray heard_from(const Vec3d& position, double noise) const {
+  ObservedArray received_from(const Vec3d& position, double noise) const {
     auto h = model_.expected({rays(position), offsets_, 0.0}, error_);
     double power = 0.0;
     for (const Value& v : h) {
@@ -90,7 +90,7 @@ TEST_F(RayFields, AreTheLikelihoodOfEveryPlace) {
   const FieldCovariance covariance = field_covariance(model_, place(middle), error_);
   const RayField field = ray_field(model_, covariance, place(middle), error_, lattice_);
   for (const double noise : {0.0, 1e-3, 1e-2}) {
-    const ObservedArray observed = heard_from(kMiddle + Vec3d{0.01, -0.005, 0.01}, noise);
+    const ObservedArray observed = received_from(kMiddle + Vec3d{0.01, -0.005, 0.01}, noise);
     FieldBurst burst(covariance, observed, error_.noise + noise);
     const std::vector<LaneRow> values = all_places(field, burst.terms(field));
     double square = 0.0;
@@ -134,7 +134,7 @@ TEST_F(RayFields, AreExactInTheMiddle) {
   const FieldCovariance of_known = field_covariance(model_, place(known), error_);
   const RayField field_of_known = ray_field(model_, of_known, place(known), error_, one);
   for (const double noise : {0.0, 1e-2}) {
-    const ObservedArray observed = heard_from(kMiddle, noise);
+    const ObservedArray observed = received_from(kMiddle, noise);
     FieldBurst burst(of_known, observed, error_.noise + noise);
     LaneRow value;
     const FieldRow row = field_of_known.row(0, 0, 0);

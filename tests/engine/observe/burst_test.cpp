@@ -198,11 +198,11 @@ std::vector<CsiFrame> stated_frames(const std::vector<float>& of_each_frame) {
   auto frames = frames_of(channel(grid, 12), grid, static_cast<int>(of_each_frame.size()), 1e-3);
   for (std::size_t i = 0; i < frames.size(); ++i) {
     CsiFrame& frame = frames[i];
-    const Csi heard = frame.csi;
+    const Csi received = frame.csi;
     frame.cores = {1, 0, 2, 3};
     frame.csi = Csi(4, 1, grid.size());
     for (std::size_t m = 0; m < 4; ++m) {
-      const auto from = heard.row(m == 0 ? 0 : m - 1, 0);
+      const auto from = received.row(m == 0 ? 0 : m - 1, 0);
       std::copy(from.begin(), from.end(), frame.csi.row(m, 0).begin());
     }
     frame.power_dbm = {of_each_frame[i] + 10.0F,

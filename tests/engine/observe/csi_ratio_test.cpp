@@ -72,13 +72,13 @@ TEST(CsiRatio, IsTheRatioWhereTheDenominatorIsStrong) {
 TEST(CsiRatio, ForgetsGainPhaseAndTimingOffset) {
   const OfdmGrid grid = make_grid();
   const auto h = channel(grid, 1);
-  auto heard = h;
+  auto received = h;
   for (std::size_t i = 0; i < h.size(); ++i) {
     const double turn = 2.0 * std::numbers::pi * grid.offset_hz(i % grid.size()) * 230e-9;
-    heard[i] *= std::polar(7.3, 1.1 - turn);
+    received[i] *= std::polar(7.3, 1.1 - turn);
   }
   const auto expected = csi_ratio(h, grid.size());
-  const auto ratio = csi_ratio(heard, grid.size());
+  const auto ratio = csi_ratio(received, grid.size());
   for (std::size_t i = 0; i < ratio.size(); ++i) {
     EXPECT_NEAR(std::abs(ratio[i] - expected[i]), 0.0, 1e-12 * (1.0 + std::abs(expected[i])));
   }

@@ -155,9 +155,9 @@ struct PlainLink {
     const V mirrored_field = sent - (2.0 * dot(sent, n)) * n;
     const V axis = unit(cross(mirrored_way, out));
     const V kept = turned(mirrored_field, axis, std::acos(dot(mirrored_way, out)));
-    const V heard = field(to, -out);
-    const double co = dot(kept, heard);
-    const double other = dot(cross(out, kept), heard);
+    const V received = field(to, -out);
+    const double co = dot(kept, received);
+    const double other = dot(cross(out, kept), received);
     const double r2 = dot(point - from.position, point - from.position) *
                       dot(point - to.position, point - to.position);
     const double s2 = scattering.scattering_coefficient * scattering.scattering_coefficient;
@@ -249,9 +249,9 @@ TEST(Diffuse, PatchScattersWhatItDoesNotReflect) {
                        3.0 * std::sin(theta) * std::sin(phi),
                        3.0 * std::cos(theta)};
             const double solid_angle = std::sin(theta) * (0.5 * kPi / kSteps) * (2 * kPi / kSteps);
-            for (const auto heard : {Polarization::kVertical, Polarization::kHorizontal}) {
+            for (const auto received : {Polarization::kVertical, Polarization::kHorizontal}) {
               const auto way = scattered_way<double>(
-                  material, context.facets[0], in, leg(to, heard), kWavelength);
+                  material, context.facets[0], in, leg(to, received), kWavelength);
               scattered +=
                   solid_angle * way.power(material) * 9.0 * std::pow(4.0 * kPi / kWavelength, 2);
             }

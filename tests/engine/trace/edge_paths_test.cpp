@@ -138,28 +138,28 @@ TEST(EdgePaths, HiddenEdgesAreNotHeard) {
   const Vec3d from{1.0, 2.0, 0.3};
   const Vec3d to{0.7, -3.0, 2.1};
   const test::NamedMesh sheet{"sheet", test::rectangle_mesh({0, 0, -50}, {100, 0, 0}, {0, 0, 100})};
-  const auto heard = [&](const Vec3d& corner) {
+  const auto received = [&](const Vec3d& corner) {
     const auto scene = test::make_scene(
         {sheet, {"box", test::box_mesh(corner, corner + Vec3d{0.4, 0.4, 3.0})}}, kMetal);
     const auto paths = diffracted_paths(scene, transmitter_at(from), receiver_at(to));
     return upright(*scene, paths) != nullptr;
   };
-  EXPECT_TRUE(heard({3.0, 3.0, 0.0}));
-  EXPECT_FALSE(heard({0.3, 0.8, 0.0}));   // before the edge
-  EXPECT_FALSE(heard({0.1, -1.7, 0.0}));  // behind it
+  EXPECT_TRUE(received({3.0, 3.0, 0.0}));
+  EXPECT_FALSE(received({0.3, 0.8, 0.0}));   // before the edge
+  EXPECT_FALSE(received({0.1, -1.7, 0.0}));  // behind it
 }
 
 TEST(EdgePaths, EdgesEnd) {
   const auto scene = test::make_scene(
       {{"sheet", test::rectangle_mesh({0, 0, 0}, {100, 0, 0}, {0, 0, 1})}}, kMetal);
-  const auto heard = [&](double z) {
+  const auto received = [&](double z) {
     const auto paths = diffracted_paths(scene, transmitter_at({1, 2, z}), receiver_at({1, -2, z}));
     return upright(*scene, paths) != nullptr;
   };
-  EXPECT_TRUE(heard(0.01));
-  EXPECT_TRUE(heard(0.99));
-  EXPECT_FALSE(heard(-0.01));
-  EXPECT_FALSE(heard(1.01));
+  EXPECT_TRUE(received(0.01));
+  EXPECT_TRUE(received(0.99));
+  EXPECT_FALSE(received(-0.01));
+  EXPECT_FALSE(received(1.01));
 }
 
 TEST(EdgePaths, NothingBendsIntoABody) {

@@ -37,11 +37,11 @@ std::shared_ptr<const Localizer> localizer(std::size_t access_points = 2) {
 
 // One frame per access point, `ms` after the start.
 std::vector<CsiFrame> frames(const RoomModel& room, const Vec3d& position, int ms, double snr_db) {
-  auto heard = test::frames_at(room, position, {1, snr_db, static_cast<unsigned>(ms + 1)});
-  for (CsiFrame& frame : heard) {
+  auto received = test::frames_at(room, position, {1, snr_db, static_cast<unsigned>(ms + 1)});
+  for (CsiFrame& frame : received) {
     frame.time = Timestamp(milliseconds(ms));
   }
-  return heard;
+  return received;
 }
 
 double error_of(const LocationEstimate& estimate, const Vec3d& truth) {
@@ -65,12 +65,12 @@ struct Walk {
 Walk walk(const Localizer& localizer, DeviceTracker& tracker) {
   Walk result;
   for (int ms = 0; ms <= 2000; ms += 50) {
-    const auto heard = frames(localizer.room(), walker(ms), ms, 20.0);
+    const auto received = frames(localizer.room(), walker(ms), ms, 20.0);
     const std::size_t before = result.updates.size();
-    tracker.hear(kDevice, heard, result.updates);
+    tracker.receive(kDevice, received, result.updates);
     EXPECT_EQ(result.updates.size(), before + 1) << ms;
     const LocationEstimate& filtered = result.updates.back().estimate.location;
-    const LocationEstimate snapshot = localizer.locate(heard);
+    const LocationEstimate snapshot = localizer.locate(received);
     if (ms >= 500 && snapshot.position) {  // a snapshot of one frame may lack a position
       EXPECT_TRUE(filtered.position) << ms;
       result.snapshot_error.push_back(error_of(snapshot, walker(ms)));
@@ -108,7 +108,7 @@ TEST(DeviceTracker, LeavesAWrongPlaceByALookAtTheWholeRoom) {
   };
   double before = 0.0;
   for (int ms = 0; ms <= kJump + kLater; ms += 100) {
-    tracker.hear(kDevice, frames(localizer(3)->room(), place(ms), ms, 20.0), updates);
+    tracker.receive(kDevice, frames(localizer(3)->room(), place(ms), ms, 20.0), updates);
     const LocationEstimate& location = updates.back().estimate.location;
     if (ms == kJump - 100) {
       ASSERT_TRUE(location.position);
@@ -133,9 +133,9 @@ TEST(DeviceTracker, LooksAtTheWholeRoomWhenAccessPointsJoin) {
     std::vector<DeviceUpdate> updates;
     for (int ms = 0; ms <= kJoin; ms += 100) {
       const Vec3d place = middle + Vec3d{swing * std::sin(2e-3 * ms), 0.0, 0.0};
-      auto heard = frames(localizer(3)->room(), place, ms, 20.0);
-      heard.resize(ms < kJoin ? 1 : 3);
-      tracker.hear(kDevice, heard, updates);
+      auto received = frames(localizer(3)->room(), place, ms, 20.0);
+      received.resize(ms < kJoin ? 1 : 3);
+      tracker.receive(kDevice, received, updates);
       const LocationEstimate& location = updates.back().estimate.location;
       const double error = location.position ? error_of(location, place) : 1.0;
       EXPECT_TRUE(ms != kJoin - 100 || error > 0.5) << "one is not astray: " << error;
@@ -159,7 +159,7 @@ TEST(DeviceTracker, ATrackTakesLittleMemory) {
       const MacAddress address{{2, 0, 0, 0, 1, static_cast<std::uint8_t>(device)}};
       for (int ms = 0; ms <= 200; ms += 50) {
         const Vec3d place = walker(80 * device + ms);
-        tracker->hear(address, frames(localizer(access_points)->room(), place, ms, 20.0), updates);
+        tracker->receive(address, frames(localizer(access_points)->room(), place, ms, 20.0), updates);
       }
     }
     ASSERT_EQ(tracker->size(), static_cast<std::size_t>(kDevices));
@@ -183,23 +183,23 @@ TEST(DeviceTracker, SaysTheSameWhateverTheOrderOfDevices) {
                                     way == Way::kOneThread ? 1 : 4);
     DeviceTracker tracker(localizer(1), {});
     for (int ms = 0; ms <= 400; ms += 50) {
-      std::vector<std::vector<CsiFrame>> heard;
-      heard.reserve(kDevices);
+      std::vector<std::vector<CsiFrame>> received;
+      received.reserve(kDevices);
       for (int device = 0; device < kDevices; ++device) {
-        heard.push_back(frames(localizer(1)->room(), walker(500 * device + ms), ms, 25.0));
+        received.push_back(frames(localizer(1)->room(), walker(500 * device + ms), ms, 25.0));
       }
       std::vector<DeviceBurst> bursts;
       bursts.reserve(kDevices);
       for (int device = 0; device < kDevices; ++device) {
         bursts.push_back({{{2, 0, 0, 0, 0, static_cast<std::uint8_t>(device)}},
-                          heard[static_cast<std::size_t>(device)]});
+                          received[static_cast<std::size_t>(device)]});
       }
       if (way == Way::kBackwards) {
         std::reverse(bursts.begin(), bursts.end());
       }
       const std::size_t at_once = way == Way::kTogether || way == Way::kOneThread ? kDevices : 1;
       for (std::size_t i = 0; i < bursts.size(); i += at_once) {
-        for (const auto& updates : tracker.hear(std::span(bursts).subspan(i, at_once))) {
+        for (const auto& updates : tracker.receive(std::span(bursts).subspan(i, at_once))) {
           ASSERT_FALSE(updates.empty());
           auto& numbers = said[way][updates.front().device];
           const auto more = numbers_of(updates);
@@ -218,26 +218,26 @@ TEST(DeviceTracker, SaysTheSameWhateverTheOrderOfDevices) {
 TEST(DeviceTracker, ForgetsPlacesAndFollowsOn) {
   DeviceTracker tracker(localizer(3), {});
   std::vector<DeviceUpdate> updates;
-  const auto hear = [&](const Vec3d& place, int ms, const FrameDoubt& doubt = {}) {
-    tracker.hear(
+  const auto receive = [&](const Vec3d& place, int ms, const FrameDoubt& doubt = {}) {
+    tracker.receive(
         kDevice, frames(localizer(3)->room(), place, ms, 30.0), updates, std::nullopt, doubt);
     return updates.back().estimate;
   };
   const Vec3d first{-0.9, 0.7, 1.2};
   const Vec3d second{1.0, -0.7, 1.2};
   for (int ms = 0; ms < 1000; ms += 100) {
-    hear(first, ms);
+    receive(first, ms);
   }
   ASSERT_TRUE(updates.back().estimate.location.position);
   EXPECT_LT(error_of(updates.back().estimate.location, first), 0.15);
   // The same with a burst that may be wrong: no hypothesis may exceed the rest of the probability.
-  const FilteredEstimate doubted = hear(first, 1000, {0.4});
+  const FilteredEstimate doubted = receive(first, 1000, {0.4});
   EXPECT_GE(doubted.location.residual_probability, 0.4);
   ASSERT_FALSE(doubted.location.hypotheses.empty());
   EXPECT_LE(doubted.location.hypotheses.front().weight, 0.6);
   tracker.forget_places();
   EXPECT_TRUE(tracker.follows(kDevice));
-  const FilteredEstimate next = hear(second, 1100);
+  const FilteredEstimate next = receive(second, 1100);
   EXPECT_EQ(next.state, TrackState::kConfirmed);
   ASSERT_TRUE(next.location.position);
   EXPECT_LT(error_of(next.location, second), 0.15);
@@ -281,7 +281,7 @@ TEST(DeviceTracker, RegionOfAStandingDeviceStaysHonest) {
       const Vec3d truth{x, y, 1.2};
       std::vector<DeviceUpdate> updates;
       for (int ms = 0; ms <= 1000; ms += 50) {
-        tracker.hear(kDevice, frames(localizer()->room(), truth, ms, 30.0), updates);
+        tracker.receive(kDevice, frames(localizer()->room(), truth, ms, 30.0), updates);
       }
       const FilteredEstimate& first = updates.front().estimate;
       const FilteredEstimate& last = updates.back().estimate;
@@ -318,7 +318,7 @@ TEST(DeviceTracker, KnowsThePlaceWithinACell) {
     const Vec3d truth = centre + Vec3d{side * grid.step_x, -side * grid.step_y, 0.0};
     std::vector<DeviceUpdate> updates;
     for (int ms = 0; ms <= 1500; ms += 50) {
-      tracker.hear(kDevice, frames(exact->room(), truth, ms, 40.0), updates);
+      tracker.receive(kDevice, frames(exact->room(), truth, ms, 40.0), updates);
     }
     const LocationEstimate& last = updates.back().estimate.location;
     ASSERT_TRUE(last.position);
@@ -332,7 +332,7 @@ TEST(DeviceTracker, SameChannelHeardAgainIsNoMoreThanASnapshot) {
   std::vector<DeviceUpdate> updates;
   const Vec3d truth{-0.4, -0.5, 1.2};
   for (int ms = 0; ms <= 3000; ms += 50) {
-    tracker.hear(kDevice, frames(localizer()->room(), truth, ms, 60.0), updates);
+    tracker.receive(kDevice, frames(localizer()->room(), truth, ms, 60.0), updates);
   }
   const LocationEstimate snapshot =
       localizer()->locate(frames(localizer()->room(), truth, 0, 60.0));
@@ -343,7 +343,7 @@ TEST(DeviceTracker, GoesThroughTheLifeOfATrack) {
   DeviceTracker tracker(localizer(), {});
   std::vector<DeviceUpdate> updates;
   for (int ms = 0; ms <= 1000; ms += 50) {
-    tracker.hear(kDevice, frames(localizer()->room(), {0.1, 0.2, 1.2}, ms, 30.0), updates);
+    tracker.receive(kDevice, frames(localizer()->room(), {0.1, 0.2, 1.2}, ms, 30.0), updates);
   }
   tracker.advance(Timestamp(milliseconds(9000)), updates);
   std::vector<TrackState> states;
@@ -371,26 +371,26 @@ TEST(DeviceTracker, CoastingGrowsTheRegionAndHearingEndsIt) {
   DeviceTracker tracker(localizer(3), {});
   std::vector<DeviceUpdate> updates;
   for (int ms = 0; ms <= 1000; ms += 50) {
-    tracker.hear(kDevice, frames(localizer(3)->room(), walker(ms), ms, 30.0), updates);
+    tracker.receive(kDevice, frames(localizer(3)->room(), walker(ms), ms, 30.0), updates);
   }
-  const std::size_t heard = updates.size();
+  const std::size_t received = updates.size();
   tracker.advance(Timestamp(milliseconds(2600)), updates);
-  ASSERT_GT(updates.size(), heard + 5);
-  for (std::size_t i = heard; i < updates.size(); ++i) {
+  ASSERT_GT(updates.size(), received + 5);
+  for (std::size_t i = received; i < updates.size(); ++i) {
     const FilteredEstimate& estimate = updates[i].estimate;
     EXPECT_TRUE(estimate.predicted);
     EXPECT_FALSE(estimate.velocity);
     EXPECT_EQ(estimate.location.frames_used, 0U);
     if (estimate.location.position) {
-      EXPECT_GT(estimate.location.accuracy_m, updates[heard - 1].estimate.location.accuracy_m);
+      EXPECT_GT(estimate.location.accuracy_m, updates[received - 1].estimate.location.accuracy_m);
       // It is about the position, which may go over to another hill.
-      EXPECT_TRUE(i == heard || estimate.location.covariance[0] >=
+      EXPECT_TRUE(i == received || estimate.location.covariance[0] >=
                                     0.9 * updates[i - 1].estimate.location.covariance[0]);
     }
   }
   updates.clear();
   for (int ms = 2700; ms <= 3000; ms += 50) {
-    tracker.hear(kDevice, frames(localizer(3)->room(), walker(1500), ms, 30.0), updates);
+    tracker.receive(kDevice, frames(localizer(3)->room(), walker(1500), ms, 30.0), updates);
   }
   ASSERT_FALSE(updates.empty());
   EXPECT_EQ(updates.back().estimate.state, TrackState::kConfirmed);
@@ -400,7 +400,7 @@ TEST(DeviceTracker, CoastingGrowsTheRegionAndHearingEndsIt) {
 TEST(DeviceTracker, TentativeTrackIsForgottenSoon) {
   DeviceTracker tracker(localizer(), {});
   std::vector<DeviceUpdate> updates;
-  tracker.hear(kDevice, frames(localizer()->room(), {0.1, 0.2, 1.2}, 0, 30.0), updates);
+  tracker.receive(kDevice, frames(localizer()->room(), {0.1, 0.2, 1.2}, 0, 30.0), updates);
   EXPECT_EQ(tracker.size(), 1U);
   tracker.advance(Timestamp(milliseconds(1200)), updates);
   EXPECT_EQ(tracker.size(), 0U);
@@ -413,12 +413,12 @@ TEST(DeviceTracker, SilenceIsStatedTheSameHoweverOftenTimeAdvances) {
     DeviceTracker tracker(localizer(), {});
     std::vector<DeviceUpdate> updates;
     for (int ms = 0; ms <= 300; ms += 50) {
-      tracker.hear(kDevice, frames(localizer()->room(), walker(ms), ms, 30.0), updates);
+      tracker.receive(kDevice, frames(localizer()->room(), walker(ms), ms, 30.0), updates);
     }
     for (int ms = 300; ms <= 2300; ms += step) {
       tracker.advance(Timestamp(milliseconds(ms)), updates);
     }
-    tracker.hear(kDevice, frames(localizer()->room(), walker(2500), 2500, 30.0), updates);
+    tracker.receive(kDevice, frames(localizer()->room(), walker(2500), 2500, 30.0), updates);
     stated.push_back(std::move(updates));
   }
   ASSERT_EQ(stated[0].size(), stated[1].size());
@@ -435,7 +435,7 @@ TEST(DeviceTracker, RefusesFramesThatAreNotLater) {
   DeviceTracker tracker(localizer(), {});
   std::vector<DeviceUpdate> updates;
   for (const int ms : {0, 100, 100, 50}) {
-    tracker.hear(kDevice, frames(localizer()->room(), {0.1, 0.2, 1.2}, ms, 30.0), updates);
+    tracker.receive(kDevice, frames(localizer()->room(), {0.1, 0.2, 1.2}, ms, 30.0), updates);
   }
   EXPECT_EQ(updates.size(), 2U);
   EXPECT_EQ(tracker.counters().moments, 4U);
@@ -448,9 +448,9 @@ TEST(DeviceTracker, BoundsTheNumberOfTracks) {
   options.max_tracks = 1;
   DeviceTracker tracker(localizer(), options);
   std::vector<DeviceUpdate> updates;
-  const auto heard = frames(localizer()->room(), {0.1, 0.2, 1.2}, 0, 30.0);
-  tracker.hear(kDevice, heard, updates);
-  tracker.hear(MacAddress{{2, 0, 0, 0, 0, 2}}, heard, updates);
+  const auto received = frames(localizer()->room(), {0.1, 0.2, 1.2}, 0, 30.0);
+  tracker.receive(kDevice, received, updates);
+  tracker.receive(MacAddress{{2, 0, 0, 0, 0, 2}}, received, updates);
   EXPECT_EQ(updates.size(), 1U);
   EXPECT_EQ(tracker.size(), 1U);
   EXPECT_EQ(tracker.counters().refused, 1U);
@@ -464,12 +464,12 @@ TEST(Field, DeviceTrackerFollowsKnownDevicesThroughAFloodOfOthers) {
   DeviceTracker tracker(localizer(), options);
   std::vector<DeviceUpdate> updates;
   for (const int ms : {0, 100, 200, 300, 400}) {
-    const auto heard = frames(localizer()->room(), {0.1, 0.2, 1.2}, ms, 30.0);
+    const auto received = frames(localizer()->room(), {0.1, 0.2, 1.2}, ms, 30.0);
     if (ms == 0) {
-      tracker.hear(MacAddress{{2, 0, 0, 0, 0, 2}}, heard, updates);
+      tracker.receive(MacAddress{{2, 0, 0, 0, 0, 2}}, received, updates);
     }
-    tracker.hear(MacAddress{{2, 0, 0, 0, 0, 3}}, heard, updates);
-    tracker.hear(known, heard, updates);
+    tracker.receive(MacAddress{{2, 0, 0, 0, 0, 3}}, received, updates);
+    tracker.receive(known, received, updates);
     // A single burst may come from any sender.
     EXPECT_EQ(tracker.follows(known), ms == 400);
   }

@@ -56,7 +56,7 @@ class PersonTracking : public ::testing::Test {
   // The tracker receives `count` moments with a person, every 0.1 s from this time on.
   static void see(PersonTracker& tracker, double begin, int count, Updates& updates) {
     for (int i = 0; i < count; ++i) {
-      tracker.hear(somebody(begin + 0.1 * i), updates);
+      tracker.receive(somebody(begin + 0.1 * i), updates);
     }
   }
   static Timestamp at(double seconds) { return standing().front().time + from_seconds(seconds); }
@@ -93,7 +93,7 @@ TEST_F(PersonTracking, FollowsAWalkAndLosesWhoHasLeft) {
 
   // No person yet.
   for (int i = 0; i < 5; ++i) {
-    tracker.hear(moment(*room(), {}, 0.1 * i), updates);
+    tracker.receive(moment(*room(), {}, 0.1 * i), updates);
   }
   EXPECT_TRUE(updates.empty());
 
@@ -102,7 +102,7 @@ TEST_F(PersonTracking, FollowsAWalkAndLosesWhoHasLeft) {
     const double t = 1.0 + 0.1 * i;
     const TargetPosition truth{-0.8 + 0.04 * i, 0.3 - 0.01 * i};
     updates.clear();
-    tracker.hear(moment(*room(), {truth}, t), updates);
+    tracker.receive(moment(*room(), {truth}, t), updates);
     ASSERT_EQ(updates.size(), 1U);
     EXPECT_EQ(updates[0].track, 1U);
     const auto& location = updates[0].estimate.location;
@@ -116,7 +116,7 @@ TEST_F(PersonTracking, FollowsAWalkAndLosesWhoHasLeft) {
 
   updates.clear();
   for (int i = 0; i < 60; ++i) {
-    tracker.hear(moment(*room(), {}, 5.0 + 0.1 * i), updates);
+    tracker.receive(moment(*room(), {}, 5.0 + 0.1 * i), updates);
   }
   EXPECT_EQ(entered(updates), (std::vector{kCoasting, kLost}));
   EXPECT_EQ(updates.back().estimate.state, kLost);
@@ -127,7 +127,7 @@ TEST_F(PersonTracking, FollowsAWalkAndLosesWhoHasLeft) {
   // The next person is another track.
   updates.clear();
   for (int i = 0; i < 5; ++i) {
-    tracker.hear(moment(*room(), {{0.2, 0.2}}, 20.0 + 0.1 * i), updates);
+    tracker.receive(moment(*room(), {{0.2, 0.2}}, 20.0 + 0.1 * i), updates);
   }
   ASSERT_FALSE(updates.empty());
   EXPECT_EQ(updates.back().track, 2U);
@@ -153,8 +153,8 @@ TEST_F(PersonTracking, LooksWhereSomebodyMayBeAndSaysWhatTheWholeRoomSays) {
     const auto frames = moment(*room(), {{-0.8 + 0.04 * i, 0.3 - 0.01 * i}}, 0.1 * i);
     Updates found;
     Updates expected;
-    quick.hear(frames, found);
-    exhaustive.hear(frames, expected);
+    quick.receive(frames, found);
+    exhaustive.receive(frames, expected);
     ASSERT_EQ(found.size(), 1U);
     ASSERT_EQ(expected.size(), 1U);
     EXPECT_EQ(found[0].estimate.state, expected[0].estimate.state) << i;
@@ -178,7 +178,7 @@ TEST_F(PersonTracking, DoubtsWhomItDoesNotSeeClearly) {
   see(tracker, 0.0, 40, updates);  // clearly, and for longer than that
   EXPECT_EQ(entered(updates), (std::vector{kTentative, kConfirmed}));
   for (int i = 0; i < 40; ++i) {
-    tracker.hear(moment(*room(), {}, 4.0 + 0.1 * i), updates);
+    tracker.receive(moment(*room(), {}, 4.0 + 0.1 * i), updates);
   }
   ASSERT_EQ(entered(updates), (std::vector{kTentative, kConfirmed, kCoasting, kLost}));
   EXPECT_EQ(updates.back().estimate.transition->reason, "not clearly seen for too long");
@@ -252,7 +252,7 @@ TEST_F(PersonTracking, IsNotSilentWhereBurstsWereLeftOut) {
   auto tracker = PersonTracking::tracker();
   Updates updates;
   see(tracker, 0.0, 6, updates);
-  tracker.hear(somebody(4.0), updates, at(0.6));
+  tracker.receive(somebody(4.0), updates, at(0.6));
   EXPECT_EQ(entered(updates), (std::vector{kTentative, kConfirmed}));
 }
 
@@ -310,7 +310,7 @@ TEST_F(PersonTracking, BelievesOneSideOfABodyLess) {
                          frames.end(),
                          [&](const CsiFrame& frame) { return is_one && frame.access_point != 0; }),
           frames.end());
-      tracker.hear(frames, updates);
+      tracker.receive(frames, updates);
     }
     return updates;
   };

@@ -132,8 +132,8 @@ Count count_lost(const Case& of, int moments) {
       }
       std::vector<DeviceUpdate> expected;
       std::vector<DeviceUpdate> found;
-      exhaustive.hear(kWalker, frames, expected);
-      tracker.hear(kWalker, frames, found);
+      exhaustive.receive(kWalker, frames, expected);
+      tracker.receive(kWalker, frames, found);
       EXPECT_EQ(expected.size(), found.size()) << first << ' ' << i;
       if (expected.empty() || expected.front().estimate.location.hypotheses.empty()) {
         continue;

@@ -49,7 +49,7 @@ class WorkFolder {
   fs::path path_;
 };
 
-Expected<HeardPlaces> places_in(const std::string& site_folder,
+Expected<ReceivedPlaces> places_in(const std::string& site_folder,
                                 const std::vector<std::string>& stated) {
   const auto site = load_site(site_folder);
   if (!site) {
@@ -64,7 +64,7 @@ Expected<HeardPlaces> places_in(const std::string& site_folder,
     return tl::make_unexpected(captures.error());
   }
   std::vector<std::string> told_before;
-  return heard_places(*site, *room, *captures, told_before);
+  return received_places(*site, *room, *captures, told_before);
 }
 
 bool is_one_alone(const std::vector<std::string>& captures) {
@@ -119,7 +119,7 @@ void say(const UnsurveyedArguments& arguments, const std::string& text) {
 // Fits walls, arrays and chains to the positions of the devices.
 Expected<void> fit_room(const std::string& learned,
                         const std::string& points,
-                        const HeardPlaces& places,
+                        const ReceivedPlaces& places,
                         const UnsurveyedArguments& arguments) {
   if (auto written = write_file(points, to_csv(places.points)); !written) {
     return written;

@@ -31,13 +31,13 @@ std::vector<std::size_t> spread(std::size_t count) {
 
 }  // namespace
 
-Expected<HeardPlaces> heard_places(const Site& site,
+Expected<ReceivedPlaces> received_places(const Site& site,
                                    const RoomModel& room,
                                    const std::vector<CaptureArgument>& captures,
                                    std::vector<std::string>& notes) {
-  const auto heard = read_device_bursts(site, captures, notes);
-  if (!heard) {
-    return tl::make_unexpected(heard.error());
+  const auto received = read_device_bursts(site, captures, notes);
+  if (!received) {
+    return tl::make_unexpected(received.error());
   }
   const auto localizer = device_localizer(site, room);
   if (!localizer) {
@@ -45,8 +45,8 @@ Expected<HeardPlaces> heard_places(const Site& site,
   }
   std::vector<SurveyPoint> points;
   std::vector<double> sigmas;
-  HeardPlaces found;
-  for (const std::vector<CsiFrame>& burst : heard->bursts) {
+  ReceivedPlaces found;
+  for (const std::vector<CsiFrame>& burst : received->bursts) {
     if (find_fixed_transmitter(site, burst.front().transmitter) != nullptr) {
       continue;
     }

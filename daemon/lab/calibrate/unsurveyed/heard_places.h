@@ -13,7 +13,7 @@
 
 namespace rayloc::cli {
 
-struct HeardPlaces {
+struct ReceivedPlaces {
   std::vector<SurveyPoint> points;  // ordered by time, at most about two hundred
   double sigma = 0.0;               // [m], along each axis, median of the reported sigmas
   std::size_t bursts = 0;           // bursts located to find the points
@@ -21,7 +21,7 @@ struct HeardPlaces {
 
 // Bursts of devices with a certain position: one hypothesis, and a decimetre at most. `site`: with
 // known chains. `notes` as in for_each_frame().
-Expected<HeardPlaces> heard_places(const Site& site,
+Expected<ReceivedPlaces> received_places(const Site& site,
                                    const RoomModel& room,
                                    const std::vector<CaptureArgument>& captures,
                                    std::vector<std::string>& notes);

@@ -219,8 +219,8 @@ Expected<std::unique_ptr<Broker::Subscription>> NatsBroker::listen(const std::st
   }
   if (link) {
     // Where it has just ended, the next link subscribes.
-    if (const Expected<void> heard = link->listen(slot); !heard && link->is_connected()) {
-      return tl::make_unexpected(heard.error());
+    if (const Expected<void> received = link->listen(slot); !received && link->is_connected()) {
+      return tl::make_unexpected(received.error());
     }
   }
   slots_.push_back(slot);

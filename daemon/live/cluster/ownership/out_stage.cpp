@@ -27,7 +27,7 @@ std::deque<Carried> records_of(const SiteStart& start) {
     return {};
   }
   Carried listened = *start.carried;  // where its input begins
-  listened.done = listened.heard = std::min(listened.open.at, listened.done);
+  listened.done = listened.received = std::min(listened.open.at, listened.done);
   return {std::move(listened), *start.carried};
 }
 
@@ -101,10 +101,10 @@ void OutStage::carried(Carried&& carried) {
   }
 }
 
-void OutStage::hear(v1::OutputRecord&& record) {
+void OutStage::receive(v1::OutputRecord&& record) {
   const std::lock_guard lock(mutex_);
   if (audit_ && !closed_) {
-    audit_->hear(std::move(record));
+    audit_->receive(std::move(record));
     compare();
   }
 }

@@ -67,7 +67,7 @@ class OutStage final : public LocationSink {
   void carried(Carried&& carried) override;
 
   // While it is a standby: takes a record of the owner. From any thread.
-  void hear(v1::OutputRecord&& record);
+  void receive(v1::OutputRecord&& record);
   // State of a standby; nothing once it is promoted.
   struct Standby {
     StandbyAudit::Counters counters;

@@ -18,10 +18,10 @@ constexpr int kYield = 2;  // after the last message of another worker of our na
 void PeerWatch::take(const v1::WorkerState& state, std::size_t own_sites, Time now) {
   const Start start(state.worker(), state.incarnation());
   if (start == self_) {
-    if (now - heard_itself_ > lease_) {
-      hears_itself_since_ = now;
+    if (now - received_itself_ > lease_) {
+      receives_itself_since_ = now;
     }
-    heard_itself_ = now;
+    received_itself_ = now;
   } else if (start.first == self_.first) {
     // The one with sites keeps the name; on a tie the higher incarnation. Both decide the same.
     const bool has_some = state.sites_size() > 0;
@@ -34,7 +34,7 @@ void PeerWatch::take(const v1::WorkerState& state, std::size_t own_sites, Time n
   peer.candidate.is_behind = state.shedding() > 0;
   peer.load = state.load_permille() * kPermille;
   peer.leaving = state.leaving();
-  peer.heard = now;
+  peer.received = now;
   peer.stands_by.clear();
   for (const v1::StandbyState& one : state.stands_by()) {
     peer.stands_by.insert(one.site());
@@ -49,12 +49,12 @@ void PeerWatch::take(const v1::WorkerState& state, std::size_t own_sites, Time n
 
 void PeerWatch::forget(Time now) {
   std::erase_if(peers_,
-                [&](const auto& one) { return now - one.second.heard > kRemembered * lease_; });
+                [&](const auto& one) { return now - one.second.received > kRemembered * lease_; });
 }
 
 bool PeerWatch::may_judge(Time now) const {
-  return hears_itself_since_ != Time{} && now - heard_itself_ < lease_ &&
-         now - hears_itself_since_ >= lease_;
+  return receives_itself_since_ != Time{} && now - received_itself_ < lease_ &&
+         now - receives_itself_since_ >= lease_;
 }
 
 bool PeerWatch::has(const Start& start, const std::string& site, Time since, Time now) const {

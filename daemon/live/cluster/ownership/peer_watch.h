@@ -54,19 +54,19 @@ class PeerWatch {
     Candidate candidate;
     double load = 0.0;
     bool leaving = false;
-    Time heard;
+    Time received;
     std::set<std::string> stands_by;    // sites for which it is a standby
     std::map<std::string, Time> sites;  // time of its last report of each site
   };
 
-  bool lives(const Peer& peer, Time now) const { return now - peer.heard < lease_; }
+  bool lives(const Peer& peer, Time now) const { return now - peer.received < lease_; }
   void forget(Time now);
 
   const Start self_;
   const Duration lease_;
   std::map<Start, Peer> peers_;
-  Time hears_itself_since_{};  // zero: it does not
-  Time heard_itself_{};
+  Time receives_itself_since_{};  // zero: it does not
+  Time received_itself_{};
   Time yielded_{};  // last message of that other worker; zero: none
 };
 

@@ -44,7 +44,7 @@ std::string words(const v1::OutputItem* item) {
 
 }  // namespace
 
-void StandbyAudit::hear(v1::OutputRecord record) {
+void StandbyAudit::receive(v1::OutputRecord record) {
   if (record.generation() < options_.generation ||
       (record.generation() == options_.generation && record.number() <= number_)) {
     return;  // from a replaced owner, or repeated
@@ -60,7 +60,7 @@ void StandbyAudit::hear(v1::OutputRecord record) {
   if (record.has_output()) {
     waiting_.push_back({std::move(*record.mutable_output()), follows, now});
   }
-  if (!waiting_.empty() && now - waiting_.front().heard > options_.most_behind) {
+  if (!waiting_.empty() && now - waiting_.front().received > options_.most_behind) {
     waiting_.clear();
     trouble_ = "it computes more slowly than the owner";
   }

@@ -32,7 +32,7 @@ class StandbyAudit {
   explicit StandbyAudit(Options options) : options_(options) {}
 
   // Takes a record of the owner, from the stream of results.
-  void hear(v1::OutputRecord record);
+  void receive(v1::OutputRecord record);
   // Compares the results that both have, and removes from `own` what the
   // owner has published. `states`: the computed states for a successor.
   void compare(OutItems& own, const std::deque<Carried>& states);
@@ -55,7 +55,7 @@ class StandbyAudit {
   struct Window {
     v1::SiteOutput output;
     bool is_whole = false;  // the record before it was received
-    std::chrono::steady_clock::time_point heard;
+    std::chrono::steady_clock::time_point received;
   };
 
   void compare_results(const Window& window, const std::vector<v1::OutputItem>& own);

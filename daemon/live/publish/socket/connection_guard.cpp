@@ -157,7 +157,7 @@ class ConnectionGuard::Impl {
         }
         answer();
         for (std::size_t i = 0; i < monitors.size(); ++i) {
-          hear(monitors[i], static_cast<int>(i));
+          read_events(monitors[i], static_cast<int>(i));
         }
         inbound_.look(std::chrono::steady_clock::now());
       } catch (const zmq::error_t& error) {
@@ -168,7 +168,7 @@ class ConnectionGuard::Impl {
     }
   }
 
-  void hear(zmq::socket_t& monitor, int socket) {
+  void read_events(zmq::socket_t& monitor, int socket) {
     for (Frames frames = receive(monitor); !frames.empty(); frames = receive(monitor)) {
       const MonitorEvent event(frames.front());
       switch (event.number) {

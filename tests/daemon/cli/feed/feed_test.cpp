@@ -131,7 +131,7 @@ TEST(FeedWriter, HoldsGeojsonUntilTheHeartbeatSaysWhereTheSiteIs) {
   EXPECT_FALSE(writer.next());
   const v1::Heartbeat with_place =
       parsed("heartbeat { georeference { latitude_deg: 50 longitude_deg: 8 } }").heartbeat();
-  ASSERT_TRUE(writer.hear(with_place));
+  ASSERT_TRUE(writer.receive(with_place));
   const auto feature = nlohmann::json::parse(writer.next().value());
   EXPECT_NEAR(feature.at("geometry").at("coordinates").at(0).get<double>(), 8.0, 1e-4);
   EXPECT_FALSE(writer.next());
@@ -140,15 +140,15 @@ TEST(FeedWriter, HoldsGeojsonUntilTheHeartbeatSaysWhereTheSiteIs) {
 
 TEST(FeedWriter, RefusesGeojsonWithoutAPlace) {
   FeedWriter writer(FeedFormat::kGeojson);
-  const auto heard = writer.hear(v1::Heartbeat());
-  ASSERT_FALSE(heard);
-  EXPECT_EQ(heard.error().kind, ErrorKind::kConfiguration);
-  EXPECT_NE(heard.error().message.find("[georeference]"), std::string::npos);
+  const auto received = writer.receive(v1::Heartbeat());
+  ASSERT_FALSE(received);
+  EXPECT_EQ(received.error().kind, ErrorKind::kConfiguration);
+  EXPECT_NE(received.error().message.find("[georeference]"), std::string::npos);
 }
 
 TEST(FeedWriter, WritesOmloxInLocalMetresWithoutAPlace) {
   FeedWriter writer(FeedFormat::kOmlox);
-  ASSERT_TRUE(writer.hear(v1::Heartbeat()));
+  ASSERT_TRUE(writer.receive(v1::Heartbeat()));
   writer.add(parsed("location { mode: FIX_MODE_NO_FIX }"));
   writer.add(location());
   EXPECT_EQ(nlohmann::json::parse(writer.next().value()).at("crs"), "local");

@@ -105,10 +105,10 @@ TEST_F(SimulateVerb, WithoutImpairmentsFramesGivesTheTracersChannel) {
   for (std::size_t i = 0; i < h.size(); ++i) {
     const std::size_t tones = room->grid.size();
     const auto& pair = frame["csi"][row_of_element[i / tones]][0][i % tones];
-    const Value heard(pair[0].get<double>(), pair[1].get<double>());
-    product += std::conj(h[i]) * heard;
+    const Value received(pair[0].get<double>(), pair[1].get<double>());
+    product += std::conj(h[i]) * received;
     own += std::norm(h[i]);
-    theirs += std::norm(heard);
+    theirs += std::norm(received);
   }
   // Rounding to 11 bits is about 72 dB below the signal.
   EXPECT_LT(1.0 - std::norm(product) / (own * theirs), 1e-6);

@@ -16,7 +16,7 @@ namespace {
 
 const MacAddress kDevice = *parse_mac_address("02:52:4c:00:00:01");
 const MacAddress kPhone = *parse_mac_address("02:52:4c:00:00:02");
-constexpr std::size_t kHeardBy = 2;
+constexpr std::size_t kReceivedBy = 2;
 constexpr double kDiffuse = 0.4;  // as fitted, not as the room has it
 
 // Every spot has the level that is traced there, 30 dB lower, and every second one is 2 dB above
@@ -24,10 +24,10 @@ constexpr double kDiffuse = 0.4;  // as fitted, not as the room has it
 class LevelStage : public ::testing::Test {
  protected:
   LevelStage() {
-    result_.index = kHeardBy;
-    result_.fit.gains = room_.access_points[kHeardBy].gains;
+    result_.index = kReceivedBy;
+    result_.fit.gains = room_.access_points[kReceivedBy].gains;
     result_.fit.error.diffuse.value = kDiffuse;
-    const RoomAccessPoint& ap = room_.access_points[kHeardBy];
+    const RoomAccessPoint& ap = room_.access_points[kReceivedBy];
     const ReceiverTracer tracer = PathTracer(room_.scene, room_.trace)
                                       .at(Receiver{{ap.array.pose.position,
                                                     ap.array.pose.orientation,
@@ -47,7 +47,7 @@ class LevelStage : public ::testing::Test {
       frames_.push_back(test::frames_at(room_, place, {2, 30.0, static_cast<unsigned>(i + 1)}));
       for (CsiFrame& frame : frames_.back()) {
         frame.transmitter = kDevice;
-        const bool there = frame.access_point == static_cast<int>(kHeardBy);
+        const bool there = frame.access_point == static_cast<int>(kReceivedBy);
         frame.power_dbm.assign(frame.cores.size(), there ? static_cast<float>(level) : -5.0F);
       }
     }
@@ -58,11 +58,11 @@ class LevelStage : public ::testing::Test {
   }
 
   std::vector<TransmitterLevel> fit(std::size_t spots = 12) {
-    std::vector<HeldOutSpot> heard;
+    std::vector<HeldOutSpot> received;
     for (std::size_t i = 0; i < spots; ++i) {
-      heard.push_back({places_[i], frames_[i]});
+      received.push_back({places_[i], frames_[i]});
     }
-    return fit_levels(site_, room_, result_, heard, refused_);
+    return fit_levels(site_, room_, result_, received, refused_);
   }
 
   RoomModel room_ = test::make_room();

@@ -32,7 +32,7 @@ class LivedInStudy : public ::testing::Test {
     return std::move(layouts->front());
   }
   // The first row of CSI of the first frame at the first spot.
-  static std::vector<std::complex<float>> heard(const StudyLayout& layout) {
+  static std::vector<std::complex<float>> received(const StudyLayout& layout) {
     const auto row = layout.spots.at(0).frames.at(0).csi.row(0, 0);
     return {row.begin(), row.end()};
   }
@@ -72,11 +72,11 @@ TEST_F(LivedInStudy, HeightsAreDrawnAboutTheOneThatTheModelKnows) {
   EXPECT_EQ(layout.spots[0].position.x, flat.spots[0].position.x);
   EXPECT_EQ(layout.model.device.height, 1.2);
   EXPECT_EQ(layout.model.device.height_sigma, 0.0);
-  EXPECT_NE(heard(layout), heard(flat));
+  EXPECT_NE(received(layout), received(flat));
   condition_.model_height_sigma_m = 0.2;
   const StudyLayout expected = world();
   EXPECT_EQ(expected.model.device.height_sigma, 0.2);
-  EXPECT_EQ(heard(expected), heard(layout));
+  EXPECT_EQ(received(expected), received(layout));
 }
 
 TEST_F(LivedInStudy, TiltsAndPowersChangeWhatIsHeardAndNotWhere) {
@@ -88,7 +88,7 @@ TEST_F(LivedInStudy, TiltsAndPowersChangeWhatIsHeardAndNotWhere) {
   const StudyLayout varied = world();
   for (const StudyLayout* other : {&tilted, &varied}) {
     EXPECT_EQ(other->spots[0].position, plain.spots[0].position);
-    EXPECT_NE(heard(*other), heard(plain));
+    EXPECT_NE(received(*other), received(plain));
   }
 }
 
@@ -110,7 +110,7 @@ TEST_F(LivedInStudy, ASecondDayHasOtherChainsAndTheModelMayNotKnowThem) {
   // The pose of the modelled array stays as it was surveyed.
   EXPECT_EQ(second.model.access_points[0].array.pose.position,
             first.model.access_points[0].array.pose.position);
-  EXPECT_NE(heard(second), heard(first));
+  EXPECT_NE(received(second), received(first));
 }
 
 TEST_F(LivedInStudy, PeopleHaveASecondDayToo) {

@@ -52,7 +52,7 @@ std::vector<CsiFrame> receive(const SpotCapture& capture) {
 TEST(CaptureSimulator, WithoutImpairmentsTheDecoderGivesTheTracersChannel) {
   const RoomModel room = test::make_room();
   CaptureSimulator simulator(room, 1, options_with(no_impairments()));
-  const auto frames = receive(*simulator.hear(spot_with(3)));
+  const auto frames = receive(*simulator.receive(spot_with(3)));
   ASSERT_EQ(frames.size(), 3U);
 
   const RoomAccessPoint& ap = room.access_points[1];
@@ -69,11 +69,11 @@ TEST(CaptureSimulator, WithoutImpairmentsTheDecoderGivesTheTracersChannel) {
     for (const CsiFrame& frame : frames) {
       const auto row = frame.csi.row(core, 0);
       for (std::size_t k = 0; k < grid.size(); ++k) {
-        const Value heard = Value(row[k]) / 0x1p30;
+        const Value received = Value(row[k]) / 0x1p30;
         const double largest = std::max(std::abs(h[k].real()), std::abs(h[k].imag()));
         // 11 bits of the larger part: half a step of 2^-10, rounded up where the mantissa is full.
-        EXPECT_NEAR(heard.real(), h[k].real(), largest / 1024.0) << k;
-        EXPECT_NEAR(heard.imag(), h[k].imag(), largest / 1024.0) << k;
+        EXPECT_NEAR(received.real(), h[k].real(), largest / 1024.0) << k;
+        EXPECT_NEAR(received.imag(), h[k].imag(), largest / 1024.0) << k;
       }
     }
   }
@@ -94,7 +94,7 @@ TEST(CaptureSimulator, HopsGiveTheChannelAtEachFrequency) {
     spot.frames[n].channel = n % 3;
   }
   CaptureSimulator simulator(rooms, 0, options_with(no_impairments()));
-  auto frames = receive(*simulator.hear(spot));
+  auto frames = receive(*simulator.receive(spot));
   std::sort(frames.begin(), frames.end(), [](const CsiFrame& a, const CsiFrame& b) {
     return a.time < b.time;  // the first ones wait for a time-out
   });
@@ -105,7 +105,7 @@ TEST(CaptureSimulator, HopsGiveTheChannelAtEachFrequency) {
     EXPECT_EQ(frames[n].sequence, frames[0].sequence + static_cast<int>(n));
     SimulatedSpot alone = spot_with(1);
     const auto there =
-        receive(*CaptureSimulator(room, 0, options_with(no_impairments())).hear(alone));
+        receive(*CaptureSimulator(room, 0, options_with(no_impairments())).receive(alone));
     ASSERT_EQ(there.size(), 1U);
     for (std::size_t core = 0; core < 3; ++core) {
       const auto row = frames[n].csi.row(core, 0);
@@ -121,7 +121,7 @@ TEST(CaptureSimulator, FramesOfAHopHaveNoiseOfTheirOwn) {
   spot.frames[1].channel = 1;
   CaptureSimulator simulator(rooms, 0, options_with(default_impairments()));
   EXPECT_EQ(simulator.chains(0).gain, simulator.chains(1).gain);
-  const auto frames = receive(*simulator.hear(spot));
+  const auto frames = receive(*simulator.receive(spot));
   ASSERT_EQ(frames.size(), 2U);
   const auto first = frames[0].csi.row(0, 0);
   const auto second = frames[1].csi.row(0, 0);
@@ -131,7 +131,7 @@ TEST(CaptureSimulator, FramesOfAHopHaveNoiseOfTheirOwn) {
 TEST(CaptureSimulator, TellsTheDecoderWhatItSent) {
   const RoomModel room = test::make_room();
   CaptureSimulator simulator(room, 0, options_with(default_impairments()));
-  const auto frames = receive(*simulator.hear(spot_with(2)));
+  const auto frames = receive(*simulator.receive(spot_with(2)));
   ASSERT_EQ(frames.size(), 2U);
   EXPECT_EQ(frames[0].transmitter, (MacAddress{{2, 0x52, 0x4c, 0, 0, 7}}));
   EXPECT_EQ(frames[0].phy, PhyFormat::kVht);
@@ -151,12 +151,12 @@ TEST(CaptureSimulator, RoughWallsScatterWhereThatIsAskedFor) {
   auto scene = Scene::create({room.scene->objects(), {rough}, room.scene->carrier_hz()});
   ASSERT_TRUE(scene.has_value());
   room.scene = std::make_shared<const Scene>(*std::move(scene));
-  const auto hear = [&](bool diffuse, std::uint64_t seed) {
+  const auto receive = [&](bool diffuse, std::uint64_t seed) {
     CaptureOptions options = options_with(no_impairments());
     options.trace.diffuse = diffuse;
     options.seed = seed;
     CaptureSimulator simulator(room, 1, options);
-    const auto frames = receive(*simulator.hear(spot_with(1)));
+    const auto frames = receive(*simulator.receive(spot_with(1)));
     std::vector<Value> h;
     for (std::size_t core = 0; core < frames.at(0).cores.size(); ++core) {
       for (const auto& value : frames[0].csi.row(core, 0)) {
@@ -165,11 +165,11 @@ TEST(CaptureSimulator, RoughWallsScatterWhereThatIsAskedFor) {
     }
     return h;
   };
-  const std::vector<Value> smooth = hear(false, 1);
-  const std::vector<Value> scattered = hear(true, 1);
-  EXPECT_EQ(scattered, hear(true, 1));
-  EXPECT_NE(scattered, hear(true, 2));
-  EXPECT_EQ(smooth, hear(false, 2));
+  const std::vector<Value> smooth = receive(false, 1);
+  const std::vector<Value> scattered = receive(true, 1);
+  EXPECT_EQ(scattered, receive(true, 1));
+  EXPECT_NE(scattered, receive(true, 2));
+  EXPECT_EQ(smooth, receive(false, 2));
   EXPECT_NE(scattered, smooth);
 }
 
@@ -192,7 +192,7 @@ TEST_P(CaptureOfChannel, ComesBackOnAllItsTones) {
   CaptureOptions options = options_with(impairments);
   options.bandwidth_mhz = GetParam().bandwidth_mhz;
   CaptureSimulator simulator(room, 2, options);
-  const auto frames = receive(*simulator.hear(spot_with(1)));
+  const auto frames = receive(*simulator.receive(spot_with(1)));
   ASSERT_EQ(frames.size(), 1U);
   EXPECT_EQ(frames[0].phy, GetParam().phy);
   EXPECT_EQ(frames[0].bandwidth_mhz, GetParam().bandwidth_mhz);
@@ -209,10 +209,10 @@ TEST_P(CaptureOfChannel, ComesBackOnAllItsTones) {
   double own = 0.0;
   double theirs = 0.0;
   for (std::size_t k = 0; k < grid.size(); ++k) {
-    const Value heard(frames[0].csi.row(0, 0)[k]);
-    product += std::conj(h[k]) * heard;
+    const Value received(frames[0].csi.row(0, 0)[k]);
+    product += std::conj(h[k]) * received;
     own += std::norm(h[k]);
-    theirs += std::norm(heard);
+    theirs += std::norm(received);
   }
   EXPECT_GT(std::norm(product) / (own * theirs), 0.999);  // the noise is 40 dB below at 1 m
 }
@@ -232,8 +232,8 @@ TEST(CaptureSimulator, TheSameSeedGivesTheSameBytes) {
     CaptureOptions options = options_with(default_impairments());
     options.seed = seed;
     std::vector<std::vector<std::byte>> payloads;
-    auto heard = CaptureSimulator(room, access_point, options).hear(spot_with(2));
-    for (auto& datagram : heard->datagrams) {
+    auto received = CaptureSimulator(room, access_point, options).receive(spot_with(2));
+    for (auto& datagram : received->datagrams) {
       payloads.push_back(std::move(datagram.payload));
     }
     return payloads;
@@ -247,7 +247,7 @@ TEST(CaptureSimulator, LosesTheStatedShareOfDatagramsAndCountsThem) {
   Impairments impairments = no_impairments();
   impairments.loss_share = 0.2;
   CaptureSimulator simulator(room, 0, options_with(impairments));
-  const SpotCapture capture = *simulator.hear(spot_with(500));
+  const SpotCapture capture = *simulator.receive(spot_with(500));
   EXPECT_EQ(capture.datagrams.size() + capture.lost, 1500U);
   EXPECT_NEAR(static_cast<double>(capture.lost), 300.0, 3 * 15.5);
 }
@@ -258,7 +258,7 @@ TEST(CaptureSimulator, CountsNoPathFromOutsideOfTheRoom) {
   CaptureSimulator simulator(room, 0, options_with(default_impairments()));
   SimulatedSpot outside = spot_with(1);
   outside.position = {9.0, 0.0, 1.2};
-  const SpotCapture capture = *simulator.hear(outside);
+  const SpotCapture capture = *simulator.receive(outside);
   EXPECT_EQ(capture.paths, 0U);
   EXPECT_EQ(capture.datagrams.size(), 3U);
 }

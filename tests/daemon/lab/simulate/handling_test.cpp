@@ -173,9 +173,9 @@ TEST(Handling, ReachesTheChannel) {
   const auto tones = [&](const SimulatedSpot& spot) {
     CaptureOptions options;
     options.impairments = no_impairments();
-    const auto heard = CaptureSimulator(room, 0, options).hear(spot);
+    const auto received = CaptureSimulator(room, 0, options).receive(spot);
     std::vector<std::vector<std::byte>> payloads;
-    for (const SimulatedDatagram& datagram : heard->datagrams) {
+    for (const SimulatedDatagram& datagram : received->datagrams) {
       payloads.push_back(datagram.payload);
     }
     return payloads;

@@ -78,10 +78,10 @@ TEST(SimulatedRadio, WithoutImpairmentsReportsTheChannelItself) {
   for (std::size_t i = 0; i < radio.flat().size(); ++i) {
     h.push_back(std::polar(1e-3 + 1e-6 * static_cast<double>(i), 0.1 * static_cast<double>(i)));
   }
-  const auto heard = radio.receive(h);
+  const auto received = radio.receive(h);
   for (std::size_t core = 0; core < 3; ++core) {
     for (std::size_t k = 0; k < 114; ++k) {
-      EXPECT_NEAR(std::abs(heard[core][k] - h[core * 114 + k]), 0.0, 1e-15);
+      EXPECT_NEAR(std::abs(received[core][k] - h[core * 114 + k]), 0.0, 1e-15);
     }
   }
 }
@@ -100,9 +100,9 @@ TEST(SimulatedRadio, CommonPhaseIsUniformAndCommon) {
   Radio radio(impairments);
   Value resultant;
   for (int n = 0; n < 1000; ++n) {
-    const auto heard = radio.receive();
-    resultant += heard[0][0] / std::abs(heard[0][0]) / 1000.0;
-    EXPECT_NEAR(std::arg(heard[2][100] / heard[0][0]), 0.0, 1e-9);
+    const auto received = radio.receive();
+    resultant += received[0][0] / std::abs(received[0][0]) / 1000.0;
+    EXPECT_NEAR(std::arg(received[2][100] / received[0][0]), 0.0, 1e-9);
   }
   EXPECT_LT(std::abs(resultant), 0.1);  // three deviations of 1 / sqrt(1000)
 }
@@ -117,11 +117,11 @@ TEST(SimulatedRadio, TimingOffsetFillsItsRangeAndHasOutliers) {
   std::vector<double> usual;
   int outliers = 0;
   for (int n = 0; n < 1000; ++n) {
-    const auto heard = radio.receive();
+    const auto received = radio.receive();
     // Tones -58 and -57: a turn is 3.2 us.
     const double delay_ns =
-        -std::arg(heard[1][1] / heard[1][0]) / (2.0 * std::numbers::pi * kSpacing) * 1e9;
-    EXPECT_NEAR(std::arg(heard[0][80] / heard[2][80]), 0.0, 1e-9) << "one offset for all cores";
+        -std::arg(received[1][1] / received[1][0]) / (2.0 * std::numbers::pi * kSpacing) * 1e9;
+    EXPECT_NEAR(std::arg(received[0][80] / received[2][80]), 0.0, 1e-9) << "one offset for all cores";
     if (delay_ns < 500.0) {
       usual.push_back(delay_ns);
     } else {
@@ -182,8 +182,8 @@ TEST(SimulatedRadio, JitterIsTheDeviationBetweenTwoCores) {
   Radio radio(impairments);
   std::vector<double> difference;
   for (int n = 0; n < 2000; ++n) {
-    const auto heard = radio.receive();
-    difference.push_back(kDegreesPerRadian * std::arg(heard[1][5] / heard[0][5]));
+    const auto received = radio.receive();
+    difference.push_back(kDegreesPerRadian * std::arg(received[1][5] / received[0][5]));
   }
   EXPECT_NEAR(standard_deviation(difference), 2.0, 0.1);
 }
@@ -194,10 +194,10 @@ TEST(SimulatedRadio, TheTransmittersErrorIsTheSameOnAllCores) {
   Radio radio(impairments);
   double power = 0.0;
   for (int n = 0; n < 100; ++n) {
-    const auto heard = radio.receive();
+    const auto received = radio.receive();
     for (std::size_t k = 0; k < 114; ++k) {
-      power += std::norm(heard[0][k] / 1e-3 - 1.0) / 11'400.0;
-      EXPECT_NEAR(std::abs(heard[0][k] - heard[2][k]), 0.0, 1e-15);
+      power += std::norm(received[0][k] / 1e-3 - 1.0) / 11'400.0;
+      EXPECT_NEAR(std::abs(received[0][k] - received[2][k]), 0.0, 1e-15);
     }
   }
   EXPECT_NEAR(decibels(power), -38.0, 0.2);
@@ -209,13 +209,13 @@ TEST(SimulatedRadio, TheImageStandsAtTheMirroredTone) {
   Radio radio(impairments);
   std::vector<Value> h = radio.flat(0.0);
   h[20] = 1e-3;  // core 2, tone -38
-  const auto heard = radio.receive(h);
+  const auto received = radio.receive(h);
   for (std::size_t k = 0; k < 114; ++k) {
     const double expected_db = k == 20 ? 0.0 : -33.0;
     if (k == 20 || k == 113 - 20) {
-      EXPECT_NEAR(decibels(std::norm(heard[0][k] / 1e-3)), expected_db, 1e-6) << k;
+      EXPECT_NEAR(decibels(std::norm(received[0][k] / 1e-3)), expected_db, 1e-6) << k;
     } else {
-      EXPECT_EQ(heard[0][k], Value(0.0)) << k;
+      EXPECT_EQ(received[0][k], Value(0.0)) << k;
     }
   }
 }
@@ -226,10 +226,10 @@ TEST(SimulatedRadio, CouplingBringsOneAntennasSignalToTheOthers) {
   Radio radio(impairments);
   std::vector<Value> h = radio.flat(0.0);
   std::fill(h.begin(), h.begin() + 114, 1e-3);
-  const auto heard = radio.receive(h);
-  EXPECT_NEAR(std::abs(heard[0][7] - 1e-3), 0.0, 1e-15);
-  EXPECT_NEAR(decibels(std::norm(heard[1][7] / 1e-3)), -28.0, 1e-6);
-  EXPECT_NEAR(decibels(std::norm(heard[2][90] / 1e-3)), -28.0, 1e-6);
+  const auto received = radio.receive(h);
+  EXPECT_NEAR(std::abs(received[0][7] - 1e-3), 0.0, 1e-15);
+  EXPECT_NEAR(decibels(std::norm(received[1][7] / 1e-3)), -28.0, 1e-6);
+  EXPECT_NEAR(decibels(std::norm(received[2][90] / 1e-3)), -28.0, 1e-6);
 }
 
 TEST(SimulatedRadio, GarbageAtDcIsAsLargeAsData) {
@@ -327,8 +327,8 @@ TEST(SimulatedRadio, RippleReachesItsAmplitudeWithinTheBand) {
   impairments.ripple_db = 0.3;
   impairments.ripple_deg = 2.0;
   Radio radio(impairments);
-  const auto heard = radio.receive();
-  for (const auto& row : heard) {
+  const auto received = radio.receive();
+  for (const auto& row : received) {
     double level = 0.0;
     double phase = 0.0;
     for (const Value& value : row) {
@@ -362,10 +362,10 @@ TEST(SimulatedRadio, TakesTheCouplingOfACalibrationWithItsChains) {
   Radio radio(impairments, 1, calibrated);
   std::vector<Value> h = radio.flat(0.0);
   std::fill(h.begin(), h.begin() + 114, 1e-3);
-  const auto heard = radio.receive(h);
-  EXPECT_NEAR(std::abs(heard[0][7] - 1e-3), 0.0, 1e-15);
-  EXPECT_NEAR(std::abs(heard[1][7] - Value(0.0, 1e-4)), 0.0, 1e-15);
-  EXPECT_NEAR(std::abs(heard[2][7]), 0.0, 1e-15);
+  const auto received = radio.receive(h);
+  EXPECT_NEAR(std::abs(received[0][7] - 1e-3), 0.0, 1e-15);
+  EXPECT_NEAR(std::abs(received[1][7] - Value(0.0, 1e-4)), 0.0, 1e-15);
+  EXPECT_NEAR(std::abs(received[2][7]), 0.0, 1e-15);
 }
 
 // A calibration of every second tone.
@@ -388,10 +388,10 @@ TEST(SimulatedRadio, TheSameSeedGivesTheSameFrames) {
   Radio first(default_impairments(), 5);
   Radio second(default_impairments(), 5);
   Radio other(default_impairments(), 6);
-  const auto heard = first.receive();
-  EXPECT_EQ(heard, second.receive());
-  EXPECT_NE(heard, other.receive());
-  EXPECT_NE(heard, first.receive()) << "no two frames are alike";
+  const auto received = first.receive();
+  EXPECT_EQ(received, second.receive());
+  EXPECT_NE(received, other.receive());
+  EXPECT_NE(received, first.receive()) << "no two frames are alike";
 }
 
 }  // namespace

@@ -33,8 +33,8 @@ class CaptureNode : public ::testing::Test {
     tap2_ = &sender_->tap("ap2");
     ASSERT_TRUE(sender_->start());
   }
-  void hear(DatagramTap& tap, std::size_t count) {
-    const Batch some = some_batch(++heard_, {{"x", count}});
+  void receive(DatagramTap& tap, std::size_t count) {
+    const Batch some = some_batch(++received_, {{"x", count}});
     const auto datagrams = some.parts[0].datagrams.datagrams();
     tap.tap(datagrams);
     tap.advance(some.parts[0].watermark);
@@ -76,13 +76,13 @@ class CaptureNode : public ::testing::Test {
   std::shared_ptr<BatchSender> sender_;
   DatagramTap* tap1_ = nullptr;
   DatagramTap* tap2_ = nullptr;
-  std::uint64_t heard_ = 0;
+  std::uint64_t received_ = 0;
 };
 
 TEST_F(CaptureNode, PutsWhatAllAccessPointsHearIntoNumberedBatches) {
   open();
-  hear(*tap1_, 3);
-  hear(*tap2_, 2);
+  receive(*tap1_, 3);
+  receive(*tap2_, 2);
   ASSERT_TRUE(all_live());
   expect_law();
   const std::vector<Batch> all = batches();
@@ -105,7 +105,7 @@ TEST_F(CaptureNode, ABatchIsFullAtSoManyDatagramsOrBytes) {
   options.max_datagrams = 4;
   options.max_bytes = 90;
   open(options);
-  hear(*tap1_, 6);  // of 20, 21, ... bytes
+  receive(*tap1_, 6);  // of 20, 21, ... bytes
   sender_->finish();
   expect_law();
   std::vector<std::size_t> sizes;
@@ -121,9 +121,9 @@ TEST_F(CaptureNode, ADatagramWaitsForOthersAndNotForTheTick) {
   BatchSender::Options options;
   options.tick = std::chrono::minutes(10);
   open(options);
-  hear(*tap1_, 1);
+  receive(*tap1_, 1);
   EXPECT_TRUE(all_live());
-  hear(*tap1_, 1);
+  receive(*tap1_, 1);
   EXPECT_TRUE(all_live());
 }
 
@@ -140,12 +140,12 @@ TEST_F(CaptureNode, AnAbsentBrokerCostsAMarkAndNothingElse) {
   BatchSender::Options options;
   options.limits.stale = milliseconds(50);
   open(options);
-  hear(*tap1_, 7);
+  receive(*tap1_, 7);
   ASSERT_TRUE(eventually(kPatience, [&] { return sum(sender_->counters().ring.marked) == 7; }));
   EXPECT_EQ(sender_->trouble(), "no broker answers");
   expect_law();
   broker_->set_connected(true);
-  hear(*tap1_, 2);
+  receive(*tap1_, 2);
   ASSERT_TRUE(eventually(kPatience, [&] { return !batches().empty(); }));
   const Batch first = batches()[0];
   ASSERT_EQ(first.gaps.size(), 1U);
@@ -166,7 +166,7 @@ TEST_F(CaptureNode, ABrokerThatLosesMessagesAndAcknowledgementsGetsEachAtLeastOn
   options.limits.patience = milliseconds(30);
   open(options);
   for (int i = 0; i < 10; ++i) {
-    hear(*tap1_, 64);
+    receive(*tap1_, 64);
   }
   ASSERT_TRUE(all_live());
   expect_law();
@@ -188,7 +188,7 @@ TEST_F(CaptureNode, WhatAWorkerLacksIsSentAgain) {
     return n == 0 ? FakeBroker::Fate::kAcknowledgedAndLost : FakeBroker::Fate::kStored;
   };
   open();
-  hear(*tap1_, 3);
+  receive(*tap1_, 3);
   ASSERT_TRUE(all_live());
   v1::ResendRequest request;
   request.set_site("lab 2");
@@ -206,7 +206,7 @@ TEST_F(CaptureNode, WhatAWorkerLacksIsSentAgain) {
 
 TEST_F(CaptureNode, LetsGoOfWhatAnOutputSaysIsConsumed) {
   open();
-  hear(*tap1_, 3);
+  receive(*tap1_, 3);
   ASSERT_TRUE(all_live());
   const std::uint64_t last = batches().back().number;
   v1::OutputRecord record;
@@ -226,10 +226,10 @@ TEST_F(CaptureNode, MakesTheStreamAgainWhenTheBrokerHasForgottenIt) {
   BatchSender::Options options;
   options.limits.patience = milliseconds(30);
   open(options);
-  hear(*tap1_, 1);
+  receive(*tap1_, 1);
   ASSERT_TRUE(all_live());
   broker_->forget_streams();
-  hear(*tap1_, 5);
+  receive(*tap1_, 5);
   ASSERT_TRUE(all_live());
   EXPECT_GT(sender_->counters().refused, 0U);
   EXPECT_EQ(sender_->trouble(), "");

@@ -43,7 +43,7 @@ Location located(int ms, const std::string& device) {
 }
 
 // Collects the locations that this machine publishes.
-class Heard : public LocationSink {
+class Received : public LocationSink {
  public:
   void location(Location&& location) override {
     const std::lock_guard lock(mutex_);
@@ -138,8 +138,8 @@ OutStage::Options quick() {
 
 TEST(OutStage, WhatTwoOwnersSayIsEachInstantOnceAndInOrder) {
   const auto broker = std::make_shared<FakeBroker>();
-  Heard heard;
-  OutStage first(begun(broker, 1), heard, quick());
+  Received received;
+  OutStage first(begun(broker, 1), received, quick());
   first.start();
   first.location(located(20, "b"));
   first.location(located(10, "a"));
@@ -151,7 +151,7 @@ TEST(OutStage, WhatTwoOwnersSayIsEachInstantOnceAndInOrder) {
   EXPECT_EQ(log->start().from, at(30));
   EXPECT_EQ(log->start().resume.place.sequence, 7U);
   EXPECT_EQ(log->start().resume.nodes.at("node1").number, 12U);
-  OutStage second(std::move(log), heard, quick());
+  OutStage second(std::move(log), received, quick());
   second.start();
   second.location(located(40, "a"));
   second.advance(at(50));
@@ -166,14 +166,14 @@ TEST(OutStage, WhatTwoOwnersSayIsEachInstantOnceAndInOrder) {
     }
   }
   EXPECT_EQ(said, (std::vector<std::int64_t>{10, 20, 40}));
-  EXPECT_EQ(heard.times(), (std::vector<Timestamp>{at(10), at(20), at(40)}));
+  EXPECT_EQ(received.times(), (std::vector<Timestamp>{at(10), at(20), at(40)}));
   EXPECT_TRUE(records(*broker).back().output().released());
 }
 
 TEST(OutStage, NothingIsSaidHereThatTheBrokerHasNotTaken) {
   const auto broker = std::make_shared<FakeBroker>();
-  Heard heard;
-  OutStage stage(begun(broker, 1), heard, quick());
+  Received received;
+  OutStage stage(begun(broker, 1), received, quick());
   stage.start();
   broker->set_connected(false);
   stage.location(located(10, "a"));
@@ -187,14 +187,14 @@ TEST(OutStage, NothingIsSaidHereThatTheBrokerHasNotTaken) {
   EXPECT_TRUE(eventually(kPatience, [&] { return stage.counters().items == 1; }));
   EXPECT_EQ(stage.ended(), "");
   stage.finish();
-  EXPECT_EQ(heard.times().size(), 1U);
+  EXPECT_EQ(received.times().size(), 1U);
 }
 
 // Each record as large as the broker takes it, and each a place from which a successor goes on.
 TEST(OutStage, SaysInSeveralRecordsWhatIsTooMuchForOne) {
   const auto broker = std::make_shared<FakeBroker>();
-  Heard heard;
-  OutStage stage(begun(broker, 1), heard, quick());
+  Received received;
+  OutStage stage(begun(broker, 1), received, quick());
   constexpr int kInstants = 40;
   std::vector<std::int64_t> expected;
   for (int ms = 0; ms < kInstants; ++ms) {
@@ -229,8 +229,8 @@ TEST(OutStage, SaysInSeveralRecordsWhatIsTooMuchForOne) {
 // One after which nothing comes would be silent for ever.
 TEST(OutStage, LeavesOutWhatOfOneInstantIsTooMuchForTheBroker) {
   const auto broker = std::make_shared<FakeBroker>();
-  Heard heard;
-  OutStage stage(begun(broker, 1), heard, quick());
+  Received received;
+  OutStage stage(begun(broker, 1), received, quick());
   for (int device = 0; device < 100; ++device) {
     stage.location(located(1, "device " + std::to_string(device)));
   }
@@ -244,16 +244,16 @@ TEST(OutStage, LeavesOutWhatOfOneInstantIsTooMuchForTheBroker) {
   EXPECT_GT(stage.counters().items, 1U);
   EXPECT_EQ(stage.news().size(), 1U);
   EXPECT_TRUE(stage.news().empty());
-  EXPECT_EQ(heard.times().back(), at(2));
+  EXPECT_EQ(received.times().back(), at(2));
   stage.finish();
 }
 
 TEST(OutStage, GivesUpTheSiteWhereTheBrokerTakesNothingForTooLong) {
   const auto broker = std::make_shared<FakeBroker>();
-  Heard heard;
+  Received received;
   OutStage::Options options = quick();
   options.most_waiting = 10;
-  OutStage stage(begun(broker, 1), heard, options);
+  OutStage stage(begun(broker, 1), received, options);
   stage.start();
   broker->set_connected(false);
   int ms = 0;
@@ -268,7 +268,7 @@ TEST(OutStage, GivesUpTheSiteWhereTheBrokerTakesNothingForTooLong) {
 // The places of a successor: those of a predecessor are used until its own reach back far enough.
 TEST(OutStage, ASuccessorListensFromWhereTheOneBeforeWouldHave) {
   const auto broker = std::make_shared<FakeBroker>();
-  Heard heard;
+  Received received;
   OutStage::Options options = quick();
   std::mutex mutex;
   Timestamp asked;
@@ -278,11 +278,11 @@ TEST(OutStage, ASuccessorListensFromWhereTheOneBeforeWouldHave) {
     asked = time;
     return SiteResume{};
   };
-  OutStage stage(begun(broker, 1), heard, options);
+  OutStage stage(begun(broker, 1), received, options);
   stage.start();
   for (int s = 1; s <= 6; ++s) {
     Carried carried;
-    carried.done = carried.heard = at(1000 * s - 100);
+    carried.done = carried.received = at(1000 * s - 100);
     carried.open.at = at(1000 * s);
     stage.carried(std::move(carried));
     stage.advance(at(1000 * s));

@@ -40,10 +40,10 @@ class Feed : public ::testing::Test {
     ASSERT_TRUE(broker_->ensure_stream(options.stream));
     publisher_ = *broker_->acked_publisher([](std::uint64_t, const std::string&) {});
     for (std::size_t i = 0; i < options.access_points.size(); ++i) {
-      heard_.emplace_back();
+      received_.emplace_back();
     }
     feed_ = *SiteFeed::open(broker_, options);
-    for (std::size_t i = 0; i < heard_.size(); ++i) {
+    for (std::size_t i = 0; i < received_.size(); ++i) {
       sources_.push_back(feed_->source(i));
     }
     feed_->start();
@@ -54,22 +54,22 @@ class Feed : public ::testing::Test {
     ASSERT_TRUE(publisher_->publish(
         csi_subject("office", node), encode(batch), std::to_string(ids_), ids_));
   }
-  struct Heard {
+  struct Received {
     std::vector<Timestamp> times;
     std::size_t bytes = 0;
     Timestamp watermark = Timestamp::min();
   };
   // The datagrams and the watermark received so far from an access point.
-  const Heard& heard(std::size_t i) {
+  const Received& received(std::size_t i) {
     DatagramBatch batch;
     EXPECT_TRUE(sources_[i]->read(batch, milliseconds(1)));
-    EXPECT_GE(batch.watermark, heard_[i].watermark);
-    heard_[i].watermark = batch.watermark;
+    EXPECT_GE(batch.watermark, received_[i].watermark);
+    received_[i].watermark = batch.watermark;
     for (const Datagram& one : batch.datagrams) {
-      heard_[i].times.push_back(one.time);
-      heard_[i].bytes += one.payload.size();
+      received_[i].times.push_back(one.time);
+      received_[i].bytes += one.payload.size();
     }
-    return heard_[i];
+    return received_[i];
   }
   static Timestamp time_of(std::uint64_t number) {
     return some_batch(number, {{"x", 1}}).parts[0].watermark;
@@ -78,7 +78,7 @@ class Feed : public ::testing::Test {
   std::shared_ptr<FakeBroker> broker_ = std::make_shared<FakeBroker>();
   std::unique_ptr<Broker::AckedPublisher> publisher_;
   std::vector<std::unique_ptr<DatagramSource>> sources_;
-  std::vector<Heard> heard_;
+  std::vector<Received> received_;
   std::unique_ptr<SiteFeed> feed_;
   std::uint64_t ids_ = 0;
 };
@@ -88,11 +88,11 @@ TEST_F(Feed, GivesEachAccessPointWhatItsNodeHas) {
   const Batch first = some_batch(1, {{"ap1", 3}, {"ap2", 2}});
   store("a", first);
   store("a", some_batch(2, {{"ap2", 1}}));
-  EXPECT_TRUE(eventually(kPatience, [&] { return heard(0).times.size() == 3; }));
-  EXPECT_TRUE(eventually(kPatience, [&] { return heard(1).times.size() == 3; }));
-  EXPECT_EQ(heard(0).bytes, first.parts[0].datagrams.payloads.size());
-  EXPECT_EQ(heard(0).times.front(), first.parts[0].datagrams.entries[0].time);
-  EXPECT_EQ(heard(0).watermark, first.parts[0].watermark);
+  EXPECT_TRUE(eventually(kPatience, [&] { return received(0).times.size() == 3; }));
+  EXPECT_TRUE(eventually(kPatience, [&] { return received(1).times.size() == 3; }));
+  EXPECT_EQ(received(0).bytes, first.parts[0].datagrams.payloads.size());
+  EXPECT_EQ(received(0).times.front(), first.parts[0].datagrams.entries[0].time);
+  EXPECT_EQ(received(0).watermark, first.parts[0].watermark);
   EXPECT_EQ(sources_[0]->counters().delivered, 3U);
   feed_->finish();
 }
@@ -104,16 +104,16 @@ TEST_F(Feed, AsksForWhatIsMissingAndWaitsForIt) {
   store("a", some_batch(1, {{"ap1", 1}}));
   store("a", some_batch(3, {{"ap1", 1}}));
   ASSERT_TRUE(eventually(kPatience, [&] { return asked > 0; }));
-  EXPECT_TRUE(eventually(kPatience, [&] { return heard(0).times.size() == 1; }));
+  EXPECT_TRUE(eventually(kPatience, [&] { return received(0).times.size() == 1; }));
   store("a", some_batch(2, {{"ap1", 1}}));
-  EXPECT_TRUE(eventually(kPatience, [&] { return heard(0).times.size() == 3; }));
-  EXPECT_TRUE(std::is_sorted(heard(0).times.begin(), heard(0).times.end()));
+  EXPECT_TRUE(eventually(kPatience, [&] { return received(0).times.size() == 3; }));
+  EXPECT_TRUE(std::is_sorted(received(0).times.begin(), received(0).times.end()));
 }
 
 TEST_F(Feed, AnAccessPointThatNobodyHasIsNotWaitedFor) {
   open({"ap1", "ap9"});
   store("a", some_batch(5, {{"ap1", 1}}));
-  EXPECT_TRUE(eventually(kPatience, [&] { return heard(1).watermark == time_of(5); }));
+  EXPECT_TRUE(eventually(kPatience, [&] { return received(1).watermark == time_of(5); }));
 }
 
 TEST_F(Feed, ASilentNodeIsNotWaitedForUntilItIsHeardAgain) {
@@ -123,10 +123,10 @@ TEST_F(Feed, ASilentNodeIsNotWaitedForUntilItIsHeardAgain) {
   std::uint64_t number = 1;
   ASSERT_TRUE(eventually(kPatience, [&] {
     store("a", some_batch(++number, {{"ap1", 1}}));
-    return heard(1).watermark > time_of(1);
+    return received(1).watermark > time_of(1);
   }));
   EXPECT_TRUE(eventually(kPatience, [&] { return feed_->counters().silences == 1; }));
-  const Timestamp promised = heard(1).watermark;
+  const Timestamp promised = received(1).watermark;
   store("b", some_batch(2, {{"ap2", 4}}));  // received before the promised watermark
   store("b", some_batch(3, {{"ap2", 1}}));
   const Batch later = some_batch(number + 100, {{"ap2", 2}});
@@ -134,12 +134,12 @@ TEST_F(Feed, ASilentNodeIsNotWaitedForUntilItIsHeardAgain) {
   fourth.number = 4;
   store("b", fourth);
   EXPECT_TRUE(eventually(kPatience, [&] {
-    return !heard(1).times.empty() && heard(1).times.back() == later.parts[0].watermark;
+    return !received(1).times.empty() && received(1).times.back() == later.parts[0].watermark;
   }));
   EXPECT_GE(sources_[1]->counters().rejected["late_node"], 1U);
   // It is waited for again.
   store("a", some_batch(++number, {{"ap1", 1}}));
-  EXPECT_GE(heard(1).watermark, promised);
+  EXPECT_GE(received(1).watermark, promised);
 }
 
 // A feed that resumes after the record leaves out the same batches.
@@ -156,8 +156,8 @@ TEST_F(Feed, LeavesOutWhatARecordSaysFromThereOn) {
   ASSERT_TRUE(publisher_->publish(owner_subject("office"), seal(record), "shed", 1000));
   store_some(31, 130);
   // In windows of 20 batches, 2, 4 and 6 are used, and window 1 up to the record.
-  ASSERT_TRUE(eventually(kPatience, [&] { return heard(0).watermark == time_of(130); }));
-  EXPECT_EQ(heard(0).times.size(), 30U + 20 + 20 + 11);
+  ASSERT_TRUE(eventually(kPatience, [&] { return received(0).watermark == time_of(130); }));
+  EXPECT_EQ(received(0).times.size(), 30U + 20 + 20 + 11);
   EXPECT_EQ(sources_[0]->counters().rejected["shed"], 9U + 20 + 20);
   EXPECT_EQ(feed_->counters().shed_level, 1U);
 
@@ -180,7 +180,7 @@ TEST_F(Feed, LeavesOutWhatARecordSaysFromThereOn) {
       times.push_back(one.time);
     }
   }
-  const auto& all = heard_[0].times;
+  const auto& all = received_[0].times;
   EXPECT_FALSE(times.empty());
   EXPECT_TRUE(std::equal(times.rbegin(), times.rend(), all.rbegin()));
 }
@@ -200,7 +200,7 @@ TEST_F(Feed, WhatCannotBeReadIsCountedAndNothingElse) {
   ASSERT_TRUE(publisher_->publish(csi_subject("office", "a"), "no batch", "x", 1));
   ASSERT_TRUE(publisher_->publish(owner_subject("office"), "no record", "y", 2));
   store("a", some_batch(1, {{"ap1", 1}, {"ap7", 5}}));
-  EXPECT_TRUE(eventually(kPatience, [&] { return heard(0).times.size() == 1; }));
+  EXPECT_TRUE(eventually(kPatience, [&] { return received(0).times.size() == 1; }));
   EXPECT_TRUE(eventually(kPatience, [&] { return feed_->counters().unknown == 5; }));
   EXPECT_EQ(feed_->counters().refused, 2U);
 }

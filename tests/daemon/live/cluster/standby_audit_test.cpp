@@ -50,7 +50,7 @@ v1::OutputRecord said(std::uint64_t number, int done, const std::vector<Location
 
 Carried state(int done, std::uint64_t track) {
   Carried carried;
-  carried.done = carried.heard = at(done);
+  carried.done = carried.received = at(done);
   carried.open.at = at(done);
   carried.devices = {track, {{"a", track}}};
   return carried;
@@ -70,9 +70,9 @@ TEST(StandbyAudit, ComparesEachWindowOnceBothKnowIt) {
   for (const Location& one : found) {
     own.add(Location(one));
   }
-  audit.hear(said(7, 15, {found[0]}));  // the audit lacks the begin of this window
-  audit.hear(said(8, 25, {found[1]}));
-  audit.hear(said(8, 25, {}));  // a repeat
+  audit.receive(said(7, 15, {found[0]}));  // the audit lacks the begin of this window
+  audit.receive(said(8, 25, {found[1]}));
+  audit.receive(said(8, 25, {}));  // a repeat
   audit.compare(own, {});
   EXPECT_EQ(audit.counters().windows, 0U);
   own.advance(at(40));
@@ -93,11 +93,11 @@ TEST(StandbyAudit, FindsWhatIsAnotherMissingOrTooMuch) {
     own.add(located(ms, "a"));
   }
   own.advance(at(60));
-  audit.hear(said(1, 5, {}));
-  audit.hear(said(2, 15, {located(10, "a", 1.0 + 1e-15)}));  // the last digit
-  audit.hear(said(3, 25, {}));
-  audit.hear(said(4, 35, {located(30, "a"), located(30, "b")}));
-  audit.hear(said(5, 45, {located(40, "a")}));
+  audit.receive(said(1, 5, {}));
+  audit.receive(said(2, 15, {located(10, "a", 1.0 + 1e-15)}));  // the last digit
+  audit.receive(said(3, 25, {}));
+  audit.receive(said(4, 35, {located(30, "a"), located(30, "b")}));
+  audit.receive(said(5, 45, {located(40, "a")}));
   audit.compare(own, {});
   EXPECT_EQ(audit.counters().windows, 4U);
   EXPECT_EQ(audit.counters().differing, 3U);
@@ -112,9 +112,9 @@ TEST(StandbyAudit, OfOneThatBeganLaterPositionsMayDiffer) {
   own.add(located(10, "a", 1.001));
   own.add(located(20, "a", 1.001));
   own.advance(at(30));
-  audit.hear(said(1, 5, {}));
-  audit.hear(said(2, 15, {located(10, "a")}));
-  audit.hear(said(3, 25, {located(21, "a")}));
+  audit.receive(said(1, 5, {}));
+  audit.receive(said(2, 15, {located(10, "a")}));
+  audit.receive(said(3, 25, {located(21, "a")}));
   audit.compare(own, {});
   EXPECT_EQ(audit.counters().differing, 1U);
 }
@@ -126,7 +126,7 @@ TEST(StandbyAudit, WhoseTracksHaveOtherNumbersCannotGoOn) {
     own.advance(at(100));
     v1::OutputRecord record = said(2, 90, {});
     *record.mutable_output()->mutable_carried() = carried_message(state(80, 4));
-    audit.hear(std::move(record));
+    audit.receive(std::move(record));
     audit.compare(own, {state(70, 9), state(80, track), state(95, 9)});
     EXPECT_EQ(audit.trouble().empty(), track == 4U) << audit.trouble();
   }
@@ -143,7 +143,7 @@ TEST(StandbyAudit, OfOneThatBeganLaterOnlyADifferenceThatStaysCounts) {
       states.push_back(state(10 * i, i <= others ? 5U : 4U));
       v1::OutputRecord record = said(static_cast<std::uint64_t>(i), 10 * i + 5, {});
       *record.mutable_output()->mutable_carried() = carried_message(state(10 * i, 4));
-      audit.hear(std::move(record));
+      audit.receive(std::move(record));
     }
     audit.compare(own, states);
     EXPECT_EQ(audit.trouble().empty(), others == 4) << others;
@@ -155,13 +155,13 @@ TEST(StandbyAudit, AnotherOwnerOrOneThatIsFasterEndsIt) {
   v1::OutputRecord begin;
   begin.set_generation(4);
   begin.mutable_begin();
-  another.hear(begin);
+  another.receive(begin);
   EXPECT_EQ(another.trouble(), "another worker owns the site since");
   StandbyAudit::Options options = of_owner();
   options.most_behind = Duration(-1);
   StandbyAudit slow(options);
   for (int i = 1; i < 6; ++i) {
-    slow.hear(said(static_cast<std::uint64_t>(i), i, {}));
+    slow.receive(said(static_cast<std::uint64_t>(i), i, {}));
   }
   EXPECT_EQ(slow.trouble(), "it computes more slowly than the owner");
 }
@@ -219,7 +219,7 @@ TEST(StandsBy, WhoIsPromotedGoesOnBehindTheOwnersLastWord) {
   auto words = broker->subscribe(output_again_subject("hall"), [&](BrokerMessage&& message) {
     v1::OutputRecord record;
     ASSERT_TRUE(unseal(message.data, record));
-    stands_by.hear(std::move(record));
+    stands_by.receive(std::move(record));
   });
   stands_by.location(located(10, "a"));  // computed from where the owner began
   for (OutStage* const stage : {&owner, &stands_by}) {
@@ -269,7 +269,7 @@ TEST(StandsBy, WhoCannotGoOnAfterAllSaysSo) {
   v1::OutputRecord another;
   another.set_generation(5);
   another.mutable_begin();
-  stands_by.hear(std::move(another));
+  stands_by.receive(std::move(another));
   stands_by.promote(std::move(*log));
   EXPECT_EQ(stands_by.ended(), "another worker owns the site since");
   stands_by.finish();

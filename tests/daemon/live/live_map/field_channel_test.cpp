@@ -99,7 +99,7 @@ Burst walk(const RoomModel& room, double from_x, Timestamp begin) {
       burst.frames.push_back(std::move(frame));
     }
   }
-  burst.first = burst.heard_since = burst.frames.front().time;
+  burst.first = burst.received_since = burst.frames.front().time;
   burst.last = burst.frames.back().time;
   return burst;
 }
@@ -107,15 +107,15 @@ Burst walk(const RoomModel& room, double from_x, Timestamp begin) {
 // The amplitudes of a burst at an access point, as the map draws them: of mean square 1.
 std::vector<double> amplitudes(const RoomModel& room, std::size_t index, const Burst& burst) {
   const RoomAccessPoint& ap = room.access_points[index];
-  auto heard =
+  auto received =
       made(combine_burst(burst.frames, {static_cast<int>(index), room.grid, ap.cores, {}}));
-  remove_gains(ap.gains, heard.h);
+  remove_gains(ap.gains, received.h);
   double power = 0.0;
-  for (const auto& value : heard.h) {
-    power += std::norm(value) / static_cast<double>(heard.h.size());
+  for (const auto& value : received.h) {
+    power += std::norm(value) / static_cast<double>(received.h.size());
   }
   std::vector<double> list;
-  for (const auto& value : heard.h) {
+  for (const auto& value : received.h) {
     list.push_back(std::abs(value) / std::sqrt(power));
   }
   return list;
