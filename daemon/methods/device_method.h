@@ -35,7 +35,7 @@ struct DeviceMethodInput {
 
 // A method's assessment of the chains of a burst's frames at the time of reception.
 struct ChainTrust {
-  FrameDoubt doubt;
+  FrameFault doubt;
   std::uint64_t withdrawals = 0;  // ChainLearner::withdrawals()
 };
 

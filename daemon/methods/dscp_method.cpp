@@ -13,9 +13,9 @@ namespace {
 
 class DscpPeople : public PersonMethod {
  public:
-  DscpPeople(PlaceClassifier classifier, bool knows_nobody, std::string problem)
+  DscpPeople(PlaceClassifier classifier, bool has_empty_room, std::string problem)
       : classifier_(std::make_unique<PlaceClassifier>(std::move(classifier))),
-        knows_nobody_(knows_nobody),
+        knows_nobody_(has_empty_room),
         problem_(std::move(problem)) {}
 
   std::vector<LocationEstimate> locate(std::span<const CsiFrame> frames,
@@ -57,7 +57,7 @@ Expected<std::unique_ptr<PersonMethod>> create_person(PersonMethodInput input) {
     problem = "dscp was trained with " + to_string(*training->transmitter) + " as the sender";
   }
   return std::make_unique<DscpPeople>(
-      *std::move(made), training->network->knows_nobody, std::move(problem));
+      *std::move(made), training->network->has_empty_room, std::move(problem));
 }
 
 }  // namespace

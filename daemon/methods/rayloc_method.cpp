@@ -40,7 +40,7 @@ class RaylocDevices : public DeviceMethod {
 
   const RoomModel& room() const override { return localizer_->room(); }
   LocationEstimate locate(std::span<const CsiFrame> frames, std::uint64_t) const override {
-    return localizer_->locate(frames, doubt(frames));
+    return localizer_->locate(frames, suspect(frames));
   }
 
   bool has_tracks() const override { return true; }
@@ -79,14 +79,14 @@ class RaylocDevices : public DeviceMethod {
 
   ChainLearner* chains() override { return learns_ ? &chains_ : nullptr; }
   ChainTrust trust(std::span<const CsiFrame> believed) const override {
-    return {doubt(believed), chains_.withdrawals()};
+    return {suspect(believed), chains_.withdrawals()};
   }
 
   std::shared_ptr<const Localizer> localizer() const override { return localizer_; }
 
  private:
-  FrameDoubt doubt(std::span<const CsiFrame> frames) const {
-    return learns_ ? chains_.doubt(frames) : FrameDoubt();
+  FrameFault suspect(std::span<const CsiFrame> frames) const {
+    return learns_ ? chains_.suspect(frames) : FrameFault();
   }
 
   // A track that used frames of wrong chains would continue from their wrong position.

@@ -153,9 +153,9 @@ void DeviceEstimator::carry(Carried& carried) const {
       carried.chains.push_back(state);
     }
   }
-  for (CalibrationMonitor::Told& told : monitor_->told()) {
-    if (told.bursts > 0 || told.slow) {
-      carried.calibration.push_back(std::move(told));
+  for (CalibrationMonitor::MonitorState& window_state : monitor_->window_state()) {
+    if (window_state.bursts > 0 || window_state.slow) {
+      carried.calibration.push_back(std::move(window_state));
     }
   }
   for (const auto& [mac, last] : watched_) {
@@ -177,7 +177,7 @@ Expected<void> DeviceEstimator::watch_calibration(const RoomModel& room) {
     for (PersonLink& link : reference.links) {
       if (fixed != nullptr && fixed->position &&
           !room.access_points[link.access_point].gains.empty()) {
-        monitor_->know(placed(*fixed), link.access_point, std::move(link.empty));
+        monitor_->set_reference(placed(*fixed), link.access_point, std::move(link.empty));
       }
     }
   }
@@ -241,7 +241,7 @@ std::vector<ChainLearner*> DeviceEstimator::learners() const {
 
 // The frames of the access points whose chains are known, corrected to the calibration: those of
 // the burst, or the remaining ones in `kept`.
-std::span<const CsiFrame> DeviceEstimator::believed(const Burst& burst,
+std::span<const CsiFrame> DeviceEstimator::accepted(const Burst& burst,
                                                     Room& room,
                                                     std::vector<CsiFrame>& kept) {
   ChainLearner* learner = room.method->chains();
@@ -254,7 +254,7 @@ std::span<const CsiFrame> DeviceEstimator::believed(const Burst& burst,
   if (learner->leaves_alone()) {
     return burst.frames;
   }
-  kept = learner->believed(burst.frames);
+  kept = learner->accepted(burst.frames);
   return kept;
 }
 
@@ -330,7 +330,7 @@ std::optional<DeviceEstimator::Work> DeviceEstimator::receive(const Burst& burst
   work.out = &out;
   work.room = &*room;
   work.first = out.locations.size();
-  work.frames = believed(burst, *room, work.kept);
+  work.frames = accepted(burst, *room, work.kept);
   work.trust = room->method->trust(work.frames);
   work.warnings = calibration_warnings();
   if (is_behind(burst) && room->method->has_tracks() && !work.frames.empty()) {

@@ -121,7 +121,7 @@ class DeviceEstimator : public Estimator {
   LocationEstimate unbelieved(const Work& work) const;
   void snapshot(Work& work);
   void check_calibration(const SiteTransmitter& fixed, const Burst& burst);
-  std::span<const CsiFrame> believed(const Burst& burst, Room& room, std::vector<CsiFrame>& kept);
+  std::span<const CsiFrame> accepted(const Burst& burst, Room& room, std::vector<CsiFrame>& kept);
   std::vector<ChainLearner*> learners() const;
   void state_warnings();
   DeviceModel device_of(const SiteTransmitter* stated) const;

@@ -31,8 +31,8 @@ void summarise_plan(const RoomModel& room,
   estimate.loss = -*std::max_element(map.begin(), map.end());
   PosteriorOptions posterior;
   posterior.accuracy_confidence = options.accuracy_confidence;
-  posterior.outlier = options.elsewhere;
-  posterior.least_sigma = room.least_sigma;
+  posterior.outlier = options.outlier;
+  posterior.sigma_floor = room.sigma_floor;
   summarise_posterior(grid, map, posterior, estimate);
 }
 

@@ -14,7 +14,7 @@ struct PlanMapOptions {
   double accuracy_confidence = 0.95;  // probability within the reported accuracy
   // Outlier probability of the map, as in RayLoc with one access point: the effect of a wrong path
   // is already in the map.
-  double elsewhere = 0.03;
+  double outlier = 0.03;
 };
 
 // Sets the fields of summarise_posterior(), and the loss. log_likelihood: for a device at a place,

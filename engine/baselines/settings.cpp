@@ -45,8 +45,8 @@ double number_of(std::span<const BaselineSetting> table,
                  std::string_view key) {
   const BaselineSetting* setting = find(table, key);
   RAYLOC_CHECK(setting != nullptr && setting->choices.empty());
-  const auto told = values.find(key);
-  const double* value = told == values.end() ? nullptr : std::get_if<double>(&told->second);
+  const auto given = values.find(key);
+  const double* value = given == values.end() ? nullptr : std::get_if<double>(&given->second);
   return value == nullptr ? setting->standard : *value;
 }
 
@@ -55,8 +55,8 @@ std::size_t choice_of(std::span<const BaselineSetting> table,
                       std::string_view key) {
   const BaselineSetting* setting = find(table, key);
   RAYLOC_CHECK(setting != nullptr && !setting->choices.empty());
-  const auto told = values.find(key);
-  const auto* value = told == values.end() ? nullptr : std::get_if<std::string>(&told->second);
+  const auto given = values.find(key);
+  const auto* value = given == values.end() ? nullptr : std::get_if<std::string>(&given->second);
   const auto found = value == nullptr
                          ? setting->choices.begin()
                          : std::find(setting->choices.begin(), setting->choices.end(), *value);

@@ -94,9 +94,9 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> reflections(const Scene& sc
       if (!is_mirror(interaction.kind)) {
         continue;
       }
-      const Vec3d way = interaction.position - last;
+      const Vec3d segment = interaction.position - last;
       const Vec3d& normal = scene.surfaces()[interaction.surface].plane().normal;
-      met.emplace_back(interaction.surface, band_of(normal, (1.0 / norm(way)) * way));
+      met.emplace_back(interaction.surface, band_of(normal, (1.0 / norm(segment)) * segment));
       last = interaction.position;
     }
   }
@@ -104,7 +104,7 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> reflections(const Scene& sc
 }
 
 // Traces all places and numbers their visible pairs of surface and access point.
-std::vector<SurveyCandidate> look_from(const std::vector<Vec3d>& places,
+std::vector<SurveyCandidate> candidates_from(const std::vector<Vec3d>& places,
                                        const RoomModel& room,
                                        const SurveyPlanOptions& options,
                                        std::vector<SurfaceSightings>& sightings) {
@@ -263,7 +263,7 @@ std::vector<Vec3d> in_order_to_walk(std::vector<Vec3d> points, const Vec3d& from
 
 SurveyPlan plan_survey(const RoomModel& room, const SurveyPlanOptions& options) {
   SurveyPlan plan;
-  const auto candidates = look_from(free_places(room, options), room, options, plan.sightings);
+  const auto candidates = candidates_from(free_places(room, options), room, options, plan.sightings);
   plan.candidates = candidates.size();
   for (const SurveyCandidate& candidate : candidates) {
     for_each_pair(candidate, [&](std::uint32_t pair) { ++plan.sightings[pair].candidates; });

@@ -16,10 +16,10 @@ constexpr double kNear = 0.6;     // [rad], chosen: states nearer than this are 
 ChainBelief::ChainBelief(std::size_t chains, double turned)
     : grid_(chains), probability_(grid_.size()) {
   probability_[0] = 1.0;
-  doubt(turned);
+  suspect(turned);
 }
 
-void ChainBelief::doubt(double probability) {
+void ChainBelief::suspect(double probability) {
   for (double& value : probability_) {
     value = (1.0 - probability) * value + probability / static_cast<double>(probability_.size());
   }
@@ -28,7 +28,7 @@ void ChainBelief::doubt(double probability) {
 void ChainBelief::settle() {
   std::fill(probability_.begin(), probability_.end(), 0.0);
   probability_[0] = 1.0;
-  doubt(kChange);
+  suspect(kChange);
 }
 
 void ChainBelief::receive(std::span<const double> log_evidence) {
@@ -42,7 +42,7 @@ void ChainBelief::receive(std::span<const double> log_evidence) {
   for (double& value : probability_) {
     value /= sum;
   }
-  doubt(kChange);
+  suspect(kChange);
 }
 
 double ChainBelief::near(std::size_t state) const {

@@ -26,13 +26,13 @@ class ChainBelief {
   // log_evidence: [state], from turn_evidence().
   void receive(std::span<const double> log_evidence);
   // The chains may have changed, with this probability: a power cycle is likely.
-  void doubt(double probability);
+  void suspect(double probability);
   // The accepted state has changed: state 0 now denotes the new one.
   void settle();
 
   // Probability of a state and those near it.
   double near(std::size_t state) const;
-  double as_believed() const { return near(0); }
+  double as_accepted() const { return near(0); }
   // The most probable states that are not near each other, in descending order of probability.
   std::vector<std::size_t> modes(std::size_t most) const;
   const std::vector<double>& probability() const { return probability_; }  // [state]

@@ -30,46 +30,46 @@ std::vector<std::complex<float>> few_turns(const TurnGrid& grid) {
   return few;
 }
 
-struct CoarseLook {
+struct CoarseScan {
   std::size_t turns = 0;
   std::size_t states = 1;
   std::vector<float> value;           // [cell][state]
   std::vector<std::uint8_t> windows;  // [cell]; 0: no ray reaches it
 };
 
-CoarseLook coarse_look(const AccessPointMap& map,
+CoarseScan coarse_scan(const AccessPointMap& map,
                        const ObservedBurst& observed,
                        const TurnGrid& grid) {
   const auto few = few_turns(grid);
-  CoarseLook look;
-  look.turns = few.size();
+  CoarseScan scan;
+  scan.turns = few.size();
   for (std::size_t chain = 1; chain < grid.chains(); ++chain) {
-    look.states *= few.size();
+    scan.states *= few.size();
   }
-  look.value.resize(map.cells() * look.states, std::numeric_limits<float>::lowest());
-  look.windows.resize(map.cells());
+  scan.value.resize(map.cells() * scan.states, std::numeric_limits<float>::lowest());
+  scan.windows.resize(map.cells());
   parallel_for(map.cells(), kBlock, [&](std::size_t cell) {
     map.fetch(cell + 1);
     if (map.is_reachable(cell)) {
-      look.windows[cell] =
+      scan.windows[cell] =
           coarse_of_turns(map.model(cell),
                           observed.array,
                           grid.chains(),
                           few,
-                          std::span(look.value).subspan(cell * look.states, look.states));
+                          std::span(scan.value).subspan(cell * scan.states, scan.states));
     }
   });
-  return look;
+  return scan;
 }
 
-std::vector<std::uint32_t> best_cells(const CoarseLook& look,
+std::vector<std::uint32_t> best_cells(const CoarseScan& scan,
                                       std::size_t state,
                                       double likelihood_exponent,
                                       std::span<const double> log_weight) {
-  std::vector<double> value(look.windows.size());
+  std::vector<double> value(scan.windows.size());
   for (std::size_t cell = 0; cell < value.size(); ++cell) {
     value[cell] =
-        likelihood_exponent * static_cast<double>(look.value[cell * look.states + state]) +
+        likelihood_exponent * static_cast<double>(scan.value[cell * scan.states + state]) +
         log_weight[cell];
   }
   const std::vector<std::size_t> cells = highest(value, kKeptCells);
@@ -108,13 +108,13 @@ TurnEvidence turn_evidence(const AccessPointMap& map,
                            std::span<const double> log_weight) {
   RAYLOC_CHECK(grid.chains() == map.antennas());
   RAYLOC_CHECK(log_weight.size() == map.cells());
-  const double nowhere = map.nowhere(observed);
-  const CoarseLook look = coarse_look(map, observed, grid);
+  const double null_model = map.null_model(observed);
+  const CoarseScan scan = coarse_scan(map, observed, grid);
   TurnEvidence evidence;
-  evidence.turns = look.turns;
-  evidence.best_cells.resize(look.states);
-  parallel_for(look.states, 1, [&](std::size_t state) {
-    evidence.best_cells[state] = best_cells(look, state, likelihood_exponent, log_weight);
+  evidence.turns = scan.turns;
+  evidence.best_cells.resize(scan.states);
+  parallel_for(scan.states, 1, [&](std::size_t state) {
+    evidence.best_cells[state] = best_cells(scan, state, likelihood_exponent, log_weight);
   });
   const std::size_t blocks = (map.cells() + kBlock - 1) / kBlock;
   // One sum per block, added in block order: the same for any number of threads.
@@ -124,14 +124,14 @@ TurnEvidence turn_evidence(const AccessPointMap& map,
     double* sum = sums.data() + block * grid.size();
     for (std::size_t cell = block * kBlock; cell < std::min(map.cells(), (block + 1) * kBlock);
          ++cell) {
-      if (look.windows[cell] == 0) {
+      if (scan.windows[cell] == 0) {
         continue;
       }
-      log_likelihood_of_turns(map.model(cell), observed.array, look.windows[cell], grid, values);
+      log_likelihood_of_turns(map.model(cell), observed.array, scan.windows[cell], grid, values);
       const double weight = std::exp(log_weight[cell]);
       for (std::size_t s = 0; s < values.size(); ++s) {
         sum[s] += weight * std::exp(std::min(
-                               likelihood_exponent * (static_cast<double>(values[s]) - nowhere),
+                               likelihood_exponent * (static_cast<double>(values[s]) - null_model),
                                kMaxEvidence));
       }
     }
@@ -152,19 +152,19 @@ std::vector<double> places_whatever_turned(const AccessPointMap& map,
                                            double likelihood_exponent,
                                            std::span<const double> probability) {
   RAYLOC_CHECK(grid.chains() == map.antennas() && grid.size() == probability.size());
-  const double nowhere = map.nowhere(observed);
-  const CoarseLook look = coarse_look(map, observed, grid);
+  const double null_model = map.null_model(observed);
+  const CoarseScan scan = coarse_scan(map, observed, grid);
   std::vector<double> of_cell(map.cells(), -kMaxEvidence);
   parallel_for(map.cells(), kBlock, [&](std::size_t cell) {
-    if (look.windows[cell] == 0) {
+    if (scan.windows[cell] == 0) {
       return;
     }
     std::vector<float> values(grid.size());
-    log_likelihood_of_turns(map.model(cell), observed.array, look.windows[cell], grid, values);
+    log_likelihood_of_turns(map.model(cell), observed.array, scan.windows[cell], grid, values);
     double sum = 0.0;
     for (std::size_t s = 0; s < values.size(); ++s) {
       sum += probability[s] *
-             std::exp(std::min(likelihood_exponent * (static_cast<double>(values[s]) - nowhere),
+             std::exp(std::min(likelihood_exponent * (static_cast<double>(values[s]) - null_model),
                                kMaxEvidence));
     }
     of_cell[cell] = std::log(std::max(sum, std::numeric_limits<double>::min()));
@@ -176,13 +176,13 @@ TurnEvidence turn_evidence_at(const PlaceModel& place,
                               const ObservedArray& observed,
                               const TurnGrid& grid,
                               double likelihood_exponent,
-                              double nowhere) {
+                              double null_model) {
   std::vector<float> values(grid.size());
   constexpr std::uint8_t kAllWindows = 0xFF;  // one bit each
   log_likelihood_of_turns(place, observed, kAllWindows, grid, values);
   TurnEvidence evidence;
   for (const float value : values) {
-    evidence.log_evidence.push_back(likelihood_exponent * (static_cast<double>(value) - nowhere));
+    evidence.log_evidence.push_back(likelihood_exponent * (static_cast<double>(value) - null_model));
   }
   return evidence;
 }

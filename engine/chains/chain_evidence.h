@@ -44,6 +44,6 @@ TurnEvidence turn_evidence_at(const PlaceModel& place,
                               const ObservedArray& observed,
                               const TurnGrid& grid,
                               double likelihood_exponent,
-                              double nowhere);
+                              double null_model);
 
 }  // namespace rayloc

@@ -19,11 +19,11 @@ constexpr double kTurnedAtStart = 0.1;       // a probability: the age of the ca
 constexpr double kTurnedAfterCycle = 0.98;   // a probability: each chip starts in a new state
 constexpr double kTurnedAfterSilence = 0.3;  // a probability: it may have been off, or only silent
 constexpr auto kSilence = std::chrono::seconds(20);  // chosen: access points start in a minute
-constexpr double kDoubted = 0.2;    // probability of the accepted state; below: states are compared
+constexpr double kUncertain = 0.2;    // probability of the accepted state; below: states are compared
 constexpr double kShaken = 0.9;     // the same; below: no refinement
 constexpr double kSuspected = 0.5;  // the same; below: short evaluation period
 constexpr double kWithdrawnLead = 5.0;     // [nat], required lead of another state
-constexpr double kUndoubtedLead = 12.0;    // the same, while the belief indicates no change
+constexpr double kUnsuspectedLead = 12.0;    // the same, while the belief indicates no change
 constexpr double kOthersWrong = 0.1;       // least probability that other access points are wrong
 constexpr double kMinEvidence = 3.0;     // [nat], of a burst that the room explains in a state
 constexpr double kKnownPlaceSigma = 0.02;  // [m], per axis: a surveyed place
@@ -93,8 +93,8 @@ ChainMemory& ChainLearner::of(std::size_t access_point) {
   if (const auto before = restored_.find(access_point); before != restored_.end()) {
     adopt(before->second);
   } else if (!localizer_->room().access_points[access_point].are_chains_known) {
-    kept.belief.doubt(kTurnedAfterCycle);
-    kept.know(ChainKnowledge::kLearning, {});
+    kept.belief.suspect(kTurnedAfterCycle);
+    kept.set_knowledge(ChainKnowledge::kLearning, {});
   }
   return kept;
 }
@@ -108,7 +108,7 @@ bool ChainLearner::is_due(std::size_t access_point,
   }
   const ChainMemory& ap = found->second;
   Duration period = kSettledPeriod;
-  if (ap.state.knowledge == ChainKnowledge::kLearning || ap.belief.as_believed() < kSuspected) {
+  if (ap.state.knowledge == ChainKnowledge::kLearning || ap.belief.as_accepted() < kSuspected) {
     period = kLearningPeriod;
   } else if (!ap.is_settled()) {
     period = ap.state.knowledge == ChainKnowledge::kLearned ? Duration(kRefiningPeriod)
@@ -118,64 +118,64 @@ bool ChainLearner::is_due(std::size_t access_point,
 }
 
 // The access points for which a burst may add information, with all of their antennas.
-struct ChainLearner::Told {
+struct ChainLearner::NewArrays {
   Timestamp time;
   RoomObservation observation;
   std::vector<const ArrayObservation*> arrays;  // of the observation
 };
 
-ChainLearner::Told ChainLearner::new_of(std::span<const CsiFrame> frames,
+ChainLearner::NewArrays ChainLearner::new_of(std::span<const CsiFrame> frames,
                                         Timestamp ChainMemory::*last) {
-  Told told;
+  NewArrays fresh;
   if (frames.empty()) {
-    return told;
+    return fresh;
   }
-  told.time = frames.back().time;
+  fresh.time = frames.back().time;
   const std::vector<RoomAccessPoint>& access_points = localizer_->room().access_points;
   std::vector<char> due(access_points.size());
   for (const CsiFrame& frame : frames) {
     notice_silence(frame);
     const auto a = static_cast<std::size_t>(frame.access_point);
     const std::size_t chains = access_points[a].cores.size();
-    due[a] = chains > 1 && chains <= kMaxChains && is_due(a, told.time, last) ? 1 : 0;
+    due[a] = chains > 1 && chains <= kMaxChains && is_due(a, fresh.time, last) ? 1 : 0;
   }
   if (std::find(due.begin(), due.end(), 1) == due.end()) {
-    return told;
+    return fresh;
   }
-  told.observation = localizer_->receive(undone(first_moment(frames)));
-  for (const ArrayObservation& received : told.observation.arrays) {
+  fresh.observation = localizer_->receive(undone(first_moment(frames)));
+  for (const ArrayObservation& received : fresh.observation.arrays) {
     const std::size_t a = received.map->number();
     if (due[a] == 0 || !has_all_antennas(received)) {
       continue;
     }
     ChainMemory& ap = of(a);
-    ap.*last = told.time;
+    ap.*last = fresh.time;
     if (is_new(received, ap)) {
-      told.arrays.push_back(&received);
+      fresh.arrays.push_back(&received);
     }
   }
-  return told;
+  return fresh;
 }
 
 void ChainLearner::receive(std::span<const CsiFrame> frames) {
-  const Told told = new_of(frames, &ChainMemory::last);
-  if (std::any_of(told.arrays.begin(), told.arrays.end(), [&](const ArrayObservation* received) {
+  const NewArrays fresh = new_of(frames, &ChainMemory::last);
+  if (std::any_of(fresh.arrays.begin(), fresh.arrays.end(), [&](const ArrayObservation* received) {
         return of(received->map->number()).state.knowledge == ChainKnowledge::kLearned;
       })) {
-    close_.add(*localizer_, known_of(told.observation));
+    close_.add(*localizer_, known_of(fresh.observation));
   }
-  const CellsOfEach unknown = whatever_turned(told);
-  for (const ArrayObservation* received : told.arrays) {
+  const CellsOfEach unknown = whatever_turned(fresh);
+  for (const ArrayObservation* received : fresh.arrays) {
     const std::size_t a = received->map->number();
-    weigh(*received, by_others(told.observation, unknown, a), told.time, of(a));
+    weigh(*received, by_others(fresh.observation, unknown, a), fresh.time, of(a));
   }
   refine_closely();
 }
 
 void ChainLearner::receive(std::span<const CsiFrame> frames, const Vec3d& place) {
-  const Told told = new_of(frames, &ChainMemory::last_fixed);
-  for (const ArrayObservation* received : told.arrays) {
-    weigh_known(*received, place, told.time, of(received->map->number()));
+  const NewArrays fresh = new_of(frames, &ChainMemory::last_fixed);
+  for (const ArrayObservation* received : fresh.arrays) {
+    weigh_known(*received, place, fresh.time, of(received->map->number()));
   }
 }
 
@@ -197,14 +197,14 @@ bool ChainLearner::is_new(const ArrayObservation& received, const ChainMemory& a
          });
 }
 
-ChainLearner::CellsOfEach ChainLearner::whatever_turned(const Told& told) {
+ChainLearner::CellsOfEach ChainLearner::whatever_turned(const NewArrays& fresh) {
   CellsOfEach unknown;
-  if (told.arrays.empty()) {
+  if (fresh.arrays.empty()) {
     return unknown;
   }
-  for (const ArrayObservation& received : told.observation.arrays) {
+  for (const ArrayObservation& received : fresh.observation.arrays) {
     const std::size_t a = received.map->number();
-    const bool is_alone = told.arrays.size() == 1 && told.arrays.front() == &received;
+    const bool is_alone = fresh.arrays.size() == 1 && fresh.arrays.front() == &received;
     if (is_alone || !has_all_antennas(received) || of(a).is_known()) {
       continue;
     }
@@ -231,7 +231,7 @@ std::vector<double> ChainLearner::by_others(const RoomObservation& observation,
     for (double& one : map) {
       one *= localizer_->room().likelihood_exponent;
     }
-    belief.receive(map, std::max(evidence.elsewhere, kOthersWrong));
+    belief.receive(map, std::max(evidence.outlier, kOthersWrong));
   }
   for (const auto& [number, map] : unknown) {
     if (number != left_out) {
@@ -269,7 +269,7 @@ void ChainLearner::weigh_known(const ArrayObservation& received,
                                     level_undone(received, ap).array,
                                     ap.belief.grid(),
                                     localizer_->room().likelihood_exponent,
-                                    received.map->nowhere(received.observed));
+                                    received.map->null_model(received.observed));
   remember(std::move(burst), received, time, ap);
 }
 
@@ -290,7 +290,7 @@ void ChainLearner::remember(RememberedBurst burst,
   burst.h = received.h;
   burst.time = time;
   burst.noise = received.observed.array.noise;
-  burst.floor = most + localizer_->room().likelihood_exponent * received.map->nowhere(received.observed) -
+  burst.floor = most + localizer_->room().likelihood_exponent * received.map->null_model(received.observed) -
                 ChainBelief::kMaxOfBurst;
   burst.since.assign(ap.level.size(), 1.0);
   ap.remember(std::move(burst));
@@ -300,12 +300,12 @@ void ChainLearner::remember(RememberedBurst burst,
 void ChainLearner::decide(const AccessPointMap& map, Timestamp time, ChainMemory& ap) {
   const bool is_learning = ap.state.knowledge == ChainKnowledge::kLearning;
   const bool is_learned = ap.state.knowledge == ChainKnowledge::kLearned;
-  if (!is_learning && ap.belief.as_believed() > kDoubted) {
-    ap.last_sure = ap.belief.as_believed() > ChainMemory::kSure ? time : ap.last_sure;
+  if (!is_learning && ap.belief.as_accepted() > kUncertain) {
+    ap.last_sure = ap.belief.as_accepted() > ChainMemory::kSure ? time : ap.last_sure;
     // Changed amplitudes hide a change from the belief; the comparison detects it.
-    const bool is_certain = !is_learned && ap.belief.as_believed() > ChainMemory::kSure;
+    const bool is_certain = !is_learned && ap.belief.as_accepted() > ChainMemory::kSure;
     // Bursts from before a change would confirm the earlier state.
-    const bool is_shaken = is_learned && ap.belief.as_believed() < kShaken;
+    const bool is_shaken = is_learned && ap.belief.as_accepted() < kShaken;
     if (is_certain || is_shaken || ap.unrefined < kRefineAfterBursts) {
       return;
     }
@@ -322,21 +322,21 @@ void ChainLearner::decide(const AccessPointMap& map, Timestamp time, ChainMemory
   const double lead =
       states.size() > 1 ? best.log_evidence - states[1].log_evidence : kChainEvidenceNeeded;
   if (!is_learning) {
-    const auto believed = std::find_if(states.begin(), states.end(), [&](const auto& one) {
+    const auto accepted = std::find_if(states.begin(), states.end(), [&](const auto& one) {
       return distance(one.factor, std::vector<Value>(map.antennas(), 1.0)) < kSameState;
     });
-    if (believed == states.begin() && is_learned) {
+    if (accepted == states.begin() && is_learned) {
       // The estimate from the places within the cells is more accurate.
-      if (!close_.tells_of(ap.state.access_point)) {
-        believe(best, ap);
+      if (!close_.includes(ap.state.access_point)) {
+        accept(best, ap);
       }
-    } else if (believed == states.begin() && lead >= kWithdrawnLead) {
+    } else if (accepted == states.begin() && lead >= kWithdrawnLead) {
       ap.belief.settle();
     }
-    const bool is_doubted = ap.belief.as_believed() <= kDoubted;
-    const double needed = is_doubted ? kWithdrawnLead : kUndoubtedLead;
-    if (believed == states.end() ? !is_doubted
-                                 : best.log_evidence - believed->log_evidence < needed) {
+    const bool is_suspect = ap.belief.as_accepted() <= kUncertain;
+    const double needed = is_suspect ? kWithdrawnLead : kUnsuspectedLead;
+    if (accepted == states.end() ? !is_suspect
+                                 : best.log_evidence - accepted->log_evidence < needed) {
       return;
     }
     withdraw(time, ap);
@@ -345,8 +345,8 @@ void ChainLearner::decide(const AccessPointMap& map, Timestamp time, ChainMemory
   const double sigma = *std::max_element(best.sigma.begin(), best.sigma.end());
   if (ap.received.size() >= kChainBurstsNeeded && lead >= kChainEvidenceNeeded &&
       sigma < kChainPhaseSigmaNeeded) {
-    believe(best, ap);
-    ap.know(ChainKnowledge::kLearned, time);
+    accept(best, ap);
+    ap.set_knowledge(ChainKnowledge::kLearned, time);
     ap.last_sure = time;
     return;
   }
@@ -359,9 +359,9 @@ void ChainLearner::decide(const AccessPointMap& map, Timestamp time, ChainMemory
       ap.state.bursts + kMaxNeeded);
 }
 
-void ChainLearner::believe(const ChainFactors& refined, ChainMemory& ap) {
-  ap.believe(refined);
-  close_.believe(ap.state.access_point, refined.factor);
+void ChainLearner::accept(const ChainFactors& refined, ChainMemory& ap) {
+  ap.accept(refined);
+  close_.accept(ap.state.access_point, refined.factor);
 }
 
 void ChainLearner::refine_closely() {
@@ -369,12 +369,12 @@ void ChainLearner::refine_closely() {
     return;
   }
   for (auto& [access_point, ap] : aps_) {
-    if (ap.state.knowledge == ChainKnowledge::kLearned && close_.tells_of(access_point) &&
-        ap.belief.as_believed() > ChainMemory::kSure) {
+    if (ap.state.knowledge == ChainKnowledge::kLearned && close_.includes(access_point) &&
+        ap.belief.as_accepted() > ChainMemory::kSure) {
       const ChainFactors refined = close_.refined(access_point);
       ap.correct(refined);
       ++changes_;
-      close_.believe(access_point, refined.factor);
+      close_.accept(access_point, refined.factor);
     }
   }
 }
@@ -407,7 +407,7 @@ void ChainLearner::notice_silence(const CsiFrame& frame) {
   const auto [last, is_first] = received_.emplace(a, frame.time);
   if (!is_first && frame.time - last->second > kSilence) {
     if (const auto found = aps_.find(a); found != aps_.end()) {
-      found->second.belief.doubt(kTurnedAfterSilence);
+      found->second.belief.suspect(kTurnedAfterSilence);
     }
   }
   last->second = frame.time;
@@ -419,17 +419,17 @@ bool ChainLearner::leaves_alone() const {
   });
 }
 
-FrameDoubt ChainLearner::doubt(std::span<const CsiFrame> believed) const {
+FrameFault ChainLearner::suspect(std::span<const CsiFrame> accepted) const {
   std::set<int> received;
-  FrameDoubt doubt{1.0};
-  for (const CsiFrame& frame : believed) {
+  FrameFault suspect{1.0};
+  for (const CsiFrame& frame : accepted) {
     if (received.insert(frame.access_point).second) {
       const auto found = aps_.find(static_cast<std::size_t>(frame.access_point));
-      doubt.probability *=
-          found == aps_.end() ? kTurnedAtStart : 1.0 - found->second.belief.as_believed();
+      suspect.probability *=
+          found == aps_.end() ? kTurnedAtStart : 1.0 - found->second.belief.as_accepted();
     }
   }
-  return received.empty() ? FrameDoubt() : doubt;
+  return received.empty() ? FrameFault() : suspect;
 }
 
 std::vector<ChainState> ChainLearner::states() const {
@@ -445,13 +445,13 @@ void ChainLearner::adopt(const ChainState& state) {
   ++changes_;
   ap.received.clear();
   close_.clear();
-  ap.believe(state.factors);
-  const bool before = believes_nobody();
+  ap.accept(state.factors);
+  const bool before = are_all_learning();
   ap.state = state;
-  withdrawals_ += !before && believes_nobody() ? 1U : 0U;
+  withdrawals_ += !before && are_all_learning() ? 1U : 0U;
   ap.last_sure = state.since;
   if (state.knowledge == ChainKnowledge::kLearning) {
-    ap.belief.doubt(kTurnedAfterCycle);
+    ap.belief.suspect(kTurnedAfterCycle);
   }
 }
 
@@ -464,20 +464,20 @@ void ChainLearner::restore(const ChainState& state) {
 void ChainLearner::power_cycled(std::size_t access_point, Timestamp time) {
   ChainMemory& ap = of(access_point);
   ++changes_;
-  ap.belief.doubt(kTurnedAfterCycle);
+  ap.belief.suspect(kTurnedAfterCycle);
   ap.received.clear();
   ap.last_sure = time;
   withdraw(time, ap);
 }
 
 void ChainLearner::withdraw(Timestamp time, ChainMemory& ap) {
-  const bool before = believes_nobody();
-  ap.know(ChainKnowledge::kLearning, time);
-  withdrawals_ += !before && believes_nobody() ? 1U : 0U;
+  const bool before = are_all_learning();
+  ap.set_knowledge(ChainKnowledge::kLearning, time);
+  withdrawals_ += !before && are_all_learning() ? 1U : 0U;
   close_.clear();
 }
 
-bool ChainLearner::believes_nobody() const {
+bool ChainLearner::are_all_learning() const {
   return std::all_of(aps_.begin(), aps_.end(), [](const auto& one) {
     return one.second.state.knowledge == ChainKnowledge::kLearning;
   });

@@ -49,11 +49,11 @@ class ChainLearner {
   void receive(std::span<const CsiFrame> frames, const Vec3d& place);
 
   // The frames of the accepted access points, with their factors removed.
-  std::vector<CsiFrame> believed(std::span<const CsiFrame> frames) const;
+  std::vector<CsiFrame> accepted(std::span<const CsiFrame> frames) const;
   // The same for all access points.
   std::vector<CsiFrame> undone(std::span<const CsiFrame> frames) const;
   // Probability that the accepted state is wrong for every access point of accepted frames.
-  FrameDoubt doubt(std::span<const CsiFrame> believed) const;
+  FrameFault suspect(std::span<const CsiFrame> accepted) const;
   // True if believed() and undone() would change nothing.
   bool leaves_alone() const;
 
@@ -73,9 +73,9 @@ class ChainLearner {
   void restart();
 
  private:
-  struct Told;
+  struct NewArrays;
   // `last`: time at which an access point was last evaluated for such a transmitter.
-  Told new_of(std::span<const CsiFrame> frames, Timestamp ChainMemory::*last);
+  NewArrays new_of(std::span<const CsiFrame> frames, Timestamp ChainMemory::*last);
   void begin();
   ChainMemory& of(std::size_t access_point);
   void notice_silence(const CsiFrame& frame);
@@ -86,7 +86,7 @@ class ChainLearner {
   // By access point with unknown chains, where others are learned from the same burst: its evidence
   // on every cell, averaged over its states.
   using CellsOfEach = std::map<std::size_t, std::vector<double>>;
-  CellsOfEach whatever_turned(const Told& told);
+  CellsOfEach whatever_turned(const NewArrays& fresh);
   // ln of the probability that the device is in each cell, from the other access points of a burst;
   // the array of access point `left_out` is not used.
   std::vector<double> by_others(const RoomObservation& observation,
@@ -99,9 +99,9 @@ class ChainLearner {
   void weigh_known(const ArrayObservation& received, const Vec3d& place, Timestamp time, ChainMemory& ap);
   void remember(RememberedBurst burst, const ArrayObservation& received, Timestamp time, ChainMemory& ap);
   void withdraw(Timestamp time, ChainMemory& ap);
-  bool believes_nobody() const;
+  bool are_all_learning() const;
   void decide(const AccessPointMap& map, Timestamp time, ChainMemory& ap);
-  void believe(const ChainFactors& refined, ChainMemory& ap);
+  void accept(const ChainFactors& refined, ChainMemory& ap);
   void refine_closely();
   std::vector<ChainFactors> compare(const AccessPointMap& map, ChainMemory& ap) const;
 

@@ -24,7 +24,7 @@ std::vector<CsiFrame> ChainLearner::undone(std::span<const CsiFrame> frames) con
   return result;
 }
 
-std::vector<CsiFrame> ChainLearner::believed(std::span<const CsiFrame> frames) const {
+std::vector<CsiFrame> ChainLearner::accepted(std::span<const CsiFrame> frames) const {
   std::vector<CsiFrame> kept = undone(frames);
   std::erase_if(kept, [&](const CsiFrame& frame) {
     const auto found = aps_.find(static_cast<std::size_t>(frame.access_point));

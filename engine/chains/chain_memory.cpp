@@ -20,17 +20,17 @@ ChainMemory::ChainMemory(std::size_t chains, double turned)
 bool ChainMemory::is_known() const {
   return state.knowledge == ChainKnowledge::kLearned ||
          (state.knowledge == ChainKnowledge::kAsCalibrated && received.size() >= kMinBursts &&
-          belief.as_believed() > kSure);
+          belief.as_accepted() > kSure);
 }
 
 bool ChainMemory::is_settled() const {
   const auto& sigma = state.factors.sigma;
   return state.knowledge != ChainKnowledge::kLearning && received.size() >= kMinBursts &&
-         belief.as_believed() > kSure &&
+         belief.as_accepted() > kSure &&
          (*std::max_element(sigma.begin(), sigma.end()) < kFineSigma || received.size() == kMost);
 }
 
-void ChainMemory::know(ChainKnowledge knowledge, Timestamp time) {
+void ChainMemory::set_knowledge(ChainKnowledge knowledge, Timestamp time) {
   state.knowledge = knowledge;
   state.since = time;
   state.bursts = 0;
@@ -70,7 +70,7 @@ void ChainMemory::correct(const ChainFactors& refined) {
   favourite.clear();
 }
 
-void ChainMemory::believe(const ChainFactors& refined) {
+void ChainMemory::accept(const ChainFactors& refined) {
   correct(refined);
   unrefined = 0;
   belief.settle();

@@ -37,7 +37,7 @@ struct ChainMemory {
   // True if they are known well enough for infrequent evaluation.
   bool is_settled() const;
 
-  void know(ChainKnowledge knowledge, Timestamp time);
+  void set_knowledge(ChainKnowledge knowledge, Timestamp time);
   // Drops the oldest burst when full.
   void remember(RememberedBurst burst);
   // Drops bursts from before last_sure: they contain no evidence on the present state.
@@ -45,7 +45,7 @@ struct ChainMemory {
   // Multiplies the factors by these, a small correction; the accepted state stays.
   void correct(const ChainFactors& refined);
   // Multiplies the factors by these and accepts the result as the new state.
-  void believe(const ChainFactors& refined);
+  void accept(const ChainFactors& refined);
 };
 
 }  // namespace rayloc

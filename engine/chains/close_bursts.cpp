@@ -25,7 +25,7 @@ constexpr double kMaxTurn =
 constexpr double kMaxOutlierShare = 0.5;  // a probability, chosen: above it the burst is not used
 
 // Log-likelihood of a burst with the accepted states of the chains.
-double as_believed(const ChainMoments& moments) {
+double as_accepted(const ChainMoments& moments) {
   return moments.log_likelihood(std::vector<Value>(moments.chains, 1.0));
 }
 
@@ -63,8 +63,8 @@ void CloseBursts::add(const Localizer& localizer, const RoomObservation& observa
 // Returns false if the burst contains no information on the place.
 bool CloseBursts::sample(const Localizer& localizer, Burst& burst) const {
   const RoomObservation& observation = burst.observation;
-  const Localizer::Evidence evidence = localizer.evidence(observation, Localizer::Look::kPlaces);
-  if (evidence.log_likelihood.empty() || evidence.elsewhere > kMaxOutlierShare) {
+  const Localizer::Evidence evidence = localizer.evidence(observation, Localizer::Scan::kPlaces);
+  if (evidence.log_likelihood.empty() || evidence.outlier > kMaxOutlierShare) {
     return false;
   }
   const std::vector<SampledPlace> places = sample_places(localizer, observation, evidence, kSample);
@@ -80,13 +80,13 @@ bool CloseBursts::sample(const Localizer& localizer, Burst& burst) const {
     std::vector<ChainMoments> moments(places.size());
     parallel_for(boxes.size() - 1, 1, [&](std::size_t box) {
       const SampledPlace& first = places[boxes[box]];
-      const auto look = array.map->look_at(first.cell, first.layer, array.observed);
+      const auto evaluator = array.map->evaluator_at(first.cell, first.layer, array.observed);
       for (std::size_t i = boxes[box]; i < boxes[box + 1]; ++i) {
-        moments[i] = chain_moments(look->model_at(places[i].moved), array.observed.array, undoing);
+        moments[i] = chain_moments(evaluator->model_at(places[i].moved), array.observed.array, undoing);
       }
     });
     for (std::size_t i = 0; i < places.size(); ++i) {
-      burst.log_weight[i] -= likelihood_exponent_ * as_believed(moments[i]);
+      burst.log_weight[i] -= likelihood_exponent_ * as_accepted(moments[i]);
     }
     burst.received.emplace(array.map->number(), std::move(moments));
   }
@@ -104,7 +104,7 @@ void CloseBursts::sample_again(const Localizer& localizer) {
   }
 }
 
-void CloseBursts::believe(std::size_t access_point, std::span<const Value> factor) {
+void CloseBursts::accept(std::size_t access_point, std::span<const Value> factor) {
   const std::vector<Value> undoing = inverses({factor.begin(), factor.end()});
   const double turned =
       distance({factor.begin(), factor.end()}, std::vector<Value>(factor.size(), 1.0));
@@ -135,11 +135,11 @@ PlacedBurst CloseBursts::placed(const Burst& burst, std::size_t access_point) co
   for (std::size_t i = 0; i < result.places.size(); ++i) {
     for (const auto& [number, moments] : burst.received) {
       if (number != access_point) {
-        result.log_weight[i] += likelihood_exponent_ * as_believed(moments[i]);
+        result.log_weight[i] += likelihood_exponent_ * as_accepted(moments[i]);
       }
     }
     const double value =
-        result.log_weight[i] + likelihood_exponent_ * as_believed(result.places[i]);
+        result.log_weight[i] + likelihood_exponent_ * as_accepted(result.places[i]);
     sum = i == 0 ? value : log_add(sum, value);
   }
   result.floor = sum - ChainBelief::kMaxOfBurst;
@@ -159,7 +159,7 @@ bool CloseBursts::is_due() {
   return true;
 }
 
-bool CloseBursts::tells_of(std::size_t access_point) const {
+bool CloseBursts::includes(std::size_t access_point) const {
   const auto count = std::count_if(bursts_.begin(), bursts_.end(), [&](const Burst& burst) {
     return burst.received.contains(access_point);
   });

@@ -31,14 +31,14 @@ class CloseBursts {
   void add(const Localizer& localizer, const RoomObservation& observation);
 
   // The accepted state of an access point of the room has changed by these factors, [chain].
-  void believe(std::size_t access_point, std::span<const std::complex<double>> factor);
+  void accept(std::size_t access_point, std::span<const std::complex<double>> factor);
   void clear();
 
   // True if enough bursts were added since it last returned true to improve the factors.
   bool is_due();
   // True if enough of the bursts include the access point.
-  bool tells_of(std::size_t access_point) const;
-  // Its factors relative to the accepted state. REQUIRES: tells_of(access_point).
+  bool includes(std::size_t access_point) const;
+  // Its factors relative to the accepted state. REQUIRES: includes(access_point).
   ChainFactors refined(std::size_t access_point) const;
 
  private:

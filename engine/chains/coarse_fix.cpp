@@ -14,7 +14,7 @@ namespace {
 
 // Above those of FaultPrior: no phase is available here to contradict a wrong access point.
 constexpr double kWrong = 0.1;  // a probability, chosen: an access point has no position evidence
-constexpr double kElsewhere = 0.03;  // a probability, chosen: none of them has any
+constexpr double kOutlier = 0.03;  // a probability, chosen: none of them has any
 
 // [cell]: the access point's evidence on the place, received power included.
 std::vector<double> cells_of(const ArrayObservation& received, double likelihood_exponent) {
@@ -48,16 +48,16 @@ LocationEstimate locate_coarsely(const Localizer& localizer, std::span<const Csi
   estimate.reason.clear();
   std::vector<double> log_probability = belief.log_probability();
   const double outside = take_outside(localizer.area(), 1.0, log_probability);
-  if (outside > WatchedArea::kMaxOutlierShare) {
-    estimate.reason = WatchedArea::kBeside;
+  if (outside > SearchArea::kMaxOutlierShare) {
+    estimate.reason = SearchArea::kBeside;
     return std::move(estimate);
   }
   summarise_posterior(localizer.grid(),
                       log_probability,
                       {.accuracy_confidence = localizer.options().accuracy_confidence,
                        .max_hypotheses = localizer.options().max_hypotheses,
-                       .outlier = 1.0 - (1.0 - kElsewhere) * (1.0 - outside),
-                       .least_sigma = room.least_sigma},
+                       .outlier = 1.0 - (1.0 - kOutlier) * (1.0 - outside),
+                       .sigma_floor = room.sigma_floor},
                       estimate);
   return std::move(estimate);
 }

@@ -57,7 +57,7 @@ struct CylinderRoute {
 };
 
 template <typename T>
-struct HorizontalWay {
+struct HorizontalPath {
   T length{};    // [m], CylinderRoute::across
   T share_in{};  // part of it before the body
 };
@@ -99,7 +99,7 @@ class CylinderScatterer {
                     std::shared_ptr<const CylinderSection> section);
 
   template <typename T>
-  HorizontalWay<T> horizontal_way(const Vec3<T>& in,
+  HorizontalPath<T> horizontal_path(const Vec3<T>& in,
                                   const Vec3<T>& out,
                                   const T& rho_in,
                                   const T& rho_out) const;

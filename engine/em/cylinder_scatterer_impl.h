@@ -43,7 +43,7 @@ T excess_curvature(const T& rho, const T& rise, const T& dz) {
 }  // namespace cylinder
 
 template <typename T>
-HorizontalWay<T> CylinderScatterer::horizontal_way(const Vec3<T>& in,
+HorizontalPath<T> CylinderScatterer::horizontal_path(const Vec3<T>& in,
                                                    const Vec3<T>& out,
                                                    const T& rho_in,
                                                    const T& rho_out) const {
@@ -68,7 +68,7 @@ HorizontalWay<T> CylinderScatterer::horizontal_way(const Vec3<T>& in,
   const T py = T(0.5 * body_.semi_axes[1] * body_.semi_axes[1]) * middle_y / support;
   const T to = between(in.x - px, in.y - py);
   const T from = between(out.x - px, out.y - py);
-  HorizontalWay<T> reflected{to + from, to / (to + from)};
+  HorizontalPath<T> reflected{to + from, to / (to + from)};
   if (!(light < T(1))) {
     return reflected;
   }
@@ -92,13 +92,13 @@ CylinderRoute<T> CylinderScatterer::route(const Vec3<T>& source, const Vec3<T>& 
   route.rho_out = sqrt(out.x * out.x + out.y * out.y);
   route.phi_in = atan2(in.y, in.x);
   route.phi_out = atan2(out.y, out.x);
-  const HorizontalWay<T> way = horizontal_way(in, out, route.rho_in, route.rho_out);
-  route.across = way.length;
+  const HorizontalPath<T> path = horizontal_path(in, out, route.rho_in, route.rho_out);
+  route.across = path.length;
   const T rise = out.z - in.z;
   route.length = sqrt(route.across * route.across + rise * rise);
   route.cos_elevation = route.across / route.length;
   route.sin_elevation = rise / route.length;
-  route.height = in.z + rise * way.share_in;
+  route.height = in.z + rise * path.share_in;
   route.source_height = in.z;
   route.observer_height = out.z;
   return route;

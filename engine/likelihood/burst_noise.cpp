@@ -50,8 +50,8 @@ double log_likelihood_with_noise(const PlaceModel& place,
   const double noise = observed.noise / dimension;
   double best = std::numeric_limits<double>::lowest();
   for (std::size_t first = 0; first < place.mean.size(); first += size) {
-    const bool is_covered = first > 0;
-    const PlaceModel::Powers& of_mean = is_covered ? place.covered : place.open;
+    const bool is_obstructed = first > 0;
+    const PlaceModel::Powers& of_mean = is_obstructed ? place.obstructed : place.open;
     const std::vector<Value> mean(place.mean.begin() + static_cast<std::ptrdiff_t>(first),
                                   place.mean.begin() + static_cast<std::ptrdiff_t>(first + size));
     const Value along = inner_product(whitened, mean);
@@ -69,7 +69,7 @@ double log_likelihood_with_noise(const PlaceModel& place,
     const double inverse_left = misfit(inverse_power, inverse_along, of_mean.inverse);
     best = std::max(best,
                     2.0 * dimension * std::log(r) - left / (1.0 + noise * inverse_left / left) +
-                        (is_covered ? kLogCovered : 0.0));
+                        (is_obstructed ? kLogObstructed : 0.0));
   }
   return best - static_cast<double>(place.log_determinant) -
          dimension * std::log1p(noise * trace / dimension);

@@ -203,7 +203,7 @@ HWY_INLINE WideVector value_of(
     direct = p == 0 ? both : direct;
   }
   WideVector best = hn::Zero(kWide);
-  WideVector best_covered = hn::Zero(kWide);
+  WideVector best_obstructed = hn::Zero(kWide);
   for (std::size_t k = 0; k < delays; ++k) {
     const RaySums& along = terms.along[k];
     const WidePair first =
@@ -219,20 +219,20 @@ HWY_INLINE WideVector value_of(
         profile_of(b, terms.power_inverse[k], terms.log_power[k], terms.dimension);
     best = k == 0 ? open : hn::Max(best, open);
     if (terms.has_direct) {
-      const WideVector covered =
+      const WideVector obstructed =
           profile_of(WidePair{hn::Sub(b.re, first.re), hn::Sub(b.im, first.im)},
                      terms.power_inverse[k],
                      terms.log_power[k],
                      terms.dimension);
-      best_covered = k == 0 ? covered : hn::Max(best_covered, covered);
+      best_obstructed = k == 0 ? obstructed : hn::Max(best_obstructed, obstructed);
     }
   }
   WideVector value = hn::Sub(best, power);
   if (terms.has_direct) {
-    const WideVector covered_power =
+    const WideVector obstructed_power =
         hn::Sub(hn::Sub(power, direct), hn::Set(kWide, terms.gram[0].re[0]));
     value = hn::Max(
-        value, hn::Add(hn::Sub(best_covered, covered_power), hn::Set(kWide, terms.log_covered)));
+        value, hn::Add(hn::Sub(best_obstructed, obstructed_power), hn::Set(kWide, terms.log_obstructed)));
   }
   return hn::Sub(value, hn::Set(kWide, terms.less));
 }

@@ -42,7 +42,7 @@ void whiten_rays(const Bidiagonal& of, std::span<const RaySums> rays, std::span<
 struct FieldTerms {
   std::size_t rays = 0;
   bool has_direct = false;   // the first ray is a line of sight
-  float log_covered = 0.0F;  // [nat], log probability that it is obstructed
+  float log_obstructed = 0.0F;  // [nat], log probability that it is obstructed
   float dimension = 0.0F;    // of the measurement
   float less = 0.0F;         // ln |Sigma|
   std::size_t delays = 0;

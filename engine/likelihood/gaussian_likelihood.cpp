@@ -98,9 +98,9 @@ Likelihood::Place GaussianLikelihood::sharp(Place place) const {
   return place;
 }
 
-PlaceLikelihood GaussianLikelihood::nowhere(const ModelError& error) const {
+PlaceLikelihood GaussianLikelihood::null_model(const ModelError& error) const {
   PlaceLikelihood result;
-  result.model = model_.nowhere(error);
+  result.model = model_.null_model(error);
   return result;
 }
 

@@ -25,7 +25,7 @@ class GaussianLikelihood : public Likelihood {
                                                  const PlaceLikelihood& of,
                                                  const ModelError& error,
                                                  const ObservedBurst& observed) const override;
-  PlaceLikelihood nowhere(const ModelError& error) const override;
+  PlaceLikelihood null_model(const ModelError& error) const override;
 
  private:
   Place sharp(Place place) const;

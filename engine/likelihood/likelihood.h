@@ -110,7 +110,7 @@ class Likelihood {
                                                          const ModelError& error,
                                                          const ObservedBurst& observed) const = 0;
   // Null model with the device anywhere: the reference for every place.
-  virtual PlaceLikelihood nowhere(const ModelError& error) const = 0;
+  virtual PlaceLikelihood null_model(const ModelError& error) const = 0;
 
  protected:
   Likelihood() = default;

@@ -75,7 +75,7 @@ NearbyLikelihood::NearbyLikelihood(const ObservationModel& observation_model,
     observed_.insert(observed_.end(), delay.observed.begin(), delay.observed.end());
     delays_.push_back(std::move(delay));
   }
-  keep_direct(observation_model.coverable(place.rays));
+  keep_direct(observation_model.obstructable(place.rays));
 }
 
 NearbyLikelihood::NearbyLikelihood(const ObservationModel& observation_model,
@@ -139,20 +139,20 @@ void NearbyLikelihood::keep_direct(std::size_t ray) {
   }
 }
 
-NearbyLikelihood::Means NearbyLikelihood::means_at(const Vec3d& moved, bool covered) const {
+NearbyLikelihood::Means NearbyLikelihood::means_at(const Vec3d& moved, bool obstructed) const {
   Means means{std::vector<Value>(size_), std::vector<Value>(size_), std::vector<Value>(size_)};
   const std::size_t of_antenna = sources_.size() / (size_ / coordinates_);
   for (std::size_t s = 0; s < sources_.size(); ++s) {
-    if (covered && s % of_antenna == direct_source_) {
+    if (obstructed && s % of_antenna == direct_source_) {
       continue;
     }
     const Source& source = sources_[s];
-    const Vec3d way = source.image - moved;
-    const double length = norm(way);
+    const Vec3d from_image = source.image - moved;
+    const double length = norm(from_image);
     const Value phase = std::polar(1.0, -wave_number_ * (length - first_length_));
     // d phase = -j k d length, d length = -way / length
-    const Value turn_x(0.0, wave_number_ * way.x / length);
-    const Value turn_y(0.0, wave_number_ * way.y / length);
+    const Value turn_x(0.0, wave_number_ * from_image.x / length);
+    const Value turn_y(0.0, wave_number_ * from_image.y / length);
     for (std::size_t i = 0; i < coordinates_; ++i) {
       const Value one = times(phase, means_[source.mean + i]);
       means.value[source.antenna * coordinates_ + i] += one;
@@ -197,23 +197,23 @@ NearbyLikelihood::Slope NearbyLikelihood::at(const Vec3d& moved) const {
   if (direct_.of.empty()) {
     return open;
   }
-  Slope covered = slope(means_at(moved, true));
-  covered.value += kLogCovered;
-  return covered.value > open.value ? covered : open;
+  Slope obstructed = slope(means_at(moved, true));
+  obstructed.value += kLogObstructed;
+  return obstructed.value > open.value ? obstructed : open;
 }
 
 PlaceModel NearbyLikelihood::model_at(const Vec3d& moved) const {
   PlaceModel place = model_;
   place.mean.clear();
-  const auto append = [&](bool covered, PlaceModel::Powers& powers) {
-    const std::vector<Value> mean = means_at(moved, covered).value;
+  const auto append = [&](bool obstructed, PlaceModel::Powers& powers) {
+    const std::vector<Value> mean = means_at(moved, obstructed).value;
     place.mean.insert(place.mean.end(), mean.begin(), mean.end());
     powers.whitened = static_cast<float>(power_of(mean));
     powers.inverse = static_cast<float>(power_of(unwhiten(model_.whitener, mean)));
   };
   append(false, place.open);
   if (!direct_.of.empty()) {
-    append(true, place.covered);
+    append(true, place.obstructed);
   }
   return place;
 }
@@ -347,13 +347,13 @@ LaneRow NearbyLikelihood::log_likelihoods(std::span<const LaneRow> re,
   const LaneRow power = whiten(model_.whitener.data(), re, im, observed_, along);
   LaneRow values = best_of_delays(power, std::span(along).first(delays_.size()));
   if (!direct.empty()) {
-    const LaneRow less = covered_power(power, std::span(along).subspan(delays_.size()), direct);
+    const LaneRow less = obstructed_power(power, std::span(along).subspan(delays_.size()), direct);
     for (std::size_t k = 0; k < delays_.size(); ++k) {
       take_direct(k, direct, along[k]);
     }
-    const LaneRow covered = best_of_delays(less, std::span(along).first(delays_.size()));
+    const LaneRow obstructed = best_of_delays(less, std::span(along).first(delays_.size()));
     for (std::size_t t = 0; t < kLaneCount; ++t) {
-      values[t] = std::max(values[t], covered[t] + static_cast<float>(kLogCovered));
+      values[t] = std::max(values[t], obstructed[t] + static_cast<float>(kLogObstructed));
     }
   }
   for (float& value : values) {
@@ -381,7 +381,7 @@ LaneRow NearbyLikelihood::best_of_delays(const LaneRow& power,
 }
 
 // |W mu - W d|^2; along: (W mu)^H w_m, [antenna].
-LaneRow NearbyLikelihood::covered_power(const LaneRow& power,
+LaneRow NearbyLikelihood::obstructed_power(const LaneRow& power,
                                         std::span<const LaneSums> along,
                                         std::span<const LaneSums> direct) const {
   LaneRow result = power;

@@ -113,13 +113,13 @@ class NearbyLikelihood {
   };
 
   void keep_direct(std::size_t ray);
-  Means means_at(const Vec3d& moved, bool covered) const;
+  Means means_at(const Vec3d& moved, bool obstructed) const;
   Slope slope(const Means& means) const;
   LaneRow log_likelihoods(std::span<const LaneRow> re,
                           std::span<const LaneRow> im,
                           std::span<const LaneSums> direct) const;
   LaneRow best_of_delays(const LaneRow& power, std::span<const LaneSums> along) const;
-  LaneRow covered_power(const LaneRow& power,
+  LaneRow obstructed_power(const LaneRow& power,
                         std::span<const LaneSums> along,
                         std::span<const LaneSums> direct) const;
   void take_direct(std::size_t k, std::span<const LaneSums> direct, LaneSums& along) const;

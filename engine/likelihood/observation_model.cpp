@@ -46,7 +46,7 @@ const Ray& first_of(std::span<const Ray> rays) {
 // gain r, with the line of sight clear and obstructed.
 struct Profile {
   LaneRow open;
-  LaneRow covered;  // with its prior probability; lowest() if there is none
+  LaneRow obstructed;  // with its prior probability; lowest() if there is none
 };
 
 Profile profile(const PlaceModel& place, const ObservedArray::Block& block) {
@@ -63,12 +63,12 @@ Profile profile(const PlaceModel& place, const ObservedArray::Block& block) {
     value -= place.open.whitened;
   }
   if (means > 1) {
-    result.covered = at_best_gain(power, along[1], size);
-    for (float& value : result.covered) {
-      value += static_cast<float>(kLogCovered) - place.covered.whitened;
+    result.obstructed = at_best_gain(power, along[1], size);
+    for (float& value : result.obstructed) {
+      value += static_cast<float>(kLogObstructed) - place.obstructed.whitened;
     }
   } else {
-    result.covered.fill(std::numeric_limits<float>::lowest());
+    result.obstructed.fill(std::numeric_limits<float>::lowest());
   }
   return result;
 }
@@ -77,7 +77,7 @@ Profile profile(const PlaceModel& place, const ObservedArray::Block& block) {
 LaneRow better(const PlaceModel& place, const ObservedArray::Block& block) {
   Profile both = profile(place, block);
   for (std::size_t i = 0; i < both.open.size(); ++i) {
-    both.open[i] = std::max(both.open[i], both.covered[i]);
+    both.open[i] = std::max(both.open[i], both.obstructed[i]);
   }
   return both.open;
 }
@@ -194,7 +194,7 @@ ObservationModel::RayTerms ObservationModel::ray_terms(const Place& place,
   return terms;
 }
 
-std::size_t ObservationModel::coverable(std::span<const Ray> rays) const {
+std::size_t ObservationModel::obstructable(std::span<const Ray> rays) const {
   if (knowledge_ != PathKnowledge::kPartial || rays.size() < 2) {
     return rays.size();
   }
@@ -218,7 +218,7 @@ PlaceMean ObservationModel::add_rays(const Place& place,
   const auto size = static_cast<Index>(dimension());
   PlaceMean mean{Eigen::VectorXcd::Zero(size), {}};
   Eigen::MatrixXcd unknown(size, static_cast<Index>(place.rays.size()));
-  const std::size_t coverable = this->coverable(place.rays);
+  const std::size_t obstructable = this->obstructable(place.rays);
   for (std::size_t p = 0; p < place.rays.size(); ++p) {
     const Ray& ray = place.rays[p];
     auto s = unknown.col(static_cast<Index>(p));
@@ -230,7 +230,7 @@ PlaceMean ObservationModel::add_rays(const Place& place,
       }
     }
     mean.all += terms.parts[p].known * s;
-    if (p == coverable) {
+    if (p == obstructable) {
       mean.direct = terms.parts[p].known * s;
     }
     s *= std::sqrt(weight * terms.parts[p].unknown);
@@ -283,7 +283,7 @@ PlaceModel ObservationModel::place_of_burst(const Place& place,
   return model;
 }
 
-PlaceModel ObservationModel::nowhere(const ModelError& error) const {
+PlaceModel ObservationModel::null_model(const ModelError& error) const {
   PlaceMoments moments(static_cast<Index>(dimension()));
   moments.diffuse = 1.0;
   return moments.factorised(antennas_, diffuse_covariance(kDiffuseDecay), error.noise);
@@ -407,22 +407,22 @@ ObservationModel::Coarse ObservationModel::coarse(const PlaceModel& place,
   return {lacks_noise(place, observed)
               ? log_likelihood_with_noise(place, observed, observed.coarse, at)
               : static_cast<double>(*top) - static_cast<double>(place.log_determinant),
-          ObservedArray::worth_a_look(values)};
+          ObservedArray::peak_windows(values)};
 }
 
-std::optional<double> ObservationModel::covered_log_odds(const PlaceModel& place,
+std::optional<double> ObservationModel::obstructed_log_odds(const PlaceModel& place,
                                                          const ObservedArray& observed) {
   if (place.mean.size() <= observed.coordinates()) {
     return std::nullopt;
   }
   float open = std::numeric_limits<float>::lowest();
-  float covered = open;
+  float obstructed = open;
   for (const ObservedArray::Block& block : observed.windows) {
     const Profile both = profile(place, block);
     open = std::max(open, *std::max_element(both.open.begin(), both.open.end()));
-    covered = std::max(covered, *std::max_element(both.covered.begin(), both.covered.end()));
+    obstructed = std::max(obstructed, *std::max_element(both.obstructed.begin(), both.obstructed.end()));
   }
-  return static_cast<double>(covered) - static_cast<double>(open);
+  return static_cast<double>(obstructed) - static_cast<double>(open);
 }
 
 std::vector<Value> ObservationModel::expected(const Place& place, const ModelError& error) const {

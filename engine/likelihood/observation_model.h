@@ -17,7 +17,7 @@
 // n is the noise of bursts of a strong device. burst_noise.h adds the noise of weak bursts.
 //
 // A person, or an object that is not in the plan, may obstruct the line of sight: with a
-// probability of kCovered its mean is not in mu (the unknown part of its power stays). The
+// probability of kObstructed its mean is not in mu (the unknown part of its power stays). The
 // likelihood of a place is the larger one of both cases.
 #pragma once
 
@@ -102,14 +102,14 @@ class ObservationModel {
   double wave_number() const { return wave_number_; }  // [rad/m]
   // Index of the ray that may be obstructed: the line of sight, if there are other rays and means
   // are partially known. Otherwise rays.size().
-  std::size_t coverable(std::span<const Ray> rays) const;
+  std::size_t obstructable(std::span<const Ray> rays) const;
 
   // R of one antenna, for a tail with this decay [s]: [coordinate][coordinate].
   std::vector<std::complex<double>> diffuse_covariance(double decay) const;
 
   // Null model with a diffuse tail only: the reference for every place. The tail has the usual
   // decay, not that of this room, since a channel outside the model may come from any room.
-  PlaceModel nowhere(const ModelError& error) const;
+  PlaceModel null_model(const ModelError& error) const;
 
   // h: [antenna][tone], chain gains removed.
   ObservedArray observe(std::span<const std::complex<double>> h) const;
@@ -128,7 +128,7 @@ class ObservationModel {
                                std::uint8_t windows);
 
   // Logarithm of the odds that the line of sight is obstructed; empty if there is none.
-  static std::optional<double> covered_log_odds(const PlaceModel& place,
+  static std::optional<double> obstructed_log_odds(const PlaceModel& place,
                                                 const ObservedArray& observed);
 
   // The expected array at a place, [antenna][tone], without the unknown parts: for correlation.

@@ -23,7 +23,7 @@ ObservedArray::ObservedArray(std::size_t coordinates) {
   windows.fill(coarse);
 }
 
-std::uint8_t ObservedArray::worth_a_look(const Row& values) {
+std::uint8_t ObservedArray::peak_windows(const Row& values) {
   const float least = *std::max_element(values.begin(), values.end()) - kCoarseMiss;
   unsigned windows = 0;
   for (std::size_t i = 0; i < values.size(); ++i) {

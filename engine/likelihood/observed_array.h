@@ -41,7 +41,7 @@ struct ObservedArray {
   }
   // A bit for each window about a coarse delay that may hold the best of all delays. values:
   // log-likelihoods of the coarse delays.
-  static std::uint8_t worth_a_look(const Row& values);
+  static std::uint8_t peak_windows(const Row& values);
   void set(std::size_t coordinate, std::size_t delay, std::complex<double> value);
   std::complex<double> value(std::size_t coordinate, std::size_t delay) const;
 };

@@ -18,14 +18,14 @@ struct PlaceModel {
     float inverse = 0.0F;
   };
   Powers open;
-  Powers covered;
+  Powers obstructed;
   float log_determinant = 0.0F;  // of Sigma
   float noise = 0.0F;            // n; 0: Sigma includes the burst's noise
   bool reachable = false;        // at least one ray exists
 };
 
 // Prior probability that a line of sight is obstructed.
-inline constexpr double kCovered = 0.02;
-inline const double kLogCovered = std::log(kCovered);  // [nat]
+inline constexpr double kObstructed = 0.02;
+inline const double kLogObstructed = std::log(kObstructed);  // [nat]
 
 }  // namespace rayloc

@@ -15,7 +15,7 @@ using Eigen::Index;
 // covered: mu without the line of sight; size 0: there is no line of sight.
 PlaceModel factorised_model(const Eigen::MatrixXcd& sigma,
                             const Eigen::VectorXcd& mu,
-                            const Eigen::VectorXcd& covered,
+                            const Eigen::VectorXcd& obstructed,
                             double noise) {
   const Eigen::LLT<Eigen::MatrixXcd> cholesky(sigma);
   RAYLOC_CHECK(cholesky.info() == Eigen::Success);
@@ -38,12 +38,12 @@ PlaceModel factorised_model(const Eigen::MatrixXcd& sigma,
                               static_cast<float>((whitener.adjoint() * whitened).squaredNorm())};
   };
   place.open = powers_of(mean);
-  if (covered.size() > 0) {
-    const Eigen::VectorXcd without = whitener * covered;
+  if (obstructed.size() > 0) {
+    const Eigen::VectorXcd without = whitener * obstructed;
     for (const Value& v : without) {
       place.mean.emplace_back(v);
     }
-    place.covered = powers_of(without);
+    place.obstructed = powers_of(without);
   }
   place.log_determinant = static_cast<float>(log_determinant);
   place.noise = static_cast<float>(noise);

@@ -185,6 +185,6 @@ std::unique_ptr<const NearbyLikelihood> RatioLikelihood::nearby(
   return nullptr;
 }
 
-PlaceLikelihood RatioLikelihood::nowhere(const ModelError& /*error*/) const { return {}; }
+PlaceLikelihood RatioLikelihood::null_model(const ModelError& /*error*/) const { return {}; }
 
 }  // namespace rayloc

@@ -38,7 +38,7 @@ class RatioLikelihood : public Likelihood {
                                                  const PlaceLikelihood& of,
                                                  const ModelError& error,
                                                  const ObservedBurst& observed) const override;
-  PlaceLikelihood nowhere(const ModelError& error) const override;
+  PlaceLikelihood null_model(const ModelError& error) const override;
 
  private:
   std::vector<std::complex<float>> features(std::span<const std::complex<double>> h) const;

@@ -41,7 +41,7 @@ void choose_known(const ObservationModel& model,
     left -= power[order[i]];
     out.known.push_back(order[i]);
   }
-  const auto direct = std::find(out.known.begin(), out.known.end(), model.coverable(place.rays));
+  const auto direct = std::find(out.known.begin(), out.known.end(), model.obstructable(place.rays));
   if (direct != out.known.end()) {
     out.has_direct = true;
     std::rotate(out.known.begin(), direct, direct + 1);
@@ -176,8 +176,8 @@ RayField ray_field(const ObservationModel& model,
                field.by_y[y / kLaneCount * field.rays + n]);
     }
     for (std::size_t z = 0; z < lattice.heights.size(); ++z) {
-      const Vec3d way = ray.length * ray.at_device - Vec3d{0.0, 0.0, lattice.heights[z]};
-      put_lane(single(-k * (norm(way) - ray.length)), n, field.by_z[z]);
+      const Vec3d path = ray.length * ray.at_device - Vec3d{0.0, 0.0, lattice.heights[z]};
+      put_lane(single(-k * (norm(path) - ray.length)), n, field.by_z[z]);
     }
   }
   return field;
@@ -243,7 +243,7 @@ FieldTerms FieldBurst::terms(const RayField& field) {
     }
     of_delays_.delays = best_.size();
     of_delays_.has_direct = covariance_.has_direct;
-    of_delays_.log_covered = static_cast<float>(kLogCovered);
+    of_delays_.log_obstructed = static_cast<float>(kLogObstructed);
     of_delays_.dimension = static_cast<float>(burst_.size());
     of_delays_.less = factor_.log_determinant;
   }

@@ -26,7 +26,7 @@ ChainProducts products_of(const PlaceModel& place,
 // Terms of a mean's log-likelihood besides the gain profile.
 float offset_of(const PlaceModel& place, std::size_t mean) {
   return (mean == 0 ? -place.open.whitened
-                    : static_cast<float>(kLogCovered) - place.covered.whitened) -
+                    : static_cast<float>(kLogObstructed) - place.obstructed.whitened) -
          place.log_determinant;
 }
 
@@ -119,7 +119,7 @@ std::uint8_t coarse_of_turns(const PlaceModel& place,
   LaneRow highest;
   highest.fill(std::numeric_limits<float>::lowest());
   raise(place, observed.coarse, chains, undoing, of_state, highest);
-  return ObservedArray::worth_a_look(highest);
+  return ObservedArray::peak_windows(highest);
 }
 
 void log_likelihood_of_turns(const PlaceModel& place,
@@ -181,7 +181,7 @@ ChainMoments chain_moments(const PlaceModel& place,
   double highest = std::numeric_limits<double>::lowest();
   const std::size_t size = observed.coordinates();
   // Maximum over the coarse delays, then over the best window.
-  const auto look = [&](const ObservedArray::Block& block) {
+  const auto best_lane = [&](const ObservedArray::Block& block) {
     const ChainProducts products = products_of(place, block, undoing.size());
     std::size_t at = 0;
     double top = std::numeric_limits<double>::lowest();
@@ -199,7 +199,7 @@ ChainMoments chain_moments(const PlaceModel& place,
     }
     return at;
   };
-  look(observed.windows[look(observed.coarse)]);
+  best_lane(observed.windows[best_lane(observed.coarse)]);
   return best;
 }
 

@@ -114,7 +114,7 @@ AccessPointMap::AccessPointMap(const Source& source,
       likelihood_(Likelihood::make(source.likelihood, source.room->grid, offsets_.size())),
       model_(source.room->grid, offsets_.size()),
       tracing_(std::move(tracing)),
-      nowhere_(likelihood_->nowhere(access_point().error)),
+      null_model_(likelihood_->null_model(access_point().error)),
       boxes_(std::make_unique<Kept<PlaceLikelihood>>(kMaxKeptBoxes)),
       close_boxes_(std::make_unique<Kept<PlaceLikelihood>>(kMaxKeptBoxes)),
       field_lattice_(places_of_box(source.grid, source.heights, wavelength_of(*source.room))),
@@ -171,7 +171,7 @@ void AccessPointMap::build_cells() {
                              static_cast<double>(source_.heights.size()) /
                              static_cast<double>(coarse.size());
     for (const HeightSlice& slice : coarse) {
-      rays.push_back(raised_rays(
+      rays.push_back(rays_at_height(
           tracing_->rays[cell], slice.offset, source_.room->device, access_point().array));
       heights.push_back({{rays.back(), offsets_, cell_size(), 0.0, thickness}, slice.weight});
     }
@@ -181,7 +181,7 @@ void AccessPointMap::build_cells() {
 
 // Rays from a device in the middle of a layer.
 std::vector<Ray> AccessPointMap::rays_in(std::size_t cell, std::size_t layer) const {
-  return raised_rays(tracing_->rays[cell],
+  return rays_at_height(tracing_->rays[cell],
                      source_.heights.offset[layer],
                      source_.room->device,
                      access_point().array);
@@ -240,31 +240,31 @@ std::vector<double> AccessPointMap::level_log_likelihood(const ReceivedLevel& re
   return result;
 }
 
-double AccessPointMap::nowhere(const ObservedBurst& observed) const {
-  return likelihood_->log_likelihood(nowhere_, observed);
+double AccessPointMap::null_model(const ObservedBurst& observed) const {
+  return likelihood_->log_likelihood(null_model_, observed);
 }
 
-std::unique_ptr<const CloseLook> AccessPointMap::look_at(std::size_t cell,
+std::unique_ptr<const BoxEvaluator> AccessPointMap::evaluator_at(std::size_t cell,
                                                          std::size_t layer,
                                                          const ObservedBurst& observed) const {
-  auto look = std::make_unique<CloseLook>();
+  auto evaluator = std::make_unique<BoxEvaluator>();
   const ModelError& error = access_point().error;
   if (source_.heights.is_known()) {
-    look->nearby_ = likelihood_->nearby(
+    evaluator->nearby_ = likelihood_->nearby(
         {tracing_->rays[cell], offsets_, cell_size()}, cells_[cell], error, observed);
   } else {
-    look->rays_ = rays_in(cell, layer);
+    evaluator->rays_ = rays_in(cell, layer);
     const Likelihood::Place place{
-        look->rays_, offsets_, cell_size(), 0.0, source_.heights.thickness};
-    look->box_ = close_boxes_->get(cell * source_.heights.size() + layer,
+        evaluator->rays_, offsets_, cell_size(), 0.0, source_.heights.thickness};
+    evaluator->box_ = close_boxes_->get(cell * source_.heights.size() + layer,
                                    [&] { return likelihood_->close(place, error); });
-    look->nearby_ = likelihood_->nearby(place, *look->box_, error, observed);
+    evaluator->nearby_ = likelihood_->nearby(place, *evaluator->box_, error, observed);
   }
-  return look->nearby_ == nullptr ? nullptr : std::move(look);
+  return evaluator->nearby_ == nullptr ? nullptr : std::move(evaluator);
 }
 
 std::vector<Ray> AccessPointMap::rays_at(std::size_t cell, double height) const {
-  return raised_rays(tracing_->rays[cell], height, source_.room->device, access_point().array);
+  return rays_at_height(tracing_->rays[cell], height, source_.room->device, access_point().array);
 }
 
 // Place of a device within half the place distance of the centre.
@@ -300,7 +300,7 @@ std::shared_ptr<const RayField> AccessPointMap::field(std::size_t cell,
   });
 }
 
-std::pair<FieldTerms, std::shared_ptr<const RayField>> FieldLook::at(std::size_t layer) {
+std::pair<FieldTerms, std::shared_ptr<const RayField>> FieldScan::at(std::size_t layer) {
   if (!burst_ || AccessPointMap::band_of(layer) != band_) {
     band_ = AccessPointMap::band_of(layer);
     covariance_ = map_.field_covariance(cell_, layer);
@@ -320,11 +320,11 @@ PlaceModel AccessPointMap::model_of(std::span<const Ray> rays, double survey_sig
   return model_.place({rays, offsets_, 0.0, survey_sigma}, access_point().error);
 }
 
-std::optional<double> AccessPointMap::covered_log_odds(std::span<const Ray> rays,
+std::optional<double> AccessPointMap::obstructed_log_odds(std::span<const Ray> rays,
                                                        const ObservedBurst& observed) const {
   return rays.empty() || source_.likelihood != LikelihoodKind::kPartial
              ? std::nullopt
-             : ObservationModel::covered_log_odds(
+             : ObservationModel::obstructed_log_odds(
                    model_.place_of_burst(
                        {rays, offsets_, 0.0}, access_point().error, observed.array),
                    observed.array);

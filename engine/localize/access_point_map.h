@@ -28,7 +28,7 @@
 namespace rayloc {
 
 // Evaluates a burst at places inside a cell; owns the models that this needs.
-class CloseLook {
+class BoxEvaluator {
  public:
   // Log-likelihoods of the places of a lattice about the cell's centre, [x][y], `height` [m] above
   // the centre of the layer.
@@ -99,14 +99,14 @@ class AccessPointMap {
   // cells: it carries no information on a device that may be anywhere. 0 in unreachable cells.
   std::vector<double> level_log_likelihood(const ReceivedLevel& received) const;
   // Log-likelihood of the null model (device anywhere): the reference for every place.
-  double nowhere(const ObservedBurst& observed) const;
+  double null_model(const ObservedBurst& observed) const;
   // For a cell and one of its layers of heights. REQUIRES: is_reachable(cell).
   double log_likelihood_in(std::size_t cell,
                            std::size_t layer,
                            const ObservedBurst& observed) const;
   // Evaluates the burst at places in a cell and a layer; null if the likelihood cannot separate
   // them. REQUIRES: is_reachable(cell).
-  std::unique_ptr<const CloseLook> look_at(std::size_t cell,
+  std::unique_ptr<const BoxEvaluator> evaluator_at(std::size_t cell,
                                            std::size_t layer,
                                            const ObservedBurst& observed) const;
 
@@ -128,7 +128,7 @@ class AccessPointMap {
   PlaceModel model_of(std::span<const Ray> rays, double survey_sigma) const;
   // For a device at the origin of these rays: log odds that its line of sight to the array is
   // obstructed; empty if there is none, and for likelihoods without this case.
-  std::optional<double> covered_log_odds(std::span<const Ray> rays,
+  std::optional<double> obstructed_log_odds(std::span<const Ray> rays,
                                          const ObservedBurst& observed) const;
 
   // The expected array of a device at the origin of these rays: [antenna][tone].
@@ -152,7 +152,7 @@ class AccessPointMap {
   std::unique_ptr<const Likelihood> likelihood_;
   ObservationModel model_;
   std::shared_ptr<const Tracing> tracing_;  // shared with the maps without an antenna
-  PlaceLikelihood nowhere_;
+  PlaceLikelihood null_model_;
   std::vector<PlaceLikelihood> cells_;                  // the device at any of the heights
   std::unique_ptr<Kept<PlaceLikelihood>> boxes_;        // the device at one of them, as a whole ...
   std::unique_ptr<Kept<PlaceLikelihood>> close_boxes_;  // ... and for the places of a box
@@ -164,10 +164,10 @@ class AccessPointMap {
 };
 
 // Evaluates a burst in the boxes of one cell, layer after layer.
-class FieldLook {
+class FieldScan {
  public:
   // The arguments must outlive it. REQUIRES: map.has_fields(), map.is_reachable(cell).
-  FieldLook(const AccessPointMap& map, std::size_t cell, const ObservedBurst& observed)
+  FieldScan(const AccessPointMap& map, std::size_t cell, const ObservedBurst& observed)
       : map_(map), cell_(cell), observed_(observed) {}
 
   std::pair<FieldTerms, std::shared_ptr<const RayField>> at(std::size_t layer);

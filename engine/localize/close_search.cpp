@@ -39,7 +39,7 @@ std::vector<std::size_t> best_of(const std::vector<double>& score,
   return order;
 }
 
-using Looks = std::vector<std::unique_ptr<const CloseLook>>;
+using Evaluators = std::vector<std::unique_ptr<const BoxEvaluator>>;
 
 // Log-likelihoods of places, [place][array].
 struct Places {
@@ -54,46 +54,46 @@ struct Places {
 
 class Searcher {
  public:
-  explicit Searcher(const CloseSearch& search) : search_(search) {}
+  explicit Searcher(const LocalRefinement& search) : search_(search) {}
 
   // Models of each access point for a device in a layer of a cell: null if no ray arrives.
-  Looks look(std::size_t cell, std::size_t layer) const {
-    Looks looks(search_.received.size());
-    for (std::size_t i = 0; i < looks.size(); ++i) {
+  Evaluators evaluators_of(std::size_t cell, std::size_t layer) const {
+    Evaluators evaluators(search_.received.size());
+    for (std::size_t i = 0; i < evaluators.size(); ++i) {
       const ArrayObservation& one = search_.received[i];
       if (one.map->is_reachable(cell)) {
-        looks[i] = one.map->look_at(cell, layer, one.observed);
+        evaluators[i] = one.map->evaluator_at(cell, layer, one.observed);
       }
     }
-    return looks;
+    return evaluators;
   }
   // True if the likelihood separates the places of the cell.
-  bool tells(std::size_t cell, const Looks& looks) const {
-    for (std::size_t i = 0; i < looks.size(); ++i) {
-      if (looks[i] == nullptr && search_.received[i].map->is_reachable(cell)) {
+  bool separates(std::size_t cell, const Evaluators& evaluators) const {
+    for (std::size_t i = 0; i < evaluators.size(); ++i) {
+      if (evaluators[i] == nullptr && search_.received[i].map->is_reachable(cell)) {
         return false;
       }
     }
     return true;
   }
   double above(std::size_t i, std::size_t cell, double log_likelihood) const {
-    return log_likelihood - search_.nowhere[i] +
+    return log_likelihood - search_.null_model[i] +
            search_.received[i].level_at(cell, search_.likelihood_exponent);
   }
   // Log-likelihoods at the places of a lattice at each of the heights.
   Places on(std::size_t cell,
-            const Looks& looks,
+            const Evaluators& evaluators,
             const Lattice& lattice,
-            const CloseLook::Heights& heights) const {
-    Places places{looks.size(), {}};
-    places.value.resize(heights.count * lattice.size() * looks.size());
-    for (std::size_t i = 0; i < looks.size(); ++i) {
-      if (looks[i] == nullptr) {
+            const BoxEvaluator::Heights& heights) const {
+    Places places{evaluators.size(), {}};
+    places.value.resize(heights.count * lattice.size() * evaluators.size());
+    for (std::size_t i = 0; i < evaluators.size(); ++i) {
+      if (evaluators[i] == nullptr) {
         continue;
       }
-      const auto values = looks[i]->on(lattice, heights);
+      const auto values = evaluators[i]->on(lattice, heights);
       for (std::size_t j = 0; j < values.size(); ++j) {
-        places.value[j * looks.size() + i] = above(i, cell, values[j]);
+        places.value[j * evaluators.size() + i] = above(i, cell, values[j]);
       }
     }
     return places;
@@ -107,11 +107,11 @@ class Searcher {
   }
 
  private:
-  const CloseSearch& search_;
+  const LocalRefinement& search_;
 };
 
 // Scores of the cells that may be refined.
-std::vector<double> scores(const CloseSearch& search, const RoomMap& map, double exponent) {
+std::vector<double> scores(const LocalRefinement& search, const RoomMap& map, double exponent) {
   const auto close = static_cast<std::ptrdiff_t>(search.compared.close);
   std::vector<double> score(map.log_likelihood.begin(), map.log_likelihood.begin() + close);
   for (double& one : score) {
@@ -124,7 +124,7 @@ std::vector<double> scores(const CloseSearch& search, const RoomMap& map, double
 }
 
 // Search at a single height: cell by cell.
-void search_cells(const CloseSearch& search, RoomMap& map) {
+void search_cells(const LocalRefinement& search, RoomMap& map) {
   const double exponent = search.likelihood_exponent;
   std::vector<double>& values = map.log_likelihood;
   const std::vector<std::size_t> order =
@@ -139,39 +139,39 @@ void search_cells(const CloseSearch& search, RoomMap& map) {
   parallel_for(order.size(), 1, [&](std::size_t rank) {
     const std::size_t n = order[rank];
     const std::size_t cell = search.compared.cell(n);
-    const auto looks = searcher.look(cell, 0);
-    if (!searcher.tells(cell, looks)) {
+    const auto evaluators = searcher.evaluators_of(cell, 0);
+    if (!searcher.separates(cell, evaluators)) {
       return;
     }
-    const Places places = searcher.on(cell, looks, lattice, {});
+    const Places places = searcher.on(cell, evaluators, lattice, {});
     const std::vector<double> fused = searcher.fused(places);
     const auto [log_mean, mass] = summarise_places(lattice, fused, exponent);
     values[n] = log_mean;
     map.within[rank].second = mass;
-    for (std::size_t i = 0; i < looks.size(); ++i) {
-      double doubt = 0.0;
+    for (std::size_t i = 0; i < evaluators.size(); ++i) {
+      double fault_probability = 0.0;
       for (std::size_t j = 0; j < places.size(); ++j) {
-        doubt +=
+        fault_probability +=
             std::exp(exponent * (fused[j] - log_mean)) * search.fusion.faulty(i, places.of(j)[i]);
       }
-      map.doubt[i][n] = doubt / static_cast<double>(places.size());
+      map.fault_probability[i][n] = fault_probability / static_cast<double>(places.size());
     }
   });
 }
 
 // A cell and a layer of heights: probability masses are e^(log_mass).
-struct CloseBox {
+struct RefinedBox {
   std::size_t number = 0;  // of the cell, in the map
   std::size_t cell = 0;
   std::size_t layer = 0;
   double log_mass = 0.0;      // of the box, including its prior
   CellMass mass;              // distribution inside the box
-  std::vector<double> doubt;  // [array], probability that it is wrong there
+  std::vector<double> fault_probability;  // [array], probability that it is wrong there
 };
 
 class BoxSearch {
  public:
-  explicit BoxSearch(const CloseSearch& search)
+  explicit BoxSearch(const LocalRefinement& search)
       : search_(search),
         searcher_(search),
         lattice_(places_of_cell(search.grid, search.wavelength)) {
@@ -189,7 +189,7 @@ class BoxSearch {
     const std::vector<std::size_t> cells =
         best_of(scores(search_, map, search_.likelihood_exponent), kMaxCloseColumns, kColumnMargin);
     const std::size_t layers = weight_.size();
-    std::vector<CloseBox> boxes(cells.size() * layers);
+    std::vector<RefinedBox> boxes(cells.size() * layers);
     std::vector<double> box_score(boxes.size());
     parallel_for(boxes.size(), 4, [&](std::size_t n) {
       boxes[n] = as_a_whole(cells[n / layers], n % layers);
@@ -197,7 +197,7 @@ class BoxSearch {
     });
     const std::vector<std::size_t> closely = best_of(
         box_score, std::max<std::size_t>(1, kMaxCloseBoxes / search_.received.size()), kBoxMargin);
-    parallel_for(closely.size(), 1, [&](std::size_t n) { look_closely(boxes[closely[n]]); });
+    parallel_for(closely.size(), 1, [&](std::size_t n) { refine(boxes[closely[n]]); });
     for (std::size_t n = 0; n < cells.size(); ++n) {
       put_together(std::span(boxes).subspan(n * layers, layers), map);
     }
@@ -208,13 +208,13 @@ class BoxSearch {
     return search_.focus.log_prior.empty() ? 0.0 : search_.focus.log_prior[number];
   }
 
-  CloseBox as_a_whole(std::size_t number, std::size_t layer) const {
+  RefinedBox as_a_whole(std::size_t number, std::size_t layer) const {
     const std::size_t cell = search_.compared.cell(number);
-    CloseBox box;
+    RefinedBox box;
     box.number = number;
     box.cell = cell;
     box.layer = layer;
-    box.doubt.resize(search_.received.size());
+    box.fault_probability.resize(search_.received.size());
     if (weight_[layer] < kMinWeight) {
       box.log_mass = AccessPointFusion::kNothing;
       return box;
@@ -226,7 +226,7 @@ class BoxSearch {
         of_each[i] =
             searcher_.above(i, cell, one.map->log_likelihood_in(cell, layer, one.observed));
       }
-      box.doubt[i] = search_.fusion.faulty(i, of_each[i]);
+      box.fault_probability[i] = search_.fusion.faulty(i, of_each[i]);
     }
     box.log_mass = std::log(weight_[layer]) +
                    search_.likelihood_exponent * search_.fusion.log_likelihood(of_each);
@@ -237,9 +237,9 @@ class BoxSearch {
     return box;
   }
 
-  void look_closely(CloseBox& box) const {
-    const auto looks = searcher_.look(box.cell, box.layer);
-    if (!searcher_.tells(box.cell, looks)) {
+  void refine(RefinedBox& box) const {
+    const auto evaluators = searcher_.evaluators_of(box.cell, box.layer);
+    if (!searcher_.separates(box.cell, evaluators)) {
       return;
     }
     const double exponent = search_.likelihood_exponent;
@@ -248,7 +248,7 @@ class BoxSearch {
                                                 static_cast<double>(slices.size() - 1)
                                           : 0.0;
     const double lowest = slices.front().offset - search_.heights.offset[box.layer];
-    const Places places = searcher_.on(box.cell, looks, lattice_, {lowest, step, slices.size()});
+    const Places places = searcher_.on(box.cell, evaluators, lattice_, {lowest, step, slices.size()});
     const std::vector<double> fused = searcher_.fused(places);
     std::vector<PlacesAtHeight> at_heights;
     for (std::size_t h = 0; h < slices.size(); ++h) {
@@ -264,30 +264,30 @@ class BoxSearch {
     auto [log_sum, mass] = summarise_box(lattice_, at_heights);
     box.log_mass = std::log(weight_[box.layer]) + log_sum;
     box.mass = mass;
-    std::fill(box.doubt.begin(), box.doubt.end(), 0.0);
+    std::fill(box.fault_probability.begin(), box.fault_probability.end(), 0.0);
     for (std::size_t j = 0; j < places.size(); ++j) {
       const double share =
           std::exp(at_heights[j / lattice_.size()].log_mass[j % lattice_.size()] - log_sum);
-      for (std::size_t i = 0; i < looks.size(); ++i) {
-        box.doubt[i] += share * search_.fusion.faulty(i, places.of(j)[i]);
+      for (std::size_t i = 0; i < evaluators.size(); ++i) {
+        box.fault_probability[i] += share * search_.fusion.faulty(i, places.of(j)[i]);
       }
     }
   }
 
-  void put_together(std::span<const CloseBox> boxes, RoomMap& map) const {
+  void put_together(std::span<const RefinedBox> boxes, RoomMap& map) const {
     const std::size_t number = boxes.front().number;
     const auto best =
-        std::max_element(boxes.begin(), boxes.end(), [](const CloseBox& a, const CloseBox& b) {
+        std::max_element(boxes.begin(), boxes.end(), [](const RefinedBox& a, const RefinedBox& b) {
           return a.log_mass + std::log(a.mass.best_share) <
                  b.log_mass + std::log(b.mass.best_share);
         });
     double sum = 0.0;
-    for (const CloseBox& box : boxes) {
+    for (const RefinedBox& box : boxes) {
       sum += std::exp(box.log_mass - best->log_mass);
     }
     CellMass mass;
     std::vector<WeightedMoments> parts;
-    for (const CloseBox& box : boxes) {
+    for (const RefinedBox& box : boxes) {
       const double share = std::exp(box.log_mass - best->log_mass) / sum;
       parts.push_back({share, box.mass.all});
       mass.layers.push_back(static_cast<float>(share));
@@ -295,18 +295,18 @@ class BoxSearch {
     mass.all = mixture_of(parts);
     mass.best = best->mass.best;
     mass.best_share = best->mass.best_share / sum;
-    for (std::size_t i = 0; i < map.doubt.size(); ++i) {
-      double doubt = 0.0;
+    for (std::size_t i = 0; i < map.fault_probability.size(); ++i) {
+      double fault_probability = 0.0;
       for (std::size_t layer = 0; layer < boxes.size(); ++layer) {
-        doubt += parts[layer].share * boxes[layer].doubt[i];
+        fault_probability += parts[layer].share * boxes[layer].fault_probability[i];
       }
-      map.doubt[i][number] = doubt;
+      map.fault_probability[i][number] = fault_probability;
     }
     map.log_likelihood[number] = (best->log_mass + std::log(sum)) / search_.likelihood_exponent;
     map.within.emplace_back(boxes.front().cell, std::move(mass));
   }
 
-  const CloseSearch& search_;
+  const LocalRefinement& search_;
   Searcher searcher_;
   Lattice lattice_;
   std::vector<double> weight_;                    // [layer]
@@ -331,7 +331,7 @@ ComparedCells compared_cells(const RoomGrid& grid, const SearchFocus& focus) {
   return compared;
 }
 
-void search_closely(const CloseSearch& search, RoomMap& map) {
+void refine_locally(const LocalRefinement& search, RoomMap& map) {
   if (search.heights.is_known()) {
     search_cells(search, map);
   } else {

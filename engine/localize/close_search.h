@@ -43,12 +43,12 @@ struct ComparedCells {
 };
 ComparedCells compared_cells(const RoomGrid& grid, const SearchFocus& focus);
 
-struct CloseSearch {
+struct LocalRefinement {
   const RoomGrid& grid;
   const HeightLayers& heights;
   double wavelength;  // [m]
   std::span<const ArrayObservation> received;
-  std::span<const double> nowhere;  // [array], log-likelihood of the null model
+  std::span<const double> null_model;  // [array], log-likelihood of the null model
   const AccessPointFusion& fusion;
   double likelihood_exponent;
   const SearchFocus& focus;
@@ -56,6 +56,6 @@ struct CloseSearch {
 };
 
 // Replaces the log-likelihood of refined cells by that of the mean over their places.
-void search_closely(const CloseSearch& search, RoomMap& map);
+void refine_locally(const LocalRefinement& search, RoomMap& map);
 
 }  // namespace rayloc

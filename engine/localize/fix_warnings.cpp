@@ -6,28 +6,28 @@
 namespace rayloc {
 namespace {
 
-constexpr double kDoubted = 0.5;            // a probability, chosen
-constexpr double kCoveredForCertain = 4.6;  // logarithm of odds of 100, tempered
+constexpr double kFaulty = 0.5;            // a probability, chosen
+constexpr double kSurelyObstructed = 4.6;  // logarithm of odds of 100, tempered
 
 }  // namespace
 
 // An obstructed line of sight is tested at the fix only: at other places the test is meaningless.
-void warn_of_doubtful(const std::vector<ArrayObservation>& received,
+void warn_of_suspects(const std::vector<ArrayObservation>& received,
                       const RoomMap& map,
                       double likelihood_exponent,
                       const RaysOfEach& rays,
                       LocationEstimate& estimate) {
-  const std::vector<double> doubt = doubts(map, likelihood_exponent);
+  const std::vector<double> fault_probability = fault_probabilities(map, likelihood_exponent);
   for (std::size_t i = 0; i < received.size(); ++i) {
     const std::string name = "access point " + received[i].map->access_point().id;
-    if (received.size() > 1 && doubt[i] > kDoubted) {
+    if (received.size() > 1 && fault_probability[i] > kFaulty) {
       estimate.warnings.push_back(name +
                                   " contradicts the others: it is covered, was moved or has "
                                   "changed; what it hears is not believed");
       continue;
     }
-    const auto odds = received[i].map->covered_log_odds(rays[i], received[i].observed);
-    if (odds && likelihood_exponent * *odds > kCoveredForCertain) {
+    const auto odds = received[i].map->obstructed_log_odds(rays[i], received[i].observed);
+    if (odds && likelihood_exponent * *odds > kSurelyObstructed) {
       estimate.warnings.push_back(name +
                                   ": the direct way to the device is not as the plan has it: it is "
                                   "covered, or the chains have changed");

@@ -14,7 +14,7 @@ using RaysOfEach = std::vector<std::vector<Ray>>;  // rays to the position of a 
 
 // Adds warnings of access points that contradict the others, and of obstructed lines of sight.
 // `map`: map of the fix.
-void warn_of_doubtful(const std::vector<ArrayObservation>& received,
+void warn_of_suspects(const std::vector<ArrayObservation>& received,
                       const RoomMap& map,
                       double likelihood_exponent,
                       const RaysOfEach& rays,

@@ -41,7 +41,7 @@ constexpr double kMinResidual = 1e-30;
 
 // Log-likelihoods of every access point and cell, relative to the null model.
 struct AccessPointMaps {
-  std::vector<double> nowhere;            // [array], log-likelihood of the null model
+  std::vector<double> null_model;            // [array], log-likelihood of the null model
   std::vector<std::vector<double>> cell;  // [array][cell]
 };
 
@@ -50,7 +50,7 @@ struct AccessPointMaps {
 class Localizer::Impl {
  public:
   Impl(std::shared_ptr<const RoomModel> room, LocalizerOptions options)
-      : room_(std::move(room)), options_(std::move(options)), area_(watched_area(*room_)) {
+      : room_(std::move(room)), options_(std::move(options)), area_(search_area(*room_)) {
     options_.burst.leaves_out_absent = true;
     if (compares_antennas(options_.likelihood)) {  // at the assumed height
       area_.grid.height_sigma = 0.0;
@@ -79,12 +79,12 @@ class Localizer::Impl {
   }
 
   RoomObservation preprocess_burst(std::span<const CsiFrame> frames) const;
-  Evidence evidence(const RoomObservation& observation, Look look, const SearchFocus& focus) const;
+  Evidence evidence(const RoomObservation& observation, Scan scan, const SearchFocus& focus) const;
   LocationEstimate locate(std::span<const CsiFrame> frames,
                           double likelihood_exponent,
-                          double doubt) const;
+                          double fault) const;
   const RoomModel& room() const { return *room_; }
-  const WatchedArea& area() const { return area_; }
+  const SearchArea& area() const { return area_; }
   const RoomGrid& grid() const { return grid_; }
   const HeightLayers& heights() const { return heights_; }
   const LocalizerOptions& options() const { return options_; }
@@ -110,7 +110,7 @@ class Localizer::Impl {
   TrackedSearch::Room search_room() const {
     return {grid_, heights_, kSpeedOfLight / room_->grid.centre_hz, room_->likelihood_exponent};
   }
-  CloseSearch close_search(const std::vector<ArrayObservation>& received,
+  LocalRefinement local_refinement(const std::vector<ArrayObservation>& received,
                            const AccessPointMaps& maps,
                            const AccessPointFusion& fusion,
                            double likelihood_exponent,
@@ -123,7 +123,7 @@ class Localizer::Impl {
 
   std::shared_ptr<const RoomModel> room_;
   LocalizerOptions options_;
-  WatchedArea area_;
+  SearchArea area_;
   const RoomGrid& grid_ = area_.grid;
   HeightLayers heights_;
   std::vector<std::unique_ptr<const AccessPointMap>> aps_;
@@ -184,13 +184,13 @@ AccessPointMaps Localizer::Impl::maps_of(const std::vector<ArrayObservation>& re
   const std::size_t count = compared.size(grid_);
   AccessPointMaps maps;
   for (const ArrayObservation& one : received) {
-    maps.nowhere.push_back(one.map->nowhere(one.observed));
+    maps.null_model.push_back(one.map->null_model(one.observed));
   }
   maps.cell.assign(received.size(), std::vector<double>(count));
   std::vector<std::vector<std::uint8_t>> windows(received.size(), std::vector<std::uint8_t>(count));
   std::vector<double> sum(count);
   const auto above = [&](std::size_t i, std::size_t cell, double log_likelihood) {
-    return log_likelihood - maps.nowhere[i] + received[i].level_at(cell, likelihood_exponent);
+    return log_likelihood - maps.null_model[i] + received[i].level_at(cell, likelihood_exponent);
   };
   parallel_for(count, 64, [&](std::size_t n) {
     const std::size_t cell = compared.cell(n);
@@ -230,7 +230,7 @@ AccessPointMaps Localizer::Impl::maps_of(const std::vector<ArrayObservation>& re
   return maps;
 }
 
-CloseSearch Localizer::Impl::close_search(const std::vector<ArrayObservation>& received,
+LocalRefinement Localizer::Impl::local_refinement(const std::vector<ArrayObservation>& received,
                                           const AccessPointMaps& maps,
                                           const AccessPointFusion& fusion,
                                           double likelihood_exponent,
@@ -240,7 +240,7 @@ CloseSearch Localizer::Impl::close_search(const std::vector<ArrayObservation>& r
           heights_,
           kSpeedOfLight / room_->grid.centre_hz,
           received,
-          maps.nowhere,
+          maps.null_model,
           fusion,
           likelihood_exponent,
           focus,
@@ -289,13 +289,13 @@ void Localizer::Impl::keep_explained(std::vector<ArrayObservation>& received,
     const auto at = static_cast<std::ptrdiff_t>(i);
     received.erase(received.begin() + at);
     maps.cell.erase(maps.cell.begin() + at);
-    maps.nowhere.erase(maps.nowhere.begin() + at);
+    maps.null_model.erase(maps.null_model.begin() + at);
   }
 }
 
 LocationEstimate Localizer::Impl::locate(std::span<const CsiFrame> frames,
                                          double likelihood_exponent,
-                                         double doubt) const {
+                                         double fault) const {
   RoomObservation observation = preprocess_burst(frames);
   LocationEstimate& estimate = observation.estimate;
   if (observation.arrays.empty()) {
@@ -312,16 +312,16 @@ LocationEstimate Localizer::Impl::locate(std::span<const CsiFrame> frames,
   const std::vector<double> faulty(observation.arrays.size(), options_.faults.access_point);
   const AccessPointFusion fusion(maps.cell, likelihood_exponent, faulty);
   RoomMap map = fuse(maps.cell, fusion);
-  search_closely(
-      close_search(observation.arrays, maps, fusion, likelihood_exponent, anywhere, compared), map);
-  const double contradicted = fusion.elsewhere(
-      log_mean_exp(map.log_likelihood, likelihood_exponent), options_.faults.elsewhere);
+  refine_locally(
+      local_refinement(observation.arrays, maps, fusion, likelihood_exponent, anywhere, compared), map);
+  const double contradicted = fusion.outlier(
+      log_mean_exp(map.log_likelihood, likelihood_exponent), options_.faults.outlier);
   const double outside = take_outside(area_, likelihood_exponent, map.log_likelihood);
-  const double elsewhere = 1.0 - (1.0 - contradicted) * (1.0 - outside);
-  if (elsewhere > WatchedArea::kMaxOutlierShare) {
+  const double outlier = 1.0 - (1.0 - contradicted) * (1.0 - outside);
+  if (outlier > SearchArea::kMaxOutlierShare) {
     estimate.reason =
         outside > contradicted
-            ? WatchedArea::kBeside
+            ? SearchArea::kBeside
             : "what the access points hear contradicts each other: the device is not in "
               "the area, or more than one of them has changed";
     return std::move(estimate);
@@ -331,8 +331,8 @@ LocationEstimate Localizer::Impl::locate(std::span<const CsiFrame> frames,
                       {likelihood_exponent,
                        options_.accuracy_confidence,
                        options_.max_hypotheses,
-                       1.0 - (1.0 - elsewhere) * (1.0 - doubt),
-                       room_->least_sigma},
+                       1.0 - (1.0 - outlier) * (1.0 - fault),
+                       room_->sigma_floor},
                       estimate,
                       map.within);
   if (estimate.position) {
@@ -340,19 +340,19 @@ LocationEstimate Localizer::Impl::locate(std::span<const CsiFrame> frames,
     for (const ArrayObservation& one : observation.arrays) {
       rays.push_back(one.map->rays_to(*estimate.position));
     }
-    warn_of_doubtful(observation.arrays, map, likelihood_exponent, rays, estimate);
+    warn_of_suspects(observation.arrays, map, likelihood_exponent, rays, estimate);
     estimate.model_residual_db = model_residual(observation.arrays, rays);
   }
   return std::move(estimate);
 }
 
 Localizer::Evidence Localizer::Impl::evidence(const RoomObservation& observation,
-                                              Look look,
+                                              Scan scan,
                                               const SearchFocus& focus) const {
   std::vector<ArrayObservation> received = observation.arrays;
-  if (look == Look::kPlaces && !focus.cells.empty() && received.front().map->has_fields()) {
+  if (scan == Scan::kPlaces && !focus.cells.empty() && received.front().map->has_fields()) {
     TrackedSearch search(search_room(), received, focus);
-    if (search.not_looked_at() < kMaxUnevaluated) {
+    if (search.unevaluated_mass() < kMaxUnevaluated) {
       return tracked_evidence(search, std::move(received), focus);
     }
   }
@@ -370,10 +370,10 @@ Localizer::Evidence Localizer::Impl::evidence(const RoomObservation& observation
   const bool is_quick =  // a single height has few places
       focus.is_quick && focus.cells.empty() && !heights_.is_known() &&
       received.front().map->has_fields();
-  if (look == Look::kPlaces && is_quick) {
-    search_best_boxes(search_room(), received, maps.nowhere, fusion, focus, map);
-  } else if (look == Look::kPlaces) {
-    search_closely(close_search(received, maps, fusion, likelihood_exponent, focus, compared), map);
+  if (scan == Scan::kPlaces && is_quick) {
+    search_best_boxes(search_room(), received, maps.null_model, fusion, focus, map);
+  } else if (scan == Scan::kPlaces) {
+    refine_locally(local_refinement(received, maps, fusion, likelihood_exponent, focus, compared), map);
   }
   return finished(std::move(map), fusion, compared);
 }
@@ -383,14 +383,14 @@ Localizer::Evidence Localizer::Impl::tracked_evidence(TrackedSearch& search,
                                                       std::vector<ArrayObservation> received,
                                                       const SearchFocus& focus) const {
   const double exponent = room_->likelihood_exponent;
-  SearchFocus looked;
-  looked.cells = search.cells();
-  looked.others = focus.others;
-  const ComparedCells compared = compared_cells(grid_, looked);
+  SearchFocus searched;
+  searched.cells = search.cells();
+  searched.others = focus.others;
+  const ComparedCells compared = compared_cells(grid_, searched);
   ComparedCells others;
   others.cells = focus.others;
   AccessPointMaps maps = maps_of(received, exponent, 0.0, others);
-  const auto close = search.look(maps.nowhere);
+  const auto close = search.scan(maps.null_model);
   for (std::size_t i = 0; i < received.size(); ++i) {
     maps.cell[i].insert(maps.cell[i].begin(), close[i].begin(), close[i].end());
     if (*std::max_element(maps.cell[i].begin(), maps.cell[i].end()) <= 0.0) {
@@ -423,13 +423,13 @@ Localizer::Evidence Localizer::Impl::finished(RoomMap map,
   Evidence result;
   result.within = std::move(map.within);
   result.log_likelihood = std::move(map.log_likelihood);
-  const double contradicted = fusion.elsewhere(
-      log_mean_exp(result.log_likelihood, exponent, compared.weights), options_.faults.elsewhere);
+  const double contradicted = fusion.outlier(
+      log_mean_exp(result.log_likelihood, exponent, compared.weights), options_.faults.outlier);
   const double outside =
       take_outside(area_, exponent, result.log_likelihood, compared.cells, compared.weights);
   result.cells = compared.cells;
   result.weights = compared.weights;
-  result.elsewhere = 1.0 - (1.0 - contradicted) * (1.0 - outside);
+  result.outlier = 1.0 - (1.0 - contradicted) * (1.0 - outside);
   return result;
 }
 
@@ -449,8 +449,8 @@ Localizer::Localizer(Localizer&&) noexcept = default;
 Localizer& Localizer::operator=(Localizer&&) noexcept = default;
 
 LocationEstimate Localizer::locate(std::span<const CsiFrame> frames,
-                                   const FrameDoubt& doubt) const {
-  return impl_->locate(frames, impl_->room().likelihood_exponent, doubt.probability);
+                                   const FrameFault& fault) const {
+  return impl_->locate(frames, impl_->room().likelihood_exponent, fault.probability);
 }
 LocationEstimate Localizer::locate(std::span<const CsiFrame> frames,
                                    double likelihood_exponent) const {
@@ -461,13 +461,13 @@ RoomObservation Localizer::receive(std::span<const CsiFrame> frames) const {
   return impl_->preprocess_burst(frames);
 }
 Localizer::Evidence Localizer::evidence(const RoomObservation& observation,
-                                        Look look,
+                                        Scan scan,
                                         const SearchFocus& focus) const {
   RAYLOC_CHECK(!observation.arrays.empty());
-  return impl_->evidence(observation, look, focus);
+  return impl_->evidence(observation, scan, focus);
 }
 
-const WatchedArea& Localizer::area() const { return impl_->area(); }
+const SearchArea& Localizer::area() const { return impl_->area(); }
 const RoomGrid& Localizer::grid() const { return impl_->grid(); }
 const HeightLayers& Localizer::heights() const { return impl_->heights(); }
 const RoomModel& Localizer::room() const { return impl_->room(); }

@@ -44,7 +44,7 @@ struct LocalizerOptions {
 
 // Probability that frames carry no information on the position, in addition to what they reveal
 // themselves: that the chains have new phase offsets (ChainLearner::doubt()).
-struct FrameDoubt {
+struct FrameFault {
   double probability = 0.0;
 };
 
@@ -60,14 +60,14 @@ class Localizer {
 
   // `frames`: one transmitter, any access points, in order of time. `doubt` is added to the outlier
   // probability of the hypotheses.
-  LocationEstimate locate(std::span<const CsiFrame> frames, const FrameDoubt& doubt = {}) const;
+  LocationEstimate locate(std::span<const CsiFrame> frames, const FrameFault& fault = {}) const;
   // With another exponent than RoomModel::likelihood_exponent: for fitting the exponent.
   LocationEstimate locate(std::span<const CsiFrame> frames, double likelihood_exponent) const;
 
   RoomObservation receive(std::span<const CsiFrame> frames) const;
   // Likelihoods of a burst for every cell of grid(). Cells far below the best have a less precise
   // value, a lower bound. REQUIRES: observation.arrays is not empty.
-  enum class Look {
+  enum class Scan {
     kCells,   // cells as a whole
     kPlaces,  // the best cells place by place, as locate() does
   };
@@ -79,15 +79,15 @@ class Localizer {
     // Cells of log_likelihood, if the focus restricts the search; empty: all of grid().
     std::vector<std::size_t> cells;
     CellWeights weights;
-    double elsewhere = 0.0;  // probability that the burst is uninformative
+    double outlier = 0.0;  // probability that the burst is uninformative
     KnownCells within;       // distribution inside the best cells; empty with kCells
   };
   // `focus`: prior on the position. It selects the cells to evaluate, the cells to refine and the
   // heights, and is not part of the evidence.
   Evidence evidence(const RoomObservation& observation,
-                    Look look = Look::kCells,
+                    Scan scan = Scan::kCells,
                     const SearchFocus& focus = {}) const;
-  const WatchedArea& area() const;
+  const SearchArea& area() const;
   const RoomGrid& grid() const;  // of the calibrated area
   const HeightLayers& heights() const;
 

@@ -57,7 +57,7 @@ bool are_same_rays(const std::vector<Ray>& a, const std::vector<Ray>& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), is_same_ray);
 }
 
-bool is_believable(const PathGrid& grid, const PathGridSource& source) {
+bool is_plausible(const PathGrid& grid, const PathGridSource& source) {
   if (grid.size() != source.cells) {
     return false;
   }
@@ -117,7 +117,7 @@ PathGrid make_path_grid(const PathGridSource& source,
   if (store != nullptr) {
     if (const auto bytes = store->load(key)) {
       auto kept = parse_path_grid(*bytes);
-      if (kept && is_believable(*kept, source)) {
+      if (kept && is_plausible(*kept, source)) {
         return *std::move(kept);
       }
       store->refuse(key);

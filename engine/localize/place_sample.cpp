@@ -69,12 +69,12 @@ std::vector<SampleBox> drawn_boxes(const Localizer& localizer,
 std::vector<SampledPlace> places_in(const SampleBox& box,
                                     const Localizer& localizer,
                                     const RoomObservation& observation) {
-  std::vector<std::unique_ptr<const CloseLook>> looks;
+  std::vector<std::unique_ptr<const BoxEvaluator>> evaluators;
   for (const ArrayObservation& array : observation.arrays) {
-    looks.push_back(array.map->is_reachable(box.cell)
-                        ? array.map->look_at(box.cell, box.layer, array.observed)
+    evaluators.push_back(array.map->is_reachable(box.cell)
+                        ? array.map->evaluator_at(box.cell, box.layer, array.observed)
                         : nullptr);
-    if (looks.back() == nullptr) {
+    if (evaluators.back() == nullptr) {
       return {};
     }
   }
@@ -89,8 +89,8 @@ std::vector<SampledPlace> places_in(const SampleBox& box,
                                             NearbyLikelihood::kHeightDistance * wavelength)) {
     const double above = slice.offset - heights.offset[box.layer];
     std::vector<double> sum(lattice.size());
-    for (const auto& look : looks) {
-      const std::vector<double> values = look->on(lattice, above);
+    for (const auto& evaluator : evaluators) {
+      const std::vector<double> values = evaluator->on(lattice, above);
       std::transform(sum.begin(), sum.end(), values.begin(), sum.begin(), std::plus<>());
     }
     for (std::size_t x = 0; x < lattice.count_x; ++x) {

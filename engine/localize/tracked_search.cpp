@@ -15,7 +15,7 @@ namespace {
 
 // Share of the prior mass, chosen. With 5e-3 a peak of half a per cent was given up, and 20 of 579
 // moments of a walk lost the place that ranks first in the whole room (hundred-devices study).
-constexpr double kNotLookedAt = 1e-3;
+constexpr double kUnevaluated = 1e-3;
 // A count of boxes, chosen: over all access points. 90 % of the mass of a track with one access
 // point lies in 30 to 280 boxes (hundred-devices study).
 constexpr std::size_t kMaxTrackedBoxes = 640;
@@ -65,12 +65,12 @@ void TrackedSearch::choose_boxes(const SearchFocus& focus) {
   const std::size_t share = kMaxTrackedBoxes / received_.size();
   double left = sum;
   std::size_t kept = 0;
-  while (kept < order.size() && left > (kept < share ? kNotLookedAt : kWide) * sum) {
+  while (kept < order.size() && left > (kept < share ? kUnevaluated : kWide) * sum) {
     left -= prior[order[kept++]];
   }
   most_closely_ = std::max<std::size_t>(1, kMaxClosely * std::max(share, kept) / kMaxTrackedBoxes);
   order.resize(kept);
-  not_looked_at_ = left / sum;
+  unevaluated_mass_ = left / sum;
   std::sort(order.begin(), order.end());
   for (const std::size_t i : order) {
     const std::size_t cell = focus.cells[i / layers];
@@ -102,31 +102,31 @@ void TrackedSearch::choose_rows() {
   }
 }
 
-double TrackedSearch::above(std::size_t array, std::size_t cell, double nowhere) const {
-  return received_[array].level_at(cell, room_.likelihood_exponent) - nowhere;
+double TrackedSearch::above(std::size_t array, std::size_t cell, double null_model) const {
+  return received_[array].level_at(cell, room_.likelihood_exponent) - null_model;
 }
 
 // Evaluates the boxes of one cell: groups of a few layers share their covariance.
-void TrackedSearch::look_at_cell(std::size_t array,
+void TrackedSearch::evaluate_cell(std::size_t array,
                                  std::size_t first,
                                  std::size_t last,
-                                 double nowhere) {
+                                 double null_model) {
   const ArrayObservation& received = received_[array];
   const std::size_t cell = cells_[boxes_[first].number];
-  const auto add = static_cast<float>(above(array, cell, nowhere));
+  const auto add = static_cast<float>(above(array, cell, null_model));
   std::vector<LaneRow>& values = of_few_[array];
   if (!received.map->is_reachable(cell)) {
     LaneRow nothing;
-    nothing.fill(add + static_cast<float>(nowhere));
+    nothing.fill(add + static_cast<float>(null_model));
     std::fill(values.begin() + static_cast<std::ptrdiff_t>(first * few_.size()),
               values.begin() + static_cast<std::ptrdiff_t>(last * few_.size()),
               nothing);
     return;
   }
   std::vector<FieldRow> rows(few_.size());
-  FieldLook look(*received.map, cell, received.observed);
+  FieldScan scan(*received.map, cell, received.observed);
   for (std::size_t n = first; n < last; ++n) {
-    const auto [terms, field] = look.at(boxes_[n].layer);
+    const auto [terms, field] = scan.at(boxes_[n].layer);
     for (std::size_t r = 0; r < rows.size(); ++r) {
       rows[r] = field->row(few_[r].x, few_[r].y, few_[r].z);
     }
@@ -140,14 +140,14 @@ void TrackedSearch::look_at_cell(std::size_t array,
   }
 }
 
-std::vector<std::vector<double>> TrackedSearch::look(std::span<const double> nowhere) {
-  nowhere_.assign(nowhere.begin(), nowhere.end());
+std::vector<std::vector<double>> TrackedSearch::scan(std::span<const double> null_model) {
+  null_model_.assign(null_model.begin(), null_model.end());
   std::vector<std::vector<double>> maps(received_.size(), std::vector<double>(cells_.size()));
   of_few_.assign(received_.size(), std::vector<LaneRow>(boxes_.size() * few_.size()));
   parallel_for(cells_.size() * received_.size(), 1, [&](std::size_t i) {
     const std::size_t array = i / cells_.size();
     const std::size_t n = i % cells_.size();
-    look_at_cell(array, first_[n], first_[n + 1], nowhere_[array]);
+    evaluate_cell(array, first_[n], first_[n + 1], null_model_[array]);
   });
   const auto t = static_cast<float>(room_.likelihood_exponent);
   for (std::size_t array = 0; array < received_.size(); ++array) {
@@ -178,7 +178,7 @@ std::vector<std::vector<double>> TrackedSearch::look(std::span<const double> now
 void TrackedSearch::leave_out(std::size_t array) {
   const auto at = static_cast<std::ptrdiff_t>(array);
   received_.erase(received_.begin() + at);
-  nowhere_.erase(nowhere_.begin() + at);
+  null_model_.erase(null_model_.begin() + at);
   of_few_.erase(of_few_.begin() + at);
   highest_.erase(highest_.begin() + at);
 }
@@ -243,17 +243,17 @@ std::vector<LaneRow> TrackedSearch::all_places(const Box& box,
   std::vector<FusedArray> arrays = fused;
   std::vector<FieldRow> rows(all_.size());
   for (std::size_t i = 0; i < received_.size(); ++i) {
-    const auto add = static_cast<float>(above(i, cell, nowhere_[i]));
+    const auto add = static_cast<float>(above(i, cell, null_model_[i]));
     if (received_[i].map->is_reachable(cell)) {
-      FieldLook look(*received_[i].map, cell, received_[i].observed);
-      const auto [terms, field] = look.at(box.layer);
+      FieldScan scan(*received_[i].map, cell, received_[i].observed);
+      const auto [terms, field] = scan.at(box.layer);
       for (std::size_t r = 0; r < rows.size(); ++r) {
         rows[r] = field->row(all_[r].x, all_[r].y, all_[r].z);
       }
       field_rows(terms, terms.delays, rows, values[i]);
     } else {
       LaneRow nothing;
-      nothing.fill(static_cast<float>(nowhere_[i]));
+      nothing.fill(static_cast<float>(null_model_[i]));
       std::fill(values[i].begin(), values[i].end(), nothing);
     }
     arrays[i].log_likelihood = values[i];
@@ -320,7 +320,7 @@ void TrackedSearch::put_cell(std::size_t first,
                              double log_scale,
                              RoomMap& map) const {
   double sum = 0.0;
-  double looked = 0.0;
+  double evaluated = 0.0;
   std::size_t best = first;
   const auto peak = [&](std::size_t b) {
     return layer_weight_[boxes_[b].layer] * masses[b].sum * masses[b].where.best_share;
@@ -328,22 +328,22 @@ void TrackedSearch::put_cell(std::size_t first,
   for (std::size_t b = first; b < last; ++b) {
     const double weight = layer_weight_[boxes_[b].layer];
     sum += weight * masses[b].sum;
-    looked += weight;
+    evaluated += weight;
     best = peak(b) > peak(best) ? b : best;
   }
-  const double mean = std::max(sum / looked, kMinSum);
+  const double mean = std::max(sum / evaluated, kMinSum);
   CellMass cell;
   std::vector<WeightedMoments> parts;
   cell.layers.assign(layer_weight_.size(), 0.0F);
   std::size_t b = first;
   for (std::size_t layer = 0; layer < layer_weight_.size(); ++layer) {
-    const bool is_looked_at = b < last && boxes_[b].layer == layer;
+    const bool is_evaluated = b < last && boxes_[b].layer == layer;
     const double share =
-        layer_weight_[layer] * (is_looked_at && sum > kMinSum ? masses[b].sum / mean : 1.0);
-    const Mass mass = is_looked_at ? masses[b] : uniform({0, layer, 0.0}, mean);
+        layer_weight_[layer] * (is_evaluated && sum > kMinSum ? masses[b].sum / mean : 1.0);
+    const Mass mass = is_evaluated ? masses[b] : uniform({0, layer, 0.0}, mean);
     parts.push_back({share, mass.where.all});
     cell.layers[layer] = static_cast<float>(share);
-    b += is_looked_at ? 1 : 0;
+    b += is_evaluated ? 1 : 0;
   }
   cell.all = mixture_of(parts);
   cell.best = masses[best].where.best;
@@ -358,7 +358,7 @@ void TrackedSearch::put_cell(std::size_t first,
 
 void search_best_boxes(const TrackedSearch::Room& room,
                        const std::vector<ArrayObservation>& received,
-                       std::span<const double> nowhere,
+                       std::span<const double> null_model,
                        const AccessPointFusion& fusion,
                        const SearchFocus& focus,
                        RoomMap& map) {
@@ -380,7 +380,7 @@ void search_best_boxes(const TrackedSearch::Room& room,
     best.log_prior.push_back(score[cell] - top);
   }
   TrackedSearch search(room, received, best);
-  search.look(nowhere);
+  search.scan(null_model);
   RoomMap of_best;
   of_best.log_likelihood.resize(search.cells().size());
   search.put_together(fusion, of_best);

@@ -31,13 +31,13 @@ class TrackedSearch {
   TrackedSearch(const Room& room, std::vector<ArrayObservation> received, const SearchFocus& focus);
 
   // Share of the prior mass outside the evaluated boxes.
-  double not_looked_at() const { return not_looked_at_; }
+  double unevaluated_mass() const { return unevaluated_mass_; }
 
   // The evaluated cells, in ascending order; a subset of the focus.
   const std::vector<std::size_t>& cells() const { return cells_; }
 
   // [array][index in cells()]: log-likelihoods of each access point, relative to `nowhere`.
-  std::vector<std::vector<double>> look(std::span<const double> nowhere);
+  std::vector<std::vector<double>> scan(std::span<const double> null_model);
   // Removes an array that no place in the room explains.
   void leave_out(std::size_t array);
   // Joint likelihood of all access points; log_likelihood: for cells() first.
@@ -61,7 +61,7 @@ class TrackedSearch {
 
   void choose_boxes(const SearchFocus& focus);
   void choose_rows();
-  void look_at_cell(std::size_t array, std::size_t first, std::size_t last, double nowhere);
+  void evaluate_cell(std::size_t array, std::size_t first, std::size_t last, double null_model);
   std::vector<FusedArray> fused(const AccessPointFusion& fusion) const;
   double mean_of(std::size_t layer, std::span<const Row> rows, std::span<const LaneRow> mass) const;
   std::vector<LaneRow> all_places(const Box& box, const std::vector<FusedArray>& fused) const;
@@ -71,7 +71,7 @@ class TrackedSearch {
                 const std::vector<Mass>& masses,
                 double log_scale,
                 RoomMap& map) const;
-  double above(std::size_t array, std::size_t cell, double nowhere) const;
+  double above(std::size_t array, std::size_t cell, double null_model) const;
 
   const Room room_;
   std::vector<ArrayObservation> received_;
@@ -82,10 +82,10 @@ class TrackedSearch {
   std::vector<Row> all_;
   std::vector<std::size_t> cells_;
   std::vector<Box> boxes_;                    // ordered by cell
-  double not_looked_at_ = 0.0;                // a probability
+  double unevaluated_mass_ = 0.0;                // a probability
   std::size_t most_closely_ = 0;              // number of boxes evaluated at all their places
   std::vector<std::size_t> first_;            // [cell and the end], index in boxes_
-  std::vector<double> nowhere_;               // [array]
+  std::vector<double> null_model_;               // [array]
   std::vector<std::vector<LaneRow>> of_few_;  // [array][box][row]
   std::vector<float> highest_;                // [array]
 };
@@ -93,7 +93,7 @@ class TrackedSearch {
 // The same for a device at an unknown position: in the boxes of the best cells of a room's map.
 void search_best_boxes(const TrackedSearch::Room& room,
                        const std::vector<ArrayObservation>& received,
-                       std::span<const double> nowhere,
+                       std::span<const double> null_model,
                        const AccessPointFusion& fusion,
                        const SearchFocus& focus,
                        RoomMap& map);

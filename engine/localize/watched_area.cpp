@@ -23,12 +23,12 @@ std::size_t cells_beside(double reach, double step) {
 
 }  // namespace
 
-WatchedArea watched_area(const RoomModel& room) {
+SearchArea search_area(const RoomModel& room) {
   const Vec3d& low = room.bounds_min;
   const Vec3d& high = room.bounds_max;
   const double step =
       std::max(kFinestStep, std::sqrt((high.x - low.x) * (high.y - low.y) / kCells));
-  WatchedArea area{{low, high, room.device.height, step}, {}};
+  SearchArea area{{low, high, room.device.height, step}, {}};
   area.grid.height_sigma = room.device.height_sigma;
   RoomGrid& grid = area.grid;
   const RoomGrid inner = grid;
@@ -55,7 +55,7 @@ WatchedArea watched_area(const RoomModel& room) {
   return area;
 }
 
-double take_outside(const WatchedArea& area,
+double take_outside(const SearchArea& area,
                     double likelihood_exponent,
                     std::vector<double>& log_likelihood,
                     std::span<const std::size_t> cells,

@@ -16,7 +16,7 @@
 
 namespace rayloc {
 
-struct WatchedArea {
+struct SearchArea {
   // Outlier probability above which there is no fix, ...
   static constexpr double kMaxOutlierShare = 2.0 / 3.0;
   // ... and the reason reported if the device is outside the area.
@@ -29,11 +29,11 @@ struct WatchedArea {
 
 // Cells of 5 cm, or of a 12000th of the area. Extends up to 2 m beyond the area if the scene
 // reaches at least half a metre beyond it.
-WatchedArea watched_area(const RoomModel& room);
+SearchArea search_area(const RoomModel& room);
 
 // The probability of the cells outside the area, from a map of log-likelihoods; their cells are set
 // to AccessPointFusion::kNothing. cells: the cells of the map; empty: all.
-double take_outside(const WatchedArea& area,
+double take_outside(const SearchArea& area,
                     double likelihood_exponent,
                     std::vector<double>& log_likelihood,
                     std::span<const std::size_t> cells = {},

@@ -100,10 +100,10 @@ class CalibrationMonitor::AccessPoint {
         arrays_(room, index),
         aligner_(room.grid),
         stated_usual_(usual),
-        told_(index, ap_.cores.size(), usual) {}
+        state_(index, ap_.cores.size(), usual) {}
 
   void restart() {
-    told_ = Told(index_, ap_.cores.size(), stated_usual_);
+    state_ = MonitorState(index_, ap_.cores.size(), stated_usual_);
     for (const auto& spot : spots_) {
       spot->frames.clear();
       spot->usual.clear();
@@ -120,8 +120,8 @@ class CalibrationMonitor::AccessPoint {
         ++taken;
       }
     }
-    if (taken > 0 && !spot.rays.empty() && ++told_.bursts >= kBursts) {
-      told_.bursts = 0;
+    if (taken > 0 && !spot.rays.empty() && ++state_.bursts >= kBursts) {
+      state_.bursts = 0;
       evaluate(receive());
     }
     if (spot.rays.empty()) {
@@ -129,13 +129,13 @@ class CalibrationMonitor::AccessPoint {
     }
   }
 
-  const Told& told() const { return told_; }
-  void go_on(const Told& told) {
-    if (told.jump.size() == ap_.cores.size()) {
-      told_ = told;
+  const MonitorState& window_state() const { return state_; }
+  void go_on(const MonitorState& window_state) {
+    if (window_state.jump.size() == ap_.cores.size()) {
+      state_ = window_state;
     }
   }
-  void know(const Transmitter& transmitter, std::vector<Value> array);
+  void set_reference(const Transmitter& transmitter, std::vector<Value> array);
   void append_warnings(std::vector<CalibrationWarning>& out) const;
 
  private:
@@ -159,7 +159,7 @@ class CalibrationMonitor::AccessPoint {
   Aligner aligner_;
   std::vector<std::unique_ptr<MonitoredSpot>> spots_;
   const std::optional<double> stated_usual_;
-  Told told_;
+  MonitorState state_;
 };
 
 MonitoredSpot& CalibrationMonitor::AccessPoint::spot_of(const Transmitter& transmitter) {
@@ -182,7 +182,7 @@ MonitoredSpot& CalibrationMonitor::AccessPoint::spot_of(const Transmitter& trans
   return *spots_.back();
 }
 
-void CalibrationMonitor::AccessPoint::know(const Transmitter& transmitter,
+void CalibrationMonitor::AccessPoint::set_reference(const Transmitter& transmitter,
                                            std::vector<Value> array) {
   RAYLOC_CHECK(array.size() == ap_.gains.gain.size());
   MonitoredSpot& spot = spot_of(transmitter);
@@ -269,15 +269,15 @@ ArrayMotion CalibrationMonitor::AccessPoint::scan(const std::vector<ReceivedSpot
   double top = *most;
   for (const double step : {0.5, 0.25, 0.125}) {
     for (int round = 0; round < 2; ++round) {
-      for (const std::array<double, 3>& way : {std::array<double, 3>{1, 0, 0},
+      for (const std::array<double, 3>& direction : {std::array<double, 3>{1, 0, 0},
                                                {-1, 0, 0},
                                                {0, 1, 0},
                                                {0, -1, 0},
                                                {0, 0, 1},
                                                {0, 0, -1}}) {
         ArrayMotion next = best;
-        next.shift = next.shift + step * kShiftStep * Vec3d{way[0], way[1], 0.0};
-        next.yaw += step * kYawStep * way[2];
+        next.shift = next.shift + step * kShiftStep * Vec3d{direction[0], direction[1], 0.0};
+        next.yaw += step * kYawStep * direction[2];
         if (const double value = correlation(received, next); value > top) {
           best = next;
           top = value;
@@ -291,13 +291,13 @@ ArrayMotion CalibrationMonitor::AccessPoint::scan(const std::vector<ReceivedSpot
 // True if a motion leaves much less than `unexplained`: the last one found, or that of a new scan.
 bool CalibrationMonitor::AccessPoint::explained_by_motion(const std::vector<ReceivedSpot>& received,
                                                           double unexplained) {
-  told_.moved_fit = correlation(received, told_.motion);
-  if (1.0 - told_.moved_fit >= kBetter * unexplained && told_.since_scan >= kRescan) {
-    told_.since_scan = 0;
-    told_.motion = scan(received);
-    told_.moved_fit = correlation(received, told_.motion);
+  state_.moved_fit = correlation(received, state_.motion);
+  if (1.0 - state_.moved_fit >= kBetter * unexplained && state_.since_scan >= kRescan) {
+    state_.since_scan = 0;
+    state_.motion = scan(received);
+    state_.moved_fit = correlation(received, state_.motion);
   }
-  return 1.0 - told_.moved_fit < kBetter * unexplained;
+  return 1.0 - state_.moved_fit < kBetter * unexplained;
 }
 
 // Phase offsets against the calibration that are jumps, 0 for the others: above kJump and three
@@ -361,73 +361,73 @@ void CalibrationMonitor::AccessPoint::evaluate(const std::vector<ReceivedSpot>& 
     return;
   }
   const std::vector<double> none(ap_.cores.size());
-  told_.fit = correlation(received, none);
-  if (!told_.usual) {
-    told_.first.push_back(told_.fit);
-    if (told_.first.size() >= static_cast<std::size_t>(kSteady)) {
-      told_.usual = *std::max_element(told_.first.begin(), told_.first.end());
+  state_.fit = correlation(received, none);
+  if (!state_.usual) {
+    state_.first.push_back(state_.fit);
+    if (state_.first.size() >= static_cast<std::size_t>(kSteady)) {
+      state_.usual = *std::max_element(state_.first.begin(), state_.first.end());
     }
   }
-  ++told_.since_scan;
-  const double usual = 1.0 - told_.usual.value_or(told_.fit);
-  const bool bad = is_worse(1.0 - told_.fit, usual, 1.0);
+  ++state_.since_scan;
+  const double usual = 1.0 - state_.usual.value_or(state_.fit);
+  const bool bad = is_worse(1.0 - state_.fit, usual, 1.0);
   const auto turn = jumps(received);
-  const double by_chains = any_jump(turn) ? correlation(received, turn) : told_.fit;
+  const double by_chains = any_jump(turn) ? correlation(received, turn) : state_.fit;
   const bool moved = bad && is_worse(1.0 - by_chains, usual, 1.0) &&
-                     explained_by_motion(received, 1.0 - std::max(by_chains, told_.fit));
+                     explained_by_motion(received, 1.0 - std::max(by_chains, state_.fit));
   for (std::size_t m = 0; m < turn.size(); ++m) {
     const bool now = turn[m] != 0.0 && !moved;
-    told_.jump_phase[m] = now ? turn[m] : told_.jump_phase[m];
-    told_.jump[m].update(now);
+    state_.jump_phase[m] = now ? turn[m] : state_.jump_phase[m];
+    state_.jump[m].update(now);
   }
-  told_.moved.update(moved);
-  const double before = told_.slow.value_or(1.0 - told_.fit);
-  told_.slow = before + kSlowness * (1.0 - told_.fit - before);
-  told_.drifted = is_worse(*told_.slow, usual, told_.drifted ? 0.5 : 1.0);
+  state_.moved.update(moved);
+  const double before = state_.slow.value_or(1.0 - state_.fit);
+  state_.slow = before + kSlowness * (1.0 - state_.fit - before);
+  state_.drifted = is_worse(*state_.slow, usual, state_.drifted ? 0.5 : 1.0);
 }
 
 CalibrationWarning CalibrationMonitor::AccessPoint::warning(CalibrationProblem problem) const {
   CalibrationWarning warning;
   warning.problem = problem;
   warning.access_point = index_;
-  warning.fit = told_.fit;
-  warning.usual_fit = told_.usual.value_or(told_.fit);
+  warning.fit = state_.fit;
+  warning.usual_fit = state_.usual.value_or(state_.fit);
   return warning;
 }
 
 void CalibrationMonitor::AccessPoint::append_warnings(std::vector<CalibrationWarning>& out) const {
-  const std::string fits = "; the room explains " + percent(told_.fit) + " of it, usually " +
-                           percent(told_.usual.value_or(told_.fit));
+  const std::string fits = "; the room explains " + percent(state_.fit) + " of it, usually " +
+                           percent(state_.usual.value_or(state_.fit));
   bool explained = false;
-  for (std::size_t m = 0; m < told_.jump.size(); ++m) {
-    if (!told_.jump[m].state()) {
+  for (std::size_t m = 0; m < state_.jump.size(); ++m) {
+    if (!state_.jump[m].state()) {
       continue;
     }
     CalibrationWarning one = warning(CalibrationProblem::kChainPhaseJump);
     one.core = ap_.cores[m];
-    one.phase = told_.jump_phase[m];
+    one.phase = state_.jump_phase[m];
     one.text = "chain_phase_jump: access point " + ap_.id + ", core " + std::to_string(one.core) +
                ": its phase has changed by " + rounded(one.phase / kDegree) + " degrees" + fits +
                "; after a power cycle run `rayloc calibrate --rechain`";
     out.push_back(std::move(one));
     explained = true;
   }
-  if (told_.moved.state()) {
+  if (state_.moved.state()) {
     CalibrationWarning one = warning(CalibrationProblem::kAccessPointMoved);
-    one.motion = told_.motion;
+    one.motion = state_.motion;
     one.text = "access_point_moved: access point " + ap_.id + ": as if shifted by " +
-               rounded(100.0 * told_.motion.shift.x) + " cm in x and " +
-               rounded(100.0 * told_.motion.shift.y) + " cm in y and turned by " +
-               rounded(told_.motion.yaw / kDegree) + " degrees, which explains " +
-               percent(told_.moved_fit) + fits + "; put it back, or calibrate anew";
+               rounded(100.0 * state_.motion.shift.x) + " cm in x and " +
+               rounded(100.0 * state_.motion.shift.y) + " cm in y and turned by " +
+               rounded(state_.motion.yaw / kDegree) + " degrees, which explains " +
+               percent(state_.moved_fit) + fits + "; put it back, or calibrate anew";
     out.push_back(std::move(one));
     explained = true;
   }
-  if (told_.drifted && !explained) {
+  if (state_.drifted && !explained) {
     CalibrationWarning one = warning(CalibrationProblem::kResidualDrift);
-    one.text = "residual_drift: access point " + ap_.id + ": " + percent(told_.slow.value_or(0.0)) +
+    one.text = "residual_drift: access point " + ap_.id + ": " + percent(state_.slow.value_or(0.0)) +
                " of the CSI it receives from known transmitters is unexplained, usually " +
-               percent(1.0 - told_.usual.value_or(told_.fit)) + "; has the room changed?";
+               percent(1.0 - state_.usual.value_or(state_.fit)) + "; has the room changed?";
     out.push_back(std::move(one));
   }
 }
@@ -446,11 +446,11 @@ CalibrationMonitor::CalibrationMonitor(std::shared_ptr<const RoomModel> room,
 
 CalibrationMonitor::~CalibrationMonitor() = default;
 
-void CalibrationMonitor::know(const Transmitter& transmitter,
+void CalibrationMonitor::set_reference(const Transmitter& transmitter,
                               std::size_t access_point,
                               std::vector<Value> array) {
   RAYLOC_CHECK(aps_.at(access_point) != nullptr);
-  aps_[access_point]->know(transmitter, std::move(array));
+  aps_[access_point]->set_reference(transmitter, std::move(array));
 }
 
 void CalibrationMonitor::observe(const Transmitter& transmitter, std::span<const CsiFrame> frames) {
@@ -461,18 +461,18 @@ void CalibrationMonitor::observe(const Transmitter& transmitter, std::span<const
   }
 }
 
-std::vector<CalibrationMonitor::Told> CalibrationMonitor::told() const {
-  std::vector<Told> all;
+std::vector<CalibrationMonitor::MonitorState> CalibrationMonitor::window_state() const {
+  std::vector<MonitorState> all;
   for (const auto& ap : aps_) {
     if (ap != nullptr) {
-      all.push_back(ap->told());
+      all.push_back(ap->window_state());
     }
   }
   return all;
 }
 
-void CalibrationMonitor::go_on(const std::vector<Told>& told) {
-  for (const Told& one : told) {
+void CalibrationMonitor::go_on(const std::vector<MonitorState>& window_state) {
+  for (const MonitorState& one : window_state) {
     if (one.access_point < aps_.size() && aps_[one.access_point] != nullptr) {
       aps_[one.access_point]->go_on(one);
     }

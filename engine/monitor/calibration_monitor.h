@@ -87,15 +87,15 @@ class CalibrationMonitor {
   // Sets the array [core][tone] that an access point received from a transmitter when the room was
   // calibrated, with chains removed (PersonLink::empty). It replaces the prediction of the room.
   // Call it before the first burst. REQUIRES: an access point with gains, an array of its size.
-  void know(const Transmitter& transmitter,
+  void set_reference(const Transmitter& transmitter,
             std::size_t access_point,
             std::vector<std::complex<double>> array);
 
   // State of an access point after its windows. Later windows do not reproduce it: a monitor that
   // replaces another one has to be given this state.
-  struct Told {
+  struct MonitorState {
     // State before the first window.
-    Told(std::size_t ap, std::size_t chains, std::optional<double> usual_fit)
+    MonitorState(std::size_t ap, std::size_t chains, std::optional<double> usual_fit)
         : access_point(ap), usual(usual_fit), jump(chains, Debounce(kSteady)), jump_phase(chains) {}
     std::size_t access_point;
     std::size_t bursts = 0;  // in the current window
@@ -111,9 +111,9 @@ class CalibrationMonitor {
     int since_scan = kRescan;  // windows
     bool drifted = false;
   };
-  std::vector<Told> told() const;  // by access point
+  std::vector<MonitorState> window_state() const;  // by access point
   // Call before the first burst and after know(). Access points of this room only.
-  void go_on(const std::vector<Told>& told);
+  void go_on(const std::vector<MonitorState>& window_state);
 
   // Adds the frames of one burst of a transmitter from all access points. Access points without
   // gains and those that no ray reaches are skipped.

@@ -10,13 +10,13 @@ namespace rayloc {
 using Value = std::complex<double>;
 
 AccompaniedGaussian::AccompaniedGaussian(const WhitenedGaussian& gaussian,
-                                         const OtherPeople& company)
+                                         const OtherPeople& co_occupants)
     : gaussian_(gaussian),
-      columns_(company.spread.size()),
-      shift_(whiten(gaussian, company.added)) {
+      columns_(co_occupants.spread.size()),
+      shift_(whiten(gaussian, co_occupants.added)) {
   RAYLOC_CHECK(columns_ <= OtherPeople::kMaxColumns);
   for (std::size_t c = 0; c < columns_; ++c) {
-    b_[c] = whiten(gaussian, company.spread[c]);
+    b_[c] = whiten(gaussian, co_occupants.spread[c]);
   }
   // M = C C^H by rows; its diagonal is at least 1.
   for (std::size_t i = 0; i < columns_; ++i) {

@@ -33,7 +33,7 @@ struct OtherPeople {
 class AccompaniedGaussian {
  public:
   // REQUIRES: company is not empty and has at most kMaxColumns columns.
-  AccompaniedGaussian(const WhitenedGaussian& gaussian, const OtherPeople& company);
+  AccompaniedGaussian(const WhitenedGaussian& gaussian, const OtherPeople& co_occupants);
 
   // (I - B M^-1 B^H) u, for u = W y.
   std::vector<std::complex<double>> reduced(std::span<const std::complex<double>> u) const;

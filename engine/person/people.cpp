@@ -80,7 +80,7 @@ std::vector<PersonMap> map_people(const PersonLocalizer& localizer,
   for (const std::size_t i : {0U, 1U}) {
     const std::array others = {pair->places[1 - i]};
     both.push_back(localizer.map(observation, person.likelihood_exponent, {others, std::nullopt}));
-    if (!both.back().is_explained || both.back().somebody < 0.0) {  // less likely than not
+    if (!both.back().is_explained || both.back().presence < 0.0) {  // less likely than not
       return {std::move(alone)};
     }
   }

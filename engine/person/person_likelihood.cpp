@@ -165,8 +165,8 @@ ScatteredPatch PersonLikelihood::patch(const ScatteredRays& rays,
   ScatteredPatch patch;
   std::vector<Value> sample(count * count * size);
   patch.strength.assign(triangle_size(size), 0.0);
-  patch.blur.assign(triangle_size(size), 0.0);
-  WayErrors ways(antennas_, q);
+  patch.intra_cell_loss.assign(triangle_size(size), 0.0);
+  PathErrors path_errors(antennas_, q);
   std::vector<Value> s(q);
   // Unit tone vectors times this have the norm of a response of amplitude 1 on all tones.
   const double level = scale_ * std::sqrt(static_cast<double>(grid_.size()));
@@ -184,14 +184,14 @@ ScatteredPatch PersonLikelihood::patch(const ScatteredRays& rays,
       const double power = std::norm(field);
       const double phase = plan.step() * plan.step() * turn / 12.0;
       add_outer(power, s, m * q, patch.strength);
-      add_outer((1.0 - unknown) * power * -std::expm1(-phase), s, m * q, patch.blur);
-      ways.add(m, ray, field, s, unknown);
+      add_outer((1.0 - unknown) * power * -std::expm1(-phase), s, m * q, patch.intra_cell_loss);
+      path_errors.add(m, ray, field, s, unknown);
       patch.power += power;
     }
   }
   patch.sample.assign(sample.begin(), sample.end());
-  patch.ways = ways.all(plan.place_sigma());
-  patch.front = ways.without_phase(plan.place_sigma());
+  patch.path_errors = path_errors.all(plan.place_sigma());
+  patch.front = path_errors.without_phase(plan.place_sigma());
   return patch;
 }
 
@@ -238,8 +238,8 @@ PersonPlace PersonLikelihood::place(const ScatteredPatch& patch,
   const double gain = std::norm(scale);
   std::vector<Value> sigma(triangle_size(size));
   for (std::size_t i = 0; i < sigma.size(); ++i) {
-    sigma[i] = gain * (model.strength_variance * patch.strength[i] + patch.blur[i] +
-                       model.way_variance * patch.ways[i] + patch.front[i]);
+    sigma[i] = gain * (model.strength_variance * patch.strength[i] + patch.intra_cell_loss[i] +
+                       model.path_variance * patch.path_errors[i] + patch.front[i]);
   }
   const double diffuse = gain * model.diffuse * patch.power / static_cast<double>(antennas_);
   for (std::size_t m = 0; m < size; m += q) {
@@ -278,7 +278,7 @@ PersonPlace PersonLikelihood::place(const ScatteredPatch& patch,
   return place;
 }
 
-WhitenedGaussian PersonLikelihood::nobody(const PersonModel& model) const {
+WhitenedGaussian PersonLikelihood::no_person(const PersonModel& model) const {
   return factorise(std::vector<Value>(triangle_size(dimension())), empty_, model);
 }
 
@@ -298,25 +298,25 @@ WhitenedGaussian PersonLikelihood::changed(double share, const PersonModel& mode
 
 // Sums the covariances of the people's squares, without the noise and the delay that every Gaussian
 // has; keeps the directions in which the sum exceeds the noise.
-OtherPeople PersonLikelihood::company(std::span<const PersonStand> people,
+OtherPeople PersonLikelihood::co_occupants(std::span<const PersonCandidate> people,
                                       const PersonModel& model) const {
-  OtherPeople company;
+  OtherPeople co_occupants;
   if (people.empty()) {
-    return company;
+    return co_occupants;
   }
   const std::size_t size = dimension();
   const auto n = static_cast<Index>(size);
-  company.added.resize(size);
+  co_occupants.added.resize(size);
   Eigen::MatrixXcd sum = Eigen::MatrixXcd::Zero(n, n);
   Eigen::VectorXcd turned(n);
   for (std::size_t i = 0; i < size; ++i) {
     turned(static_cast<Index>(i)) = kDelayDeviation * turned_[i];
   }
   const double noise = model.noise / static_cast<double>(size);
-  for (const PersonStand& person : people) {
+  for (const PersonCandidate& person : people) {
     const auto echo = echo_of(person);
     for (std::size_t i = 0; i < size; ++i) {
-      company.added[i] += echo(static_cast<Index>(i));
+      co_occupants.added[i] += echo(static_cast<Index>(i));
     }
     const Eigen::MatrixXcd lower = whitener_of(*person.place)
                                        .triangularView<Eigen::Lower>()
@@ -325,21 +325,21 @@ OtherPeople PersonLikelihood::company(std::span<const PersonStand> people,
            noise * Eigen::MatrixXcd::Identity(n, n);
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXcd> eigen(sum);
-  for (Index i = n; i-- > 0 && company.spread.size() < OtherPeople::kMaxColumns;) {  // ascending
+  for (Index i = n; i-- > 0 && co_occupants.spread.size() < OtherPeople::kMaxColumns;) {  // ascending
     const double variance = eigen.eigenvalues()(i);
     if (variance <= noise) {
       break;
     }
     const Eigen::VectorXcd column = std::sqrt(variance) * eigen.eigenvectors().col(i);
-    company.spread.emplace_back(column.data(), column.data() + n);
+    co_occupants.spread.emplace_back(column.data(), column.data() + n);
   }
-  return company;
+  return co_occupants;
 }
 
 double PersonLikelihood::log_likelihood(const WhitenedGaussian& gaussian,
                                         const Observed& observed,
-                                        const OtherPeople& company) const {
-  if (company.empty()) {
+                                        const OtherPeople& co_occupants) const {
+  if (co_occupants.empty()) {
     LaneSums along;
     LaneRow power = rayloc::whiten(
         gaussian.whitener.data(), observed.re, observed.im, gaussian.mean, {&along, 1});
@@ -350,7 +350,7 @@ double PersonLikelihood::log_likelihood(const WhitenedGaussian& gaussian,
     return static_cast<double>(*std::max_element(best.begin(), best.end())) - gaussian.mean_power -
            gaussian.log_determinant;
   }
-  const AccompaniedGaussian with(gaussian, company);
+  const AccompaniedGaussian with(gaussian, co_occupants);
   std::vector<Value> mean(gaussian.mean.begin(), gaussian.mean.end());
   for (std::size_t i = 0; i < mean.size(); ++i) {
     mean[i] += with.shift()[i];
@@ -369,7 +369,7 @@ double PersonLikelihood::log_likelihood(const WhitenedGaussian& gaussian,
 }
 
 // Inner products of a burst with a sample place, at every delay.
-struct PersonLikelihood::CloseLook {
+struct PersonLikelihood::PlaceEvaluation {
   std::array<double, kDelays> power{};  // y^H Sigma^-1 y
   std::array<double, kDelays> along{};  // |mu^H Sigma^-1 y|
   double mean_power = 0.0;              // mu^H Sigma^-1 mu
@@ -378,8 +378,8 @@ struct PersonLikelihood::CloseLook {
 // The sample places of a square with other people present.
 class PersonLikelihood::AccompaniedPlace {
  public:
-  AccompaniedPlace(const PersonPlace& place, const Observed& observed, const OtherPeople& company)
-      : place_(place), with_(place.close, company) {
+  AccompaniedPlace(const PersonPlace& place, const Observed& observed, const OtherPeople& co_occupants)
+      : place_(place), with_(place.close, co_occupants) {
     for (std::size_t t = 0; t < kDelays; ++t) {
       const auto u = whiten(place.close, observed.y[t]);
       power_[t] = std::max(with_.power(u), kMinPower);
@@ -388,17 +388,17 @@ class PersonLikelihood::AccompaniedPlace {
   }
 
   double log_determinant() const { return place_.close.log_determinant + with_.log_determinant(); }
-  CloseLook at(std::size_t sample) const {
+  PlaceEvaluation at(std::size_t sample) const {
     const auto mean = place_.mean_of(sample);
     std::vector<Value> whitened(mean.begin(), mean.end());
     for (std::size_t i = 0; i < whitened.size(); ++i) {
       whitened[i] += with_.shift()[i];
     }
-    CloseLook look{power_, {}, with_.power(whitened)};
+    PlaceEvaluation evaluation{power_, {}, with_.power(whitened)};
     for (std::size_t t = 0; t < kDelays; ++t) {
-      look.along[t] = std::abs(inner_product(whitened, reduced_[t]));
+      evaluation.along[t] = std::abs(inner_product(whitened, reduced_[t]));
     }
-    return look;
+    return evaluation;
   }
 
  private:
@@ -410,10 +410,10 @@ class PersonLikelihood::AccompaniedPlace {
 
 void PersonLikelihood::log_likelihood(const PersonPlace& place,
                                       const Observed& observed,
-                                      const OtherPeople& company,
+                                      const OtherPeople& co_occupants,
                                       std::span<double> out) const {
   RAYLOC_CHECK(out.size() == place.mean_power.size());
-  if (company.empty()) {
+  if (co_occupants.empty()) {
     std::vector<LaneSums> along(out.size());
     LaneRow power =
         rayloc::whiten(place.close.whitener.data(), observed.re, observed.im, place.mean, along);
@@ -427,46 +427,46 @@ void PersonLikelihood::log_likelihood(const PersonPlace& place,
     }
     return;
   }
-  const AccompaniedPlace with(place, observed, company);
+  const AccompaniedPlace with(place, observed, co_occupants);
   for (std::size_t p = 0; p < out.size(); ++p) {
-    const CloseLook look = with.at(p);
+    const PlaceEvaluation evaluation = with.at(p);
     double best = -std::numeric_limits<double>::infinity();
     for (std::size_t t = 0; t < kDelays; ++t) {
       best = std::max(best,
-                      gain_profile(look.power[t], look.along[t], static_cast<double>(dimension())));
+                      gain_profile(evaluation.power[t], evaluation.along[t], static_cast<double>(dimension())));
     }
-    out[p] = best - look.mean_power - with.log_determinant();
+    out[p] = best - evaluation.mean_power - with.log_determinant();
   }
 }
 
 // a dH of a sample place.
-Eigen::VectorXcd PersonLikelihood::echo_of(const PersonStand& stand) const {
-  const auto mean = stand.place->mean_of(stand.sample);
+Eigen::VectorXcd PersonLikelihood::echo_of(const PersonCandidate& candidate) const {
+  const auto mean = candidate.place->mean_of(candidate.sample);
   Eigen::VectorXcd echo(static_cast<Index>(mean.size()));
   std::transform(mean.begin(), mean.end(), echo.data(), [](std::complex<float> value) {
     return Value(value);
   });
-  whitener_of(*stand.place).triangularView<Eigen::Lower>().solveInPlace(echo);
+  whitener_of(*candidate.place).triangularView<Eigen::Lower>().solveInPlace(echo);
   return echo - Eigen::Map<const Eigen::VectorXcd>(empty_.data(), echo.size());
 }
 
-double PersonLikelihood::echo_power(const PersonStand& stand) const {
-  return echo_of(stand).squaredNorm();
+double PersonLikelihood::echo_power(const PersonCandidate& candidate) const {
+  return echo_of(candidate).squaredNorm();
 }
 
-double PersonLikelihood::misfit(const PersonStand& stand,
+double PersonLikelihood::misfit(const PersonCandidate& candidate,
                                 const Observed& observed,
-                                const OtherPeople& company) const {
+                                const OtherPeople& co_occupants) const {
   const auto d = static_cast<double>(dimension());
-  const OtherPeople nobody{std::vector<Value>(dimension()), {}};
-  const CloseLook look =
-      AccompaniedPlace(*stand.place, observed, company.empty() ? nobody : company).at(stand.sample);
+  const OtherPeople no_person{std::vector<Value>(dimension()), {}};
+  const PlaceEvaluation evaluation =
+      AccompaniedPlace(*candidate.place, observed, co_occupants.empty() ? no_person : co_occupants).at(candidate.sample);
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t t = 0; t < kDelays; ++t) {
-    const double a = look.power[t];
-    const double b = look.along[t];
+    const double a = evaluation.power[t];
+    const double b = evaluation.along[t];
     const double r = best_gain(a, b, d);
-    least = std::min(least, (a * r * r - 2.0 * b * r + look.mean_power) / d);
+    least = std::min(least, (a * r * r - 2.0 * b * r + evaluation.mean_power) / d);
   }
   return least;
 }

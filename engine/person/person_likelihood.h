@@ -58,8 +58,8 @@ struct PatchPlan {
 struct ScatteredPatch {
   std::vector<std::complex<float>> sample;     // [place][coordinate]
   std::vector<std::complex<double>> strength;  // sum |z_p|^2 s_p s_p^H, lower triangle by rows
-  std::vector<std::complex<double>> blur;      // the same times u_p
-  std::vector<std::complex<double>> ways;      // sum g_q g_q^H o K_q
+  std::vector<std::complex<double>> intra_cell_loss;      // the same times u_p
+  std::vector<std::complex<double>> path_errors;      // sum g_q g_q^H o K_q
   std::vector<std::complex<double>> front;     // the same for power without phase (unknown front)
   double power = 0.0;                          // sum |z_p|^2
 };
@@ -78,7 +78,7 @@ struct PersonPlace {
 };
 
 // One of the sample places of a square.
-struct PersonStand {
+struct PersonCandidate {
   const PersonPlace* place = nullptr;
   std::size_t sample = 0;
 };
@@ -119,36 +119,36 @@ class PersonLikelihood {
                     std::complex<double> scale,
                     const PersonModel& model) const;
   // Null model: the empty room.
-  WhitenedGaussian nobody(const PersonModel& model) const;
+  WhitenedGaussian no_person(const PersonModel& model) const;
   // The room with a change of unknown kind, by this share of its power.
   WhitenedGaussian changed(double share, const PersonModel& model) const;
 
   // People at these places, for the likelihood of one more.
-  OtherPeople company(std::span<const PersonStand> people, const PersonModel& model) const;
+  OtherPeople co_occupants(std::span<const PersonCandidate> people, const PersonModel& model) const;
 
   // Log-likelihoods, maximised over gain, phase and delay; up to a constant of the measurement.
   double log_likelihood(const WhitenedGaussian& gaussian,
                         const Observed& observed,
-                        const OtherPeople& company = {}) const;
+                        const OtherPeople& co_occupants = {}) const;
   // For every sample place. REQUIRES: out.size() == place.mean_power.size().
   void log_likelihood(const PersonPlace& place,
                       const Observed& observed,
-                      const OtherPeople& company,
+                      const OtherPeople& co_occupants,
                       std::span<double> out) const;
   std::span<const std::complex<double>> empty() const { return empty_; }
 
   // Power that a person at a sample place adds; 1: as much as the empty room.
-  double echo_power(const PersonStand& stand) const;
+  double echo_power(const PersonCandidate& candidate) const;
 
   // Residual at a sample place, in units of the residual that its model expects: about 1.
-  double misfit(const PersonStand& stand,
+  double misfit(const PersonCandidate& candidate,
                 const Observed& observed,
-                const OtherPeople& company = {}) const;
+                const OtherPeople& co_occupants = {}) const;
 
  private:
-  struct CloseLook;
+  struct PlaceEvaluation;
   class AccompaniedPlace;
-  Eigen::VectorXcd echo_of(const PersonStand& stand) const;
+  Eigen::VectorXcd echo_of(const PersonCandidate& candidate) const;
   WhitenedGaussian factorise(std::vector<std::complex<double>> sigma,
                              std::span<const std::complex<double>> mean,
                              const PersonModel& model) const;

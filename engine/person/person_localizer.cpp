@@ -21,7 +21,7 @@ namespace {
 // tempered log-likelihood, and no more than kMaxClose.
 constexpr double kCloseMargin = 25.0;
 constexpr std::size_t kMaxClose = 600;  // a count of squares, chosen: bounds the time of a fix
-constexpr double kNowhere = -1e4;        // [nat], chosen: no mass at all
+constexpr double kNoMass = -1e4;        // [nat], chosen: no mass at all
 // Radius about a place [m].
 constexpr double kAbout = 0.3;
 // Probability of a change at an access point that no person causes.
@@ -31,19 +31,19 @@ constexpr double kBesideTransmitter = 0.6;
 // ... detected above this share of the empty room's power, in the second strongest array.
 constexpr double kStrongEcho = 0.05;
 // Probability of a changed transmitter, where the observation cannot distinguish it.
-constexpr double kDoubt = 0.5;
+constexpr double kSuspect = 0.5;
 
 // Evidence of one array on every square as a whole.
 struct ArrayMap {
   const PersonObservation::Array* array;
-  OtherPeople company;
+  OtherPeople co_occupants;
   std::vector<double> whole;  // log-likelihood of every cell
   double floor = 0.0;         // of a change that no person causes, with its prior
-  double nobody = 0.0;
+  double no_person = 0.0;
 
   // Relative to the null model. An obstruction of one access point does not rule out places.
-  double against_nobody(double log_likelihood) const {
-    return array->weight * (log_add(log_likelihood, floor) - nobody);
+  double over_empty_room(double log_likelihood) const {
+    return array->weight * (log_add(log_likelihood, floor) - no_person);
   }
 };
 
@@ -95,7 +95,7 @@ class PersonLocalizer::Impl {
 
  private:
   std::vector<std::size_t> clear_cells(const PersonContext& context) const;
-  std::vector<std::size_t> looked_at(const PersonContext& context) const;
+  std::vector<std::size_t> evaluated_cells(const PersonContext& context) const;
   CellWeights weights_of(const PersonContext& context) const;
   ArrayMap whole_map(const PersonObservation::Array& array,
                      std::span<const std::size_t> cells,
@@ -105,8 +105,8 @@ class PersonLocalizer::Impl {
   void choose_places(std::span<const std::size_t> cells,
                      std::span<const double> samples,
                      PersonMap& map) const;
-  double judge(const std::vector<ArrayMap>& arrays, const PersonSample& best, PersonMap& map) const;
-  bool is_transmitter_doubtful(const std::vector<ArrayMap>& arrays, const PersonSample& best) const;
+  double misfit_of(const std::vector<ArrayMap>& arrays, const PersonSample& best, PersonMap& map) const;
+  bool is_transmitter_suspect(const std::vector<ArrayMap>& arrays, const PersonSample& best) const;
 
   std::shared_ptr<const RoomModel> room_;
   PersonReference reference_;
@@ -153,7 +153,7 @@ PersonObservation PersonLocalizer::Impl::receive(std::span<const CsiFrame> frame
 
 // Cells that a person can occupy, clear of the others.
 std::vector<std::size_t> PersonLocalizer::Impl::clear_cells(const PersonContext& context) const {
-  const RoomGrid& grid = squares_.standing.grid;
+  const RoomGrid& grid = squares_.walkable.grid;
   const TargetBody& body = reference_.person.body;
   const double apart = 2.0 * std::max(body.semi_axes[0], body.semi_axes[1]);
   std::vector<std::size_t> cells;
@@ -162,7 +162,7 @@ std::vector<std::size_t> PersonLocalizer::Impl::clear_cells(const PersonContext&
     const auto off = [&](const PersonSample& sample) {
       return norm(centre - squares_.place_of(sample));
     };
-    if (squares_.standing.free[cell] != 0 && (!context.about || off(*context.about) < kAbout) &&
+    if (squares_.walkable.free[cell] != 0 && (!context.about || off(*context.about) < kAbout) &&
         std::none_of(context.others.begin(), context.others.end(), [&](const PersonSample& other) {
           return off(other) < apart;
         })) {
@@ -172,7 +172,7 @@ std::vector<std::size_t> PersonLocalizer::Impl::clear_cells(const PersonContext&
   return cells;
 }
 
-std::vector<std::size_t> PersonLocalizer::Impl::looked_at(const PersonContext& context) const {
+std::vector<std::size_t> PersonLocalizer::Impl::evaluated_cells(const PersonContext& context) const {
   if (context.cells.empty()) {
     return clear_cells(context);
   }
@@ -181,12 +181,12 @@ std::vector<std::size_t> PersonLocalizer::Impl::looked_at(const PersonContext& c
   return cells;
 }
 
-// Number of cells that each of looked_at() represents.
+// Number of cells that each of evaluated_cells() represents.
 CellWeights PersonLocalizer::Impl::weights_of(const PersonContext& context) const {
   if (context.cells.empty() || context.sample.empty()) {
     return {};
   }
-  const auto free = std::count(squares_.standing.free.begin(), squares_.standing.free.end(), 1);
+  const auto free = std::count(squares_.walkable.free.begin(), squares_.walkable.free.end(), 1);
   const auto others = static_cast<double>(free) - static_cast<double>(context.cells.size());
   return {context.cells.size(), others / static_cast<double>(context.sample.size())};
 }
@@ -195,23 +195,23 @@ ArrayMap PersonLocalizer::Impl::whole_map(const PersonObservation::Array& array,
                                           std::span<const std::size_t> cells,
                                           std::span<const PersonSample> others) const {
   const PersonLinkMap& link = squares_.links[array.link];
-  std::vector<PersonStand> people;
+  std::vector<PersonCandidate> people;
   for (const PersonSample& other : others) {
     people.push_back({&link.cells[other.cell], other.sample});
   }
   ArrayMap map{&array,
-               link.likelihood.company(people, reference_.person),
+               link.likelihood.co_occupants(people, reference_.person),
                {},
                -std::numeric_limits<double>::infinity(),
                0.0};
   const auto likelihood = [&](const WhitenedGaussian& gaussian) {
-    return link.likelihood.log_likelihood(gaussian, array.observed, map.company);
+    return link.likelihood.log_likelihood(gaussian, array.observed, map.co_occupants);
   };
   for (const WhitenedGaussian& changed : link.changed) {
     map.floor = std::max(map.floor, likelihood(changed) + std::log(kStrange));
   }
-  map.nobody = likelihood(link.nobody);
-  map.whole.resize(squares_.standing.grid.size());
+  map.no_person = likelihood(link.no_person);
+  map.whole.resize(squares_.walkable.grid.size());
   parallel_for(cells.size(), 32, [&](std::size_t n) {
     if (n + 1 < cells.size()) {
       fetch(link.cells[cells[n + 1]].whole.whitener);
@@ -230,9 +230,9 @@ std::vector<double> PersonLocalizer::Impl::close_map(const std::vector<ArrayMap>
     std::vector<double> one(places_);
     for (const ArrayMap& map : arrays) {
       const PersonLinkMap& link = squares_.links[map.array->link];
-      link.likelihood.log_likelihood(link.cells[cells[n]], map.array->observed, map.company, one);
+      link.likelihood.log_likelihood(link.cells[cells[n]], map.array->observed, map.co_occupants, one);
       for (std::size_t p = 0; p < places_; ++p) {
-        sum[p] += map.against_nobody(one[p]);
+        sum[p] += map.over_empty_room(one[p]);
       }
     }
   });
@@ -267,7 +267,7 @@ void PersonLocalizer::Impl::choose_places(std::span<const std::size_t> cells,
 }
 
 // Misfit of the arrays at the best place, 1 as expected; adds warnings on unexplained arrays.
-double PersonLocalizer::Impl::judge(const std::vector<ArrayMap>& arrays,
+double PersonLocalizer::Impl::misfit_of(const std::vector<ArrayMap>& arrays,
                                     const PersonSample& best,
                                     PersonMap& map) const {
   double most = 1.0;
@@ -276,7 +276,7 @@ double PersonLocalizer::Impl::judge(const std::vector<ArrayMap>& arrays,
   for (const ArrayMap& of : arrays) {
     const PersonLinkMap& link = squares_.links[of.array->link];
     const PersonPlace& place = link.cells[best.cell];
-    link.likelihood.log_likelihood(place, of.array->observed, of.company, one);
+    link.likelihood.log_likelihood(place, of.array->observed, of.co_occupants, one);
     map.best_log_likelihood += of.array->weight * log_add(one[best.sample], of.floor);
     if (one[best.sample] < of.floor) {
       map.warnings.push_back(
@@ -287,7 +287,7 @@ double PersonLocalizer::Impl::judge(const std::vector<ArrayMap>& arrays,
     explained += 1.0;
     most = std::max(most,
                     of.array->weight * link.likelihood.misfit(
-                                           {&place, best.sample}, of.array->observed, of.company));
+                                           {&place, best.sample}, of.array->observed, of.co_occupants));
   }
   map.is_explained = explained > 0.0;
   // If no person explains the change at one access point, the others get less weight, too.
@@ -296,9 +296,9 @@ double PersonLocalizer::Impl::judge(const std::vector<ArrayMap>& arrays,
 
 // One body obstructs one line of sight; a moved or covered transmitter changes all links. A body
 // right beside it explains that best, because its echoes are strong and not known well.
-bool PersonLocalizer::Impl::is_transmitter_doubtful(const std::vector<ArrayMap>& arrays,
+bool PersonLocalizer::Impl::is_transmitter_suspect(const std::vector<ArrayMap>& arrays,
                                                     const PersonSample& best) const {
-  const Vec3d off = squares_.standing.grid.centre(best.cell) - reference_.transmitter.position;
+  const Vec3d off = squares_.walkable.grid.centre(best.cell) - reference_.transmitter.position;
   if (std::hypot(off.x, off.y) > kBesideTransmitter) {
     return false;
   }
@@ -314,11 +314,11 @@ PersonMap PersonLocalizer::Impl::map(const PersonObservation& observation,
                                      const PersonContext& context) const {
   PersonMap map;
   std::vector<double>& total = map.log_likelihood;
-  total.assign(squares_.standing.grid.size(), kNowhere);
-  std::vector<std::size_t> cells = looked_at(context);
+  total.assign(squares_.walkable.grid.size(), kNoMass);
+  std::vector<std::size_t> cells = evaluated_cells(context);
   if (cells.empty()) {  // the others occupy all cells
     map.is_explained = false;
-    map.somebody = kNowhere;
+    map.presence = kNoMass;
     return map;
   }
   std::vector<ArrayMap> arrays;
@@ -328,16 +328,16 @@ PersonMap PersonLocalizer::Impl::map(const PersonObservation& observation,
   for (const std::size_t cell : cells) {
     total[cell] = 0.0;
     for (const ArrayMap& one : arrays) {
-      total[cell] += one.against_nobody(one.whole[cell]);
+      total[cell] += one.over_empty_room(one.whole[cell]);
     }
   }
   const std::vector<std::size_t> close = best_cells(cells, total, likelihood_exponent);
   const auto samples = close_map(arrays, close);
   choose_places(close, samples, map);
   // The residual at the best place is an error at all places: reduce the burst's weight.
-  map.misfit = judge(arrays, map.places.front(), map);
+  map.misfit = misfit_of(arrays, map.places.front(), map);
   const double exponent = likelihood_exponent / map.misfit;
-  map.is_transmitter_doubtful = is_transmitter_doubtful(arrays, map.places.front());
+  map.is_transmitter_suspect = is_transmitter_suspect(arrays, map.places.front());
   const Lattice lattice = squares_.lattice();
   for (std::size_t n = 0; n < close.size(); ++n) {
     const auto [log_mean, mass] =
@@ -345,14 +345,14 @@ PersonMap PersonLocalizer::Impl::map(const PersonObservation& observation,
     total[close[n]] = log_mean;
     map.within.emplace_back(close[n], mass);
   }
-  std::vector<double> standing;
-  standing.reserve(cells.size());
+  std::vector<double> walkable;
+  walkable.reserve(cells.size());
   for (const std::size_t cell : cells) {
     total[cell] *= exponent;
-    standing.push_back(total[cell]);
+    walkable.push_back(total[cell]);
   }
   map.weights = weights_of(context);
-  map.somebody = log_mean_exp(standing, 1.0, map.weights);
+  map.presence = log_mean_exp(walkable, 1.0, map.weights);
   if (!context.cells.empty()) {
     map.cells = std::move(cells);
   }
@@ -366,24 +366,24 @@ LocationEstimate PersonLocalizer::Impl::summarise(LocationEstimate estimate,
     estimate.reason = "the room has changed as no single person would change it";
     return estimate;
   }
-  if (map.is_transmitter_doubtful) {
+  if (map.is_transmitter_suspect) {
     estimate.warnings.emplace_back(
         "what is heard has changed as by somebody right beside the transmitter; it may have been "
         "moved or covered");
   }
-  if (map.somebody < kSomebody) {
+  if (map.presence < kPresence) {
     estimate.reason = "nobody seen: the room is as it was when it was empty";
     return estimate;
   }
-  summarise_posterior(squares_.standing.grid,
+  summarise_posterior(squares_.walkable.grid,
                       map.log_likelihood,
                       {1.0,
                        options_.accuracy_confidence,
                        options_.max_hypotheses,
-                       map.is_transmitter_doubtful ? kDoubt : kPersonOutlier},
+                       map.is_transmitter_suspect ? kSuspect : kPersonOutlier},
                       estimate,
                       map.within);
-  estimate.ambiguous = estimate.ambiguous || map.is_transmitter_doubtful;
+  estimate.ambiguous = estimate.ambiguous || map.is_transmitter_suspect;
   return estimate;
 }
 
@@ -436,7 +436,7 @@ PersonMap PersonLocalizer::map(const PersonObservation& observation,
 LocationEstimate PersonLocalizer::summarise(LocationEstimate estimate, const PersonMap& map) const {
   return impl_->summarise(std::move(estimate), map);
 }
-const StandingRoom& PersonLocalizer::standing_room() const { return impl_->squares().standing; }
+const WalkableArea& PersonLocalizer::walkable_area() const { return impl_->squares().walkable; }
 const RoomModel& PersonLocalizer::room() const { return impl_->room(); }
 const PersonReference& PersonLocalizer::reference() const { return impl_->reference(); }
 const PersonLocalizerOptions& PersonLocalizer::options() const { return impl_->options(); }

@@ -72,12 +72,12 @@ struct PersonMap {
   std::vector<std::size_t> cells;
   CellWeights weights;
   KnownCells within;      // position within the best cells
-  double somebody = 0.0;  // log of the mean over the places that a person can occupy
+  double presence = 0.0;  // log of the mean over the places that a person can occupy
   std::vector<std::string> warnings;
   bool is_explained = true;  // by a person at one of the places
   // The best place is right beside the transmitter, and several access points receive changes that
   // would be strong echoes from there: a moved or covered transmitter has the same effect.
-  bool is_transmitter_doubtful = false;
+  bool is_transmitter_suspect = false;
   // The best sample places, at least PersonMap::kApart from one another, the best first; the best
   // one's log-likelihood, over all arrays, up to a constant of the measurement; and its residual,
   // in units of the residual that the model expects: about 1.
@@ -113,7 +113,7 @@ class PersonLocalizer {
   // The estimate of hear() completed from a map: a fix, or the reason for none.
   LocationEstimate summarise(LocationEstimate estimate, const PersonMap& map) const;
 
-  const StandingRoom& standing_room() const;
+  const WalkableArea& walkable_area() const;
   const RoomModel& room() const;
   const PersonReference& reference() const;
   const PersonLocalizerOptions& options() const;
@@ -125,7 +125,7 @@ class PersonLocalizer {
 };
 
 // Log odds above which a person is accepted as present.
-inline constexpr double kSomebody = 3.0;
+inline constexpr double kPresence = 3.0;
 // Probability that a map has no information on the place (PosteriorOptions::outlier).
 inline constexpr double kPersonOutlier = 0.02;
 

@@ -32,7 +32,7 @@ struct PersonModel {
   double strength_variance = 0.1;  // v: of each scattered ray, share of its power
   // w: the same, for errors common to all antennas of an array: the body, and the surfaces before
   // and behind it.
-  double way_variance = 0.0;
+  double path_variance = 0.0;
   // [m], deviation of a body's front from the round one's: people are oval, turn, and have arms.
   // Waves that pass straight on are not affected.
   double front_sigma = 0.0;

@@ -21,31 +21,31 @@ constexpr double kMaxGrowth = 10.0;
 
 // Rays to two antennas over the same surfaces before and behind the body are one path if their
 // departures agree to this. A cosine, 8 degrees, chosen: arrays are small beside their distance.
-constexpr double kSameWay = 0.99;
+constexpr double kSamePath = 0.99;
 
 // The paths of an array's rays, numbered in order of occurrence.
-class Ways {
+class PathNumbers {
  public:
   std::size_t number(const Path& path) {
-    const auto same = std::find_if(ways_.begin(), ways_.end(), [&](const Path& way) {
-      return dot(way.departure, path.departure) > kSameWay &&
-             std::equal(way.interactions.begin(),
-                        way.interactions.end(),
+    const auto same = std::find_if(paths_.begin(), paths_.end(), [&](const Path& other) {
+      return dot(other.departure, path.departure) > kSamePath &&
+             std::equal(other.interactions.begin(),
+                        other.interactions.end(),
                         path.interactions.begin(),
                         path.interactions.end(),
                         [](const Interaction& a, const Interaction& b) {
                           return a.kind == b.kind && a.surface == b.surface;
                         });
     });
-    if (same != ways_.end()) {
-      return static_cast<std::size_t>(same - ways_.begin());
+    if (same != paths_.end()) {
+      return static_cast<std::size_t>(same - paths_.begin());
     }
-    ways_.push_back(path);
-    return ways_.size() - 1;
+    paths_.push_back(path);
+    return paths_.size() - 1;
   }
 
  private:
-  std::vector<Path> ways_;
+  std::vector<Path> paths_;
 };
 
 Value log_slope(const PathDerivatives::Derivative& slope, const Value& a, double angular_carrier) {
@@ -90,7 +90,7 @@ Expected<PersonScattering> PersonScattering::create(const RoomModel& room,
 
 std::optional<ScatteredRays> PersonScattering::at(const TargetPosition& place) const {
   ScatteredRays rays(links_.size());
-  Ways ways;
+  PathNumbers path_numbers;
   for (std::size_t element = 0; element < links_.size(); ++element) {
     const auto found = links_[element].differentiate(place);
     if (!found) {
@@ -108,7 +108,7 @@ std::optional<ScatteredRays> PersonScattering::at(const TargetPosition& place) c
                              log_slope(found->by_position.at(i, 0), a, angular_carrier_),
                              log_slope(found->by_position.at(i, 1), a, angular_carrier_),
                              path.departure,
-                             ways.number(path)};
+                             path_numbers.number(path)};
       rays[element].push_back(ray);
     }
   }

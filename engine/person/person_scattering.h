@@ -27,7 +27,7 @@ struct ScatteredRay {
   std::complex<double> slope_y;
   Vec3d departure;  // unit vector, direction of departure from the transmitter
   // Path number, shared by the rays of several antennas over the same surfaces.
-  std::size_t way = 0;
+  std::size_t path = 0;
 };
 
 inline constexpr int kPersonDepth = 2;  // largest useful number of reflections past a person

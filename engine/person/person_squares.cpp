@@ -23,7 +23,7 @@ class SquaresBuilder {
   SquaresBuilder(const RoomModel& room, const PersonReference& reference, double cell)
       : room_(room),
         reference_(reference),
-        squares_{make_standing_room(room, reference.person.body, reference.area, cell), 0, {}} {}
+        squares_{make_walkable_area(room, reference.person.body, reference.area, cell), 0, {}} {}
 
   Expected<PersonSquares> build(int depth);
 
@@ -51,8 +51,8 @@ Expected<PersonLinkMap> SquaresBuilder::make_link_map(const PersonLink& link, in
                               link,
                               norm(ap.array.pose.position - reference_.transmitter.position));
   PersonLinkMap map{std::move(likelihood), *std::move(scattering), {}, {}, {}};
-  map.cells.resize(squares_.standing.grid.size());
-  map.nobody = map.likelihood.nobody(reference_.person);
+  map.cells.resize(squares_.walkable.grid.size());
+  map.no_person = map.likelihood.no_person(reference_.person);
   for (const double share : kChanges) {
     map.changed.push_back(map.likelihood.changed(share, reference_.person));
   }
@@ -61,12 +61,12 @@ Expected<PersonLinkMap> SquaresBuilder::make_link_map(const PersonLink& link, in
 
 // The rays are traced once, in the middle of a block of squares.
 void SquaresBuilder::build_block(std::size_t block_x, std::size_t block_y) {
-  StandingRoom& standing = squares_.standing;
-  const RoomGrid& grid = standing.grid;
+  WalkableArea& walkable = squares_.walkable;
+  const RoomGrid& grid = walkable.grid;
   std::vector<std::size_t> cells;
   for (std::size_t x = block_x; x < std::min(block_x + kBlock, grid.count_x); ++x) {
     for (std::size_t y = block_y; y < std::min(block_y + kBlock, grid.count_y); ++y) {
-      if (standing.free[x * grid.count_y + y] != 0) {
+      if (walkable.free[x * grid.count_y + y] != 0) {
         cells.push_back(x * grid.count_y + y);
       }
     }
@@ -83,7 +83,7 @@ void SquaresBuilder::build_block(std::size_t block_x, std::size_t block_y) {
     const auto rays = link.scattering.at({middle.x, middle.y});
     for (const std::size_t cell : cells) {
       if (!rays) {  // the body would contain a device
-        standing.free[cell] = 0;
+        walkable.free[cell] = 0;
         continue;
       }
       const Vec3d offset = grid.centre(cell) - middle;
@@ -106,7 +106,7 @@ Expected<PersonSquares> SquaresBuilder::build(int depth) {
     }
     squares_.links.push_back(*std::move(map));
   }
-  const RoomGrid& grid = squares_.standing.grid;
+  const RoomGrid& grid = squares_.walkable.grid;
   const double wavelength = kSpeedOfLight / room_.grid.centre_hz;
   squares_.samples = static_cast<std::size_t>(
       std::ceil(std::max(grid.step_x, grid.step_y) / (kSampleStep * wavelength)));
@@ -121,13 +121,13 @@ Expected<PersonSquares> SquaresBuilder::build(int depth) {
 }  // namespace
 
 Lattice PersonSquares::lattice() const {
-  const RoomGrid& grid = standing.grid;
+  const RoomGrid& grid = walkable.grid;
   const PatchPlan plan{0.0, 0.0, std::max(grid.step_x, grid.step_y), samples};
   return {samples, samples, plan.step(), plan.step()};
 }
 
 Vec3d PersonSquares::place_of(const PersonSample& sample) const {
-  return standing.grid.centre(sample.cell) +
+  return walkable.grid.centre(sample.cell) +
          lattice().offset(sample.sample / samples, sample.sample % samples);
 }
 

@@ -27,12 +27,12 @@ struct PersonLinkMap {
   PersonLikelihood likelihood;
   PersonScattering scattering;
   std::vector<PersonPlace> cells;  // empty where no person fits
-  WhitenedGaussian nobody;
+  WhitenedGaussian no_person;
   std::vector<WhitenedGaussian> changed;  // the room, changed but not by a person, by some shares
 };
 
 struct PersonSquares {
-  StandingRoom standing;
+  WalkableArea walkable;
   std::size_t samples = 0;           // along the side of a square
   std::vector<PersonLinkMap> links;  // one per link of the reference
 

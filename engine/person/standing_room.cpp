@@ -77,13 +77,13 @@ RoomGrid make_grid(const RoomModel& room, const std::optional<PersonArea>& area,
 
 }  // namespace
 
-StandingRoom make_standing_room(const RoomModel& room,
+WalkableArea make_walkable_area(const RoomModel& room,
                                 const TargetBody& body,
                                 const std::optional<PersonArea>& area,
                                 double step) {
-  StandingRoom standing{make_grid(room, area, step), {}};
-  const RoomGrid& grid = standing.grid;
-  standing.free.assign(grid.size(), 1);
+  WalkableArea walkable{make_grid(room, area, step), {}};
+  const RoomGrid& grid = walkable.grid;
+  walkable.free.assign(grid.size(), 1);
   const Obstacles obstacles(room, body);
   const double reach = kElbowRoom * std::min(body.semi_axes[0], body.semi_axes[1]);
   const auto is_free = [&](const Vec3d& centre) {
@@ -103,13 +103,13 @@ StandingRoom make_standing_room(const RoomModel& room,
     return true;
   };
   parallel_for(grid.size(), 64, [&](std::size_t cell) {
-    standing.free[cell] = is_free(grid.centre(cell)) ? 1 : 0;
+    walkable.free[cell] = is_free(grid.centre(cell)) ? 1 : 0;
   });
   if (std::none_of(
-          standing.free.begin(), standing.free.end(), [](std::uint8_t f) { return f != 0; })) {
-    std::fill(standing.free.begin(), standing.free.end(), std::uint8_t{1});
+          walkable.free.begin(), walkable.free.end(), [](std::uint8_t f) { return f != 0; })) {
+    std::fill(walkable.free.begin(), walkable.free.end(), std::uint8_t{1});
   }
-  return standing;
+  return walkable;
 }
 
 }  // namespace rayloc

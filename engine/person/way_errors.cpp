@@ -9,44 +9,44 @@ namespace rayloc {
 
 using Value = std::complex<double>;
 
-WayErrors::WayErrors(std::size_t antennas, std::size_t numbers)
+PathErrors::PathErrors(std::size_t antennas, std::size_t numbers)
     : antennas_(antennas), numbers_(numbers) {}
 
-void WayErrors::add(std::size_t antenna,
+void PathErrors::add(std::size_t antenna,
                     const ScatteredRay& ray,
                     Value field,
                     std::span<const Value> s,
                     double unknown) {
-  while (ray.way >= ways_.size()) {
+  while (ray.path >= paths_.size()) {
     const Values none(antennas_ * numbers_);
     const std::vector<double> zero(antennas_);
-    ways_.push_back({none, none, zero, zero, zero});
+    paths_.push_back({none, none, zero, zero, zero});
   }
-  Way& way = ways_[ray.way];
+  PathSum& path = paths_[ray.path];
   const double share = std::sqrt(unknown);
   for (std::size_t c = 0; c < numbers_; ++c) {
     const Value value = field * s[c];
-    way.all[antenna * numbers_ + c] += value;
-    way.unknown[antenna * numbers_ + c] += share * value;
+    path.all[antenna * numbers_ + c] += value;
+    path.unknown[antenna * numbers_ + c] += share * value;
   }
   // The phase slopes of two rays of one antenna are averaged, weighted by power.
   const double power = std::norm(field);
-  const double sum = way.power[antenna] + power;
+  const double sum = path.power[antenna] + power;
   if (sum > 0.0) {
-    way.turn_x[antenna] += power / sum * (ray.slope_x.imag() - way.turn_x[antenna]);
-    way.turn_y[antenna] += power / sum * (ray.slope_y.imag() - way.turn_y[antenna]);
+    path.turn_x[antenna] += power / sum * (ray.slope_x.imag() - path.turn_x[antenna]);
+    path.turn_y[antenna] += power / sum * (ray.slope_y.imag() - path.turn_y[antenna]);
   }
-  way.power[antenna] = sum;
+  path.power[antenna] = sum;
 }
 
-WayErrors::Values WayErrors::covariance(Values Way::*part, double sigma) const {
+PathErrors::Values PathErrors::covariance(Values PathSum::*part, double sigma) const {
   Values triangle(triangle_size(antennas_ * numbers_));
-  for (const Way& way : ways_) {
-    const Values& g = way.*part;
+  for (const PathSum& path : paths_) {
+    const Values& g = path.*part;
     for (std::size_t m = 0; m < antennas_; ++m) {
       for (std::size_t n = 0; n <= m; ++n) {
-        const double x = sigma * (way.turn_x[m] - way.turn_x[n]);
-        const double y = sigma * (way.turn_y[m] - way.turn_y[n]);
+        const double x = sigma * (path.turn_x[m] - path.turn_x[n]);
+        const double y = sigma * (path.turn_y[m] - path.turn_y[n]);
         const double coherence = std::exp(-0.5 * (x * x + y * y));
         for (std::size_t i = m * numbers_; i < (m + 1) * numbers_; ++i) {
           const Value left = coherence * g[i];
@@ -61,10 +61,10 @@ WayErrors::Values WayErrors::covariance(Values Way::*part, double sigma) const {
   return triangle;
 }
 
-WayErrors::Values WayErrors::all(double sigma) const { return covariance(&Way::all, sigma); }
+PathErrors::Values PathErrors::all(double sigma) const { return covariance(&PathSum::all, sigma); }
 
-WayErrors::Values WayErrors::without_phase(double sigma) const {
-  return covariance(&Way::unknown, sigma);
+PathErrors::Values PathErrors::without_phase(double sigma) const {
+  return covariance(&PathSum::unknown, sigma);
 }
 
 }  // namespace rayloc

@@ -1,4 +1,4 @@
-// WayErrors: covariance of the errors of a path past a person. The surfaces before and behind the
+// PathErrors: covariance of the errors of a path past a person. The surfaces before and behind the
 // body are the same for all antennas of an array: errors of phase and strength are common to all of
 // them, and the direction of arrival is right.
 //
@@ -18,10 +18,10 @@
 
 namespace rayloc {
 
-class WayErrors {
+class PathErrors {
  public:
   // `numbers`: coordinates of each antenna.
-  WayErrors(std::size_t antennas, std::size_t numbers);
+  PathErrors(std::size_t antennas, std::size_t numbers);
 
   // A ray of an antenna: `field` times the vector s; the share `unknown` of the power has no
   // phase.
@@ -39,7 +39,7 @@ class WayErrors {
  private:
   using Values = std::vector<std::complex<double>>;
 
-  struct Way {
+  struct PathSum {
     Values all;      // [antenna][number]
     Values unknown;  // the same
     // For each antenna, the power and its mean phase change with the place [rad/m].
@@ -48,11 +48,11 @@ class WayErrors {
     std::vector<double> turn_y;
   };
 
-  Values covariance(Values Way::*part, double sigma) const;
+  Values covariance(Values PathSum::*part, double sigma) const;
 
   std::size_t antennas_;
   std::size_t numbers_;
-  std::vector<Way> ways_;
+  std::vector<PathSum> paths_;
 };
 
 }  // namespace rayloc

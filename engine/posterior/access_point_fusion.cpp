@@ -91,11 +91,11 @@ double AccessPointFusion::log_likelihood(std::span<const double> of_each) const 
 
 double AccessPointFusion::faulty(std::size_t i, double log_likelihood) const {
   const Terms terms = right(i, log_likelihood);
-  const double believed = log_sum_exp(std::span(terms).first(kBlunted.size()));
-  return 1.0 / (1.0 + std::exp(believed - log_add(terms.back(), log_wrong_[i])));
+  const double log_valid = log_sum_exp(std::span(terms).first(kBlunted.size()));
+  return 1.0 / (1.0 + std::exp(log_valid - log_add(terms.back(), log_wrong_[i])));
 }
 
-double AccessPointFusion::elsewhere(double log_mean, double prior) const {
+double AccessPointFusion::outlier(double log_mean, double prior) const {
   // For a device outside the area each access point fits about as well as in the mean.
   double log_outside = 0.0;
   for (const double one : log_mean_) {

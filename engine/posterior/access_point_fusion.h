@@ -29,10 +29,10 @@
 namespace rayloc {
 
 // Prior probabilities. An obstructed line of sight is not a fault: the likelihood itself allows for
-// it (kCovered).
+// it (kObstructed).
 struct FaultPrior {
   double access_point = 0.015;  // an access point carries no information on the position
-  double elsewhere = 0.015;     // the device is not in the area
+  double outlier = 0.015;     // the device is not in the area
 };
 
 // Number of cells of a room that each value of a map represents: 1 for the first `ones` values,
@@ -82,7 +82,7 @@ class AccessPointFusion {
   const Terms& log_factor(std::size_t i) const { return log_factor_[i]; }
 
   // Outlier probability; log_mean: logarithm of the mean of exp(t l) over the room.
-  double elsewhere(double log_mean, double prior) const;
+  double outlier(double log_mean, double prior) const;
 
  private:
   // ln of (1 - e_i) Z_i times each mixture component: full sharpness, then kBlunted.

@@ -59,20 +59,20 @@ double dishonesty(std::vector<double> reaching) {
 
 }  // namespace
 
-JudgedExponent judge_exponent(double exponent,
+TemperingExponent evaluate_exponent(double exponent,
                               std::span<const LocationEstimate> estimates,
                               double stated_sigma,
                               const KnownSpots& spots,
-                              std::span<const double> least_sigmas) {
+                              std::span<const double> sigma_floors) {
   RAYLOC_CHECK(!estimates.empty() && estimates.size() == spots.places.size());
-  RAYLOC_CHECK(!least_sigmas.empty());
+  RAYLOC_CHECK(!sigma_floors.empty());
   const auto with = [&](std::size_t spot, double sigma) {
     return widened(
         estimates[spot],
         sigma * sigma - stated_sigma * stated_sigma + spots.place_sigma * spots.place_sigma);
   };
-  JudgedExponent best;
-  for (const double sigma : least_sigmas) {
+  TemperingExponent best;
+  for (const double sigma : sigma_floors) {
     std::vector<double> scores;
     for (std::size_t i = 0; i < estimates.size(); ++i) {
       scores.push_back(std::log(stated_density(with(i, sigma), spots.places[i], spots.area)));
@@ -86,28 +86,28 @@ JudgedExponent judge_exponent(double exponent,
   constexpr double kWidestRegion = 0.999;
   std::vector<double> reaching;
   for (std::size_t i = 0; i < estimates.size(); ++i) {
-    const auto one = region_reaching(with(i, best.least_sigma), spots.places[i]);
+    const auto one = region_reaching(with(i, best.sigma_floor), spots.places[i]);
     reaching.push_back(std::clamp(one.value_or(kWidestRegion), 1.0 - kWidestRegion, kWidestRegion));
   }
   best.dishonesty = dishonesty(std::move(reaching));
   return best;
 }
 
-std::size_t best_exponent(std::span<const JudgedExponent> judged) {
-  RAYLOC_CHECK(!judged.empty());
+std::size_t best_exponent(std::span<const TemperingExponent> evaluated) {
+  RAYLOC_CHECK(!evaluated.empty());
   const auto top = std::max_element(
-      judged.begin(), judged.end(), [](const auto& a, const auto& b) { return a.score < b.score; });
+      evaluated.begin(), evaluated.end(), [](const auto& a, const auto& b) { return a.score < b.score; });
   std::vector<std::size_t> as_good;
   double least = top->dishonesty;
-  for (std::size_t i = 0; i < judged.size(); ++i) {
-    if (is_within_error(top->scores, judged[i].scores)) {
+  for (std::size_t i = 0; i < evaluated.size(); ++i) {
+    if (is_within_error(top->scores, evaluated[i].scores)) {
       as_good.push_back(i);
-      least = std::min(least, judged[i].dishonesty);
+      least = std::min(least, evaluated[i].dishonesty);
     }
   }
-  auto best = static_cast<std::size_t>(top - judged.begin());
+  auto best = static_cast<std::size_t>(top - evaluated.begin());
   for (const std::size_t i : as_good) {
-    best = judged[i].dishonesty <= least + kSpreadOfHonest ? i : best;
+    best = evaluated[i].dishonesty <= least + kSpreadOfHonest ? i : best;
   }
   return best;
 }

@@ -31,9 +31,9 @@ struct KnownSpots {
   double area = 1.0;          // [m^2], area in which a device without a fix may be
 };
 
-struct JudgedExponent {
+struct TemperingExponent {
   double exponent = 1.0;
-  double least_sigma = 0.01;   // [m], the best of the candidates
+  double sigma_floor = 0.01;   // [m], the best of the candidates
   std::vector<double> scores;  // log density [1/m^2] stated at each spot
   double score = 0.0;          // mean of the scores
   // Distance of the stated regions from honest ones: the Anderson-Darling statistic of the
@@ -44,14 +44,14 @@ struct JudgedExponent {
 };
 
 // estimates: one for each spot, with that exponent and `stated_sigma` as the least width [m], which
-// is replaced by each of `least_sigmas`. REQUIRES: an estimate for each spot, and a width.
-JudgedExponent judge_exponent(double exponent,
+// is replaced by each of `sigma_floors`. REQUIRES: an estimate for each spot, and a width.
+TemperingExponent evaluate_exponent(double exponent,
                               std::span<const LocationEstimate> estimates,
                               double stated_sigma,
                               const KnownSpots& spots,
-                              std::span<const double> least_sigmas = kMinSigmas);
+                              std::span<const double> sigma_floors = kMinSigmas);
 
 // The index of the best one. REQUIRES: not empty; all for the same spots, exponents descending.
-std::size_t best_exponent(std::span<const JudgedExponent> judged);
+std::size_t best_exponent(std::span<const TemperingExponent> evaluated);
 
 }  // namespace rayloc

@@ -106,7 +106,7 @@ struct Masses {
   std::vector<double> mass;
   std::span<const CellMass> within;  // [cell], distribution inside the cell; empty: uniform
   CellMoments uniform;
-  double least_sigma;
+  double sigma_floor;
 
   const CellMoments& moments(std::size_t i) const {
     return within.empty() ? uniform : within[i].all;
@@ -177,7 +177,7 @@ std::array<double, 9> covariance_about(const Masses& masses, const Vec3d& about,
       z = z + mass * Vec3d{d.x * d.z + m.xz, d.y * d.z + m.yz, d.z * d.z + m.zz};
     }
   }
-  const double least = masses.least_sigma * masses.least_sigma;
+  const double least = masses.sigma_floor * masses.sigma_floor;
   const double scale = sum > 0.0 ? 1.0 / sum : 0.0;
   const bool is_height_known = masses.grid.height_sigma <= 0.0;
   return {scale * xx + least,
@@ -195,7 +195,7 @@ std::array<double, 9> covariance_about(const Masses& masses, const Vec3d& about,
 double radius_of(const Masses& masses, const Vec3d& centre, double confidence, double anywhere) {
   const double of_each = anywhere / static_cast<double>(masses.mass.size());
   std::vector<std::pair<double, double>> by_distance;  // distance, mass
-  double variance = masses.least_sigma * masses.least_sigma;
+  double variance = masses.sigma_floor * masses.sigma_floor;
   for (std::size_t i = 0; i < masses.mass.size(); ++i) {
     const double mass = (1.0 - anywhere) * masses.mass[i] + of_each;
     if (mass > 1e-12) {
@@ -259,7 +259,7 @@ void add_parts(const Masses& masses, std::size_t cell, std::vector<HillMass>& pa
   // A ratio, chosen: a cell whose best place has at least this share is one part.
   constexpr double kOnePartShare = 1.0 - 1e-9;
   const Vec3d centre = masses.grid.centre(cell);
-  const double least = masses.least_sigma * masses.least_sigma;
+  const double least = masses.sigma_floor * masses.sigma_floor;
   const auto add = [&](double mass, const CellMoments& m) {
     parts.push_back({mass, centre.x + m.x, centre.y + m.y, m.xx + least, m.xy, m.yy + least});
   };
@@ -274,10 +274,10 @@ void add_parts(const Masses& masses, std::size_t cell, std::vector<HillMass>& pa
 }
 
 // Hypothesis of a part of the peak of `whole`; its height is that of the whole peak.
-Hypothesis hypothesis_of(const HillMass& hill, const Hypothesis& whole, double believed) {
+Hypothesis hypothesis_of(const HillMass& hill, const Hypothesis& whole, double inlier) {
   return {{hill.x, hill.y, whole.position.z},
           {hill.xx, hill.xy, 0.0, hill.xy, hill.yy, 0.0, 0.0, 0.0, whole.covariance[8]},
-          believed * hill.mass};
+          inlier * hill.mass};
 }
 
 void sort_by_weight(std::vector<Hypothesis>& hypotheses) {
@@ -317,7 +317,7 @@ bool is_ambiguous(const std::vector<Hypothesis>& hypotheses) {
 }
 
 void add_hypotheses(Masses masses, const PosteriorOptions& options, LocationEstimate& estimate) {
-  const double believed = 1.0 - options.outlier;
+  const double inlier = 1.0 - options.outlier;
   double left = 1.0;
   std::vector<HillMass> heaviest;  // parts of the heaviest peak
   double most = 0.0;
@@ -332,8 +332,8 @@ void add_hypotheses(Masses masses, const PosteriorOptions& options, LocationEsti
       break;
     }
     estimate.hypotheses.push_back(
-        {mean.position, covariance_about(masses, mean.position, near), believed * mean.mass});
-    left -= believed * mean.mass;
+        {mean.position, covariance_about(masses, mean.position, near), inlier * mean.mass});
+    left -= inlier * mean.mass;
     const bool is_heaviest = mean.mass > most;
     if (is_heaviest) {
       most = mean.mass;
@@ -357,8 +357,8 @@ void add_hypotheses(Masses masses, const PosteriorOptions& options, LocationEsti
   }
   if (const auto two = two_component_split(heaviest)) {
     const Hypothesis whole = hypotheses.front();
-    hypotheses.front() = hypothesis_of((*two)[0], whole, believed);
-    hypotheses.push_back(hypothesis_of((*two)[1], whole, believed));
+    hypotheses.front() = hypothesis_of((*two)[0], whole, inlier);
+    hypotheses.push_back(hypothesis_of((*two)[1], whole, inlier));
     sort_by_weight(hypotheses);
   }
 }
@@ -395,7 +395,7 @@ void summarise_posterior(const RoomGrid& grid,
                       weights_of(log_likelihood, options.likelihood_exponent),
                       of_cells,
                       uniform_moments(grid),
-                      options.least_sigma};
+                      options.sigma_floor};
   const double cells = std::max(static_cast<double>(grid.size()), options.cells_of_room);
   if (effective_cells(masses.mass) > kMaxSpread * cells) {
     estimate.reason = "the likelihood is flat: the frames fit everywhere in the room";

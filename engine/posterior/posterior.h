@@ -65,7 +65,7 @@ struct PosteriorOptions {
   std::size_t max_hypotheses = 5;
   // Outlier probability: the map carries no information on the position.
   double outlier = 0.0;
-  double least_sigma = 0.01;  // [m], added to the width of the map (RoomModel::least_sigma)
+  double sigma_floor = 0.01;  // [m], added to the width of the map (RoomModel::sigma_floor)
   // Number of cells of the room, if the grid is a part of it that holds all but `outlier` of the
   // mass; 0: the grid is the whole room.
   double cells_of_room = 0.0;

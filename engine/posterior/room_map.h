@@ -12,13 +12,13 @@ namespace rayloc {
 struct RoomMap {
   std::vector<double> log_likelihood;      // [cell]
   KnownCells within;                       // of the refined cells
-  std::vector<std::vector<double>> doubt;  // [access point][cell], probability that it is wrong
+  std::vector<std::vector<double>> fault_probability;  // [access point][cell], probability that it is wrong
 };
 
 // maps: [access point][cell], the maps of `fusion`. No cell is refined.
 RoomMap fuse(std::span<const std::vector<double>> maps, const AccessPointFusion& fusion);
 
 // For each access point the probability that its observation is uninformative.
-std::vector<double> doubts(const RoomMap& map, double likelihood_exponent);
+std::vector<double> fault_probabilities(const RoomMap& map, double likelihood_exponent);
 
 }  // namespace rayloc

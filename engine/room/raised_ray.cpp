@@ -19,7 +19,7 @@ double gain(const AntennaPattern& pattern,
 
 }  // namespace
 
-std::vector<Ray> raised_rays(std::span<const Ray> rays,
+std::vector<Ray> rays_at_height(std::span<const Ray> rays,
                              double by,
                              const DeviceModel& device,
                              const AntennaArray& array) {
@@ -30,9 +30,9 @@ std::vector<Ray> raised_rays(std::span<const Ray> rays,
   const Mat3d upright;
   const Mat3d mounted = rotation(array.pose.orientation);
   for (Ray& ray : raised) {
-    const Vec3d way = ray.length * ray.at_device - Vec3d{0.0, 0.0, by};
-    const double length = norm(way);
-    const Vec3d at_device = (1.0 / length) * way;
+    const Vec3d path = ray.length * ray.at_device - Vec3d{0.0, 0.0, by};
+    const double length = norm(path);
+    const Vec3d at_device = (1.0 / length) * path;
     const Vec3<float> back = transpose_times(ray.mirror,
                                              Vec3<float>{static_cast<float>(-at_device.x),
                                                          static_cast<float>(-at_device.y),

@@ -14,7 +14,7 @@
 namespace rayloc {
 
 // The rays to the centre of `array` from a device `by` [m] above their traced starting point.
-std::vector<Ray> raised_rays(std::span<const Ray> rays,
+std::vector<Ray> rays_at_height(std::span<const Ray> rays,
                              double by,
                              const DeviceModel& device,
                              const AntennaArray& array);

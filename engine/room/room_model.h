@@ -80,7 +80,7 @@ struct RoomModel {
   double likelihood_exponent = 0.6;
   // [m], per axis, standard deviation: the error that the survey of the access points and the plan
   // leave in every position, however sharp the likelihood is.
-  double least_sigma = 0.01;
+  double sigma_floor = 0.01;
   TraceOptions trace = {.max_depth = kRayDepth};  // of the rays in the likelihood
   // For each surface of the scene, the factor of everything that it reflects, because no slab of
   // one material reproduces its reflection; empty: 1.

@@ -52,22 +52,22 @@ class Sides {
  public:
   void add(std::uint32_t from, std::uint32_t to) {
     if (from != to) {
-      ways_[{std::min(from, to), std::max(from, to)}] |= from < to ? 1U : 2U;
+      directions_[{std::min(from, to), std::max(from, to)}] |= from < to ? 1U : 2U;
     }
   }
   // Sides with a triangle on one side only.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> open() const {
     std::vector<std::pair<std::uint32_t, std::uint32_t>> sides;
-    for (const auto& [ends, ways] : ways_) {
-      if (ways != 3U) {
-        sides.push_back(ways == 1U ? ends : std::pair{ends.second, ends.first});
+    for (const auto& [ends, directions] : directions_) {
+      if (directions != 3U) {
+        sides.push_back(directions == 1U ? ends : std::pair{ends.second, ends.first});
       }
     }
     return sides;
   }
 
  private:
-  std::map<std::pair<std::uint32_t, std::uint32_t>, unsigned> ways_;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, unsigned> directions_;
 };
 
 // The places that lie on the side from a to b, between its ends, in order. `places`: sorted.

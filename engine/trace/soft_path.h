@@ -146,7 +146,7 @@ class SoftPath {
   }
 
   // The share of the wave that the surface blocks.
-  T share_in_the_way(const SoftInteraction<T>& interaction, const SoftSegment<T>& along) const {
+  T blocked_share(const SoftInteraction<T>& interaction, const SoftSegment<T>& along) const {
     const Facet<T>& facet = interaction.facet;
     const Vec3<T> point = meet(facet.plane, along.from, along.to);
     return interaction.at_mirror
@@ -166,7 +166,7 @@ class SoftPath {
   void pass(interactions::Shadowing /*met*/,
             const SoftInteraction<T>& interaction,
             Passage& passage) const {
-    const T weight = share_in_the_way(interaction, segment(passage.mirrors));
+    const T weight = blocked_share(interaction, segment(passage.mirrors));
     Wave<T>& wave = passage.waves.front();
     wave.field = Complex<T>{T(1) - weight, T(0)} * wave.field;
   }
@@ -181,7 +181,7 @@ class SoftPath {
             const SoftInteraction<T>& interaction,
             Passage& passage) const {
     std::vector<Wave<T>>& waves = passage.waves;
-    const T weight = share_in_the_way(interaction, segment(passage.mirrors));
+    const T weight = blocked_share(interaction, segment(passage.mirrors));
     const Complex<T> past{T(1) - weight, T(0)};
     const std::size_t most = static_cast<std::size_t>(options_.max_depth) - mirrors_.size();
     if (waves.size() <= most) {

@@ -52,7 +52,7 @@ bool DeviceTracker::coast(Tracks::value_type& track,
   auto& [device, entry] = track;
   while (entry.due < until) {
     auto estimate = entry.track.coast(entry.due);
-    entry.track.rest();
+    entry.track.compact();
     entry.due += options_.coasting_interval;
     if (estimate) {
       updates.push_back({device, *std::move(estimate)});
@@ -67,13 +67,13 @@ bool DeviceTracker::coast(Tracks::value_type& track,
 
 void DeviceTracker::receive_moment(Tracks::value_type& track,
                                 std::span<const CsiFrame> frames,
-                                const FrameDoubt& doubt,
+                                const FrameFault& fault,
                                 TrackerCounters& counters,
                                 std::vector<DeviceUpdate>& updates) const {
   auto& [device, entry] = track;
   const bool begins = !entry.track.state();
   ++counters.moments;
-  auto estimate = entry.track.receive(frames, doubt);
+  auto estimate = entry.track.receive(frames, fault);
   if (estimate) {
     ++counters.used;
     counters.begun += begins ? 1U : 0U;
@@ -104,10 +104,10 @@ TrackerCounters DeviceTracker::receive_moments(Tracks::value_type& track,
     while (end < frames.size() && frames[end].time - frames[begin].time <= options_.moment) {
       ++end;
     }
-    receive_moment(track, frames.subspan(begin, end - begin), burst.doubt, counters, updates);
+    receive_moment(track, frames.subspan(begin, end - begin), burst.fault, counters, updates);
     begin = end;
   }
-  track.second.track.rest();
+  track.second.track.compact();
   return counters;
 }
 
@@ -158,8 +158,8 @@ void DeviceTracker::receive(const MacAddress& device,
                          std::span<const CsiFrame> frames,
                          std::vector<DeviceUpdate>& updates,
                          std::optional<Timestamp> received_since,
-                         const FrameDoubt& doubt) {
-  const DeviceBurst burst{device, frames, received_since, doubt};
+                         const FrameFault& fault) {
+  const DeviceBurst burst{device, frames, received_since, fault};
   auto received = receive(std::span(&burst, 1));
   std::move(received.front().begin(), received.front().end(), std::back_inserter(updates));
 }

@@ -61,7 +61,7 @@ struct DeviceBurst {
   // The device has not been silent since this time although earlier bursts were left out. Without a
   // value: the time of its first frame.
   std::optional<Timestamp> received_since = std::nullopt;
-  FrameDoubt doubt = {};
+  FrameFault fault = {};
 };
 
 class DeviceTracker {
@@ -76,7 +76,7 @@ class DeviceTracker {
             std::span<const CsiFrame> frames,
             std::vector<DeviceUpdate>& updates,
             std::optional<Timestamp> received_since = std::nullopt,
-            const FrameDoubt& doubt = {});
+            const FrameFault& fault = {});
 
   // No frame before `now` will arrive: appends predictions of silent devices, removes lost tracks.
   void advance(Timestamp now, std::vector<DeviceUpdate>& updates);
@@ -114,7 +114,7 @@ class DeviceTracker {
                                std::vector<DeviceUpdate>& updates) const;
   void receive_moment(Tracks::value_type& track,
                    std::span<const CsiFrame> frames,
-                   const FrameDoubt& doubt,
+                   const FrameFault& fault,
                    TrackerCounters& counters,
                    std::vector<DeviceUpdate>& updates) const;
 

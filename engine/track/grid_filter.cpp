@@ -73,18 +73,18 @@ void GridFilter::change_modes(double seconds) {
       static_cast<float>(-0.5 * std::expm1(-2.0 * motion_.switching_rate * seconds));
   const auto turned = static_cast<float>(-std::expm1(-seconds / motion_.direction_time));
   const auto walks = static_cast<float>(modes_.size() - 1);
-  std::vector<float>& stand = modes_.front().mass;
-  for (std::size_t cell = 0; cell < stand.size(); ++cell) {
+  std::vector<float>& still = modes_.front().mass;
+  for (std::size_t cell = 0; cell < still.size(); ++cell) {
     float walking = 0.0F;
     for (std::size_t k = 1; k < modes_.size(); ++k) {
       walking += modes_[k].mass[cell];
     }
     const float keep = (1.0F - switched) * (1.0F - turned);
-    const float share = ((1.0F - switched) * turned * walking + switched * stand[cell]) / walks;
+    const float share = ((1.0F - switched) * turned * walking + switched * still[cell]) / walks;
     for (std::size_t k = 1; k < modes_.size(); ++k) {
       modes_[k].mass[cell] = keep * modes_[k].mass[cell] + share;
     }
-    stand[cell] = (1.0F - switched) * stand[cell] + switched * walking;
+    still[cell] = (1.0F - switched) * still[cell] + switched * walking;
   }
 }
 
@@ -152,14 +152,14 @@ void GridFilter::predict(Duration elapsed) {
 }
 
 void GridFilter::weigh_change(double change) {
-  const auto stand = static_cast<float>(std::pow(motion_.change_odds, -change));
+  const auto still = static_cast<float>(std::pow(motion_.change_odds, -change));
   const auto walk = static_cast<float>(std::pow(motion_.change_odds, change - 1.0));
   if (away_ > 0.0) {  // being outside carries no information on motion
-    const double standing = this->standing();
-    away_ *= standing * static_cast<double>(stand) + (1.0 - standing) * static_cast<double>(walk);
+    const double stationary = this->stationary();
+    away_ *= stationary * static_cast<double>(still) + (1.0 - stationary) * static_cast<double>(walk);
   }
   for (Mode& mode : modes_) {
-    const float weight = &mode == &modes_.front() ? stand : walk;
+    const float weight = &mode == &modes_.front() ? still : walk;
     for (float& value : mode.mass) {
       value *= weight;
     }
@@ -188,14 +188,14 @@ GridFilter::Relative GridFilter::relative(const Sampled& burst,
   return result;
 }
 
-void GridFilter::update(std::span<const double> log_likelihood, double exponent, double elsewhere) {
+void GridFilter::update(std::span<const double> log_likelihood, double exponent, double burst_outlier) {
   RAYLOC_CHECK(log_likelihood.size() == space_->grid.size());
-  update(Sampled{log_likelihood, {}, {}}, exponent, elsewhere);
+  update(Sampled{log_likelihood, {}, {}}, exponent, burst_outlier);
 }
 
-void GridFilter::update(const Sampled& burst, double exponent, double elsewhere) {
+void GridFilter::update(const Sampled& burst, double exponent, double burst_outlier) {
   RAYLOC_CHECK(exponent >= 0.0 && !burst.log_likelihood.empty());
-  const double outlier = std::clamp(elsewhere, motion_.outlier, 1.0);
+  const double outlier = std::clamp(burst_outlier, motion_.outlier, 1.0);
   const Relative likelihood = relative(burst, exponent, outlier);
   std::vector<float> values(window_.size(), 1.0F);
   for (std::size_t n = 0; n < likelihood.of.size(); ++n) {
@@ -302,8 +302,8 @@ void GridFilter::widen() {
   normalise();
 }
 
-void GridFilter::rest(std::size_t most, const std::vector<double>& mass) {
-  if (window_.size() <= most || is_resting()) {
+void GridFilter::compact(std::size_t most, const std::vector<double>& mass) {
+  if (window_.size() <= most || is_compact()) {
     return;
   }
   kept_.cells.reserve(most);
@@ -326,7 +326,7 @@ void GridFilter::rest(std::size_t most, const std::vector<double>& mass) {
 }
 
 void GridFilter::wake() {
-  if (!is_resting()) {
+  if (!is_compact()) {
     return;
   }
   const float* kept = kept_.mass.data();
@@ -367,7 +367,7 @@ std::vector<double> GridFilter::mass() const {
   return mass;
 }
 
-double GridFilter::standing() const {
+double GridFilter::stationary() const {
   return sum_of(modes_.front().mass) / std::max(1.0 - away_, kMinAway);
 }
 

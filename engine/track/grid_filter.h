@@ -48,7 +48,7 @@ class GridFilter {
   void weigh_change(double change);
 
   // Updates with the log-likelihood of every cell; `exponent` tempers it.
-  void update(std::span<const double> log_likelihood, double exponent, double elsewhere = 0.0);
+  void update(std::span<const double> log_likelihood, double exponent, double burst_outlier = 0.0);
   // Log-likelihoods of some cells that represent the room. Cells that were not compared get the
   // mean likelihood of the room.
   struct Sampled {
@@ -56,7 +56,7 @@ class GridFilter {
     std::span<const std::size_t> cells;  // empty: all
     CellWeights weights;
   };
-  void update(const Sampled& burst, double exponent, double elsewhere);
+  void update(const Sampled& burst, double exponent, double burst_outlier);
 
   // Narrows to the smallest window that leaves out at most `share` of the mass, extended by the
   // cells that a walk reaches within `reach`. Call before predict(reach).
@@ -68,12 +68,12 @@ class GridFilter {
 
   // Keeps the masses of the `most` best cells of the window if it has more; the rest is spread
   // evenly over the others, mode by mode. Only wake() may be called next. `mass`: mass().
-  void rest(std::size_t most, const std::vector<double>& mass);
+  void compact(std::size_t most, const std::vector<double>& mass);
   void wake();
-  bool is_resting() const { return !kept_.cells.empty(); }
+  bool is_compact() const { return !kept_.cells.empty(); }
 
   std::vector<double> mass() const;  // [cell of window()], over all modes, sums to 1
-  double standing() const;           // probability of standing, for a target in the window
+  double stationary() const;           // probability of standing, for a target in the window
 
  private:
   struct Mode {

@@ -36,11 +36,11 @@ std::vector<std::size_t> sample_of_others(const FreeSpace& space,
 
 }  // namespace
 
-LookedCells looked_cells(const GridFilter& filter, const FreeSpace& space, std::size_t turn) {
+SearchedCells searched_cells(const GridFilter& filter, const FreeSpace& space, std::size_t turn) {
   const CellWindow& window = filter.window();
-  LookedCells looked;
+  SearchedCells searched;
   if (window.is_all_of(space.grid)) {
-    return looked;
+    return searched;
   }
   const std::vector<double> mass = filter.mass();
   std::vector<std::size_t> numbers = highest(mass, mass.size());
@@ -51,14 +51,14 @@ LookedCells looked_cells(const GridFilter& filter, const FreeSpace& space, std::
   }
   numbers.resize(count);
   std::sort(numbers.begin(), numbers.end());
-  looked.cells.reserve(count);
-  looked.mass.reserve(count);
+  searched.cells.reserve(count);
+  searched.mass.reserve(count);
   for (const std::size_t number : numbers) {
-    looked.cells.push_back(window.cell(number, space.grid));
-    looked.mass.push_back(mass[number]);
+    searched.cells.push_back(window.cell(number, space.grid));
+    searched.mass.push_back(mass[number]);
   }
-  looked.others = sample_of_others(space, looked.cells, turn);
-  return looked.others.empty() ? LookedCells{} : looked;
+  searched.others = sample_of_others(space, searched.cells, turn);
+  return searched.others.empty() ? SearchedCells{} : searched;
 }
 
 }  // namespace rayloc

@@ -1,4 +1,4 @@
-// LookedCells: the cells that a target's burst is compared with, chosen from its filter: the cells
+// SearchedCells: the cells that a target's burst is compared with, chosen from its filter: the cells
 // that may hold the target, and a lattice that represents the rest of the room.
 #pragma once
 
@@ -21,7 +21,7 @@ inline constexpr Duration kFirstWholeRoomPeriod = std::chrono::seconds(1);
 // Chosen: each period is twice as long as the one before, up to this.
 inline constexpr Duration kWholeRoomPeriod = std::chrono::seconds(5);
 
-struct LookedCells {
+struct SearchedCells {
   std::vector<std::size_t> cells;   // of the room, in ascending order; empty: all cells
   std::vector<double> mass;         // mass of each of them in the filter
   std::vector<std::size_t> others;  // a lattice over the remaining cells
@@ -31,6 +31,6 @@ struct LookedCells {
 
 // `turn`: number of the burst. Every burst uses another lattice, so that all cells of the room are
 // evaluated over time.
-LookedCells looked_cells(const GridFilter& filter, const FreeSpace& space, std::size_t turn);
+SearchedCells searched_cells(const GridFilter& filter, const FreeSpace& space, std::size_t turn);
 
 }  // namespace rayloc

@@ -18,10 +18,10 @@ constexpr double kWalkHeight = 0.8;
 // receive chains jitter by a degree or two.
 constexpr double kStillChange = 1e-3;
 
-FreeSpace make_space(const RoomModel& room, const StandingRoom& standing, const TargetBody& body) {
-  const RoomGrid& grid = standing.grid;
+FreeSpace make_space(const RoomModel& room, const WalkableArea& area, const TargetBody& body) {
+  const RoomGrid& grid = area.grid;
   FreeSpace space{grid,
-                  standing.free,
+                  area.free,
                   std::vector<std::uint8_t>(grid.size(), 0),
                   std::vector<std::uint8_t>(grid.size(), 0)};
   const double height = body.base + kWalkHeight * body.height;
@@ -64,7 +64,7 @@ PersonTrackerCounters& PersonTrackerCounters::operator+=(const PersonTrackerCoun
   lost += other.lost;
   moments += other.moments;
   used += other.used;
-  nobody += other.nobody;
+  no_person += other.no_person;
   unexplained += other.unexplained;
   out_of_order += other.out_of_order;
   unusable += other.unusable;
@@ -77,7 +77,7 @@ PersonTracker::PersonTracker(std::shared_ptr<const PersonLocalizer> localizer,
     : localizer_(std::move(localizer)),
       options_(std::move(options)),
       space_(std::make_shared<const FreeSpace>(make_space(
-          localizer_->room(), localizer_->standing_room(), localizer_->reference().person.body))),
+          localizer_->room(), localizer_->walkable_area(), localizer_->reference().person.body))),
       time_(options_.last_moment) {}
 
 // Change of the person's contribution since the last moment: 0 none, 1 as by a move. Access points
@@ -107,7 +107,7 @@ void PersonTracker::begin(Timestamp time) {
   life_->track = next;
   life_->time = time;
   life_->weighed = time;
-  life_->looked = time;
+  life_->searched = time;
   ++counters_.begun;
 }
 
@@ -120,29 +120,29 @@ void PersonTracker::predict(Timestamp time) {
 }
 
 PersonMap PersonTracker::map(const PersonObservation& observation,
-                             const LookedCells& looked) const {
+                             const SearchedCells& searched) const {
   PersonContext context;
-  context.cells = looked.cells;
-  context.sample = looked.others;
+  context.cells = searched.cells;
+  context.sample = searched.others;
   return localizer_->map(observation, localizer_->reference().person.likelihood_exponent, context);
 }
 
 // Evaluates the cells where the filter has a person. Evaluates the whole room if the filter is
 // undecided, if no person is seen in these cells, and at regular intervals.
-PersonMap PersonTracker::look(const PersonObservation& observation) {
+PersonMap PersonTracker::evaluate(const PersonObservation& observation) {
   Life& life = *life_;
-  if (life.time - life.looked >= kWholeRoomPeriod || life.filter.away() > kMaxAway) {
+  if (life.time - life.searched >= kWholeRoomPeriod || life.filter.away() > kMaxAway) {
     life.filter.widen();
   }
-  const LookedCells looked = looked_cells(life.filter, *space_, life.moments);
-  if (!looked.is_all()) {
-    PersonMap narrow = map(observation, looked);
+  const SearchedCells searched = searched_cells(life.filter, *space_, life.moments);
+  if (!searched.is_all()) {
+    PersonMap narrow = map(observation, searched);
     if (sight_of(narrow, 0.0) == Sight::kSeen) {
       return narrow;
     }
     life.filter.widen();
   }
-  life.looked = life.time;
+  life.searched = life.time;
   return map(observation, {});
 }
 
@@ -161,10 +161,10 @@ void PersonTracker::learn(const PersonMap& map, double weight) {
 }
 
 PersonTracker::Sight PersonTracker::sight_of(const PersonMap& map, double least) {
-  if (!map.is_explained || map.is_transmitter_doubtful) {
+  if (!map.is_explained || map.is_transmitter_suspect) {
     return Sight::kUnexplained;
   }
-  return map.somebody < least ? Sight::kNobody : Sight::kSeen;
+  return map.presence < least ? Sight::kNoPerson : Sight::kSeen;
 }
 
 PersonTracker::Sight PersonTracker::weigh(const PersonObservation& observation) {
@@ -172,7 +172,7 @@ PersonTracker::Sight PersonTracker::weigh(const PersonObservation& observation) 
   const Timestamp time = observation.estimate.time;
   if (!life_) {
     PersonMap map = this->map(observation, {});
-    const Sight sight = sight_of(map, kSomebody);
+    const Sight sight = sight_of(map, kPresence);
     if (sight == Sight::kSeen) {
       begin(time);
       life_->filter.update(map.log_likelihood, 1.0);
@@ -191,14 +191,14 @@ PersonTracker::Sight PersonTracker::weigh(const PersonObservation& observation) 
   life_->filter.weigh_change(change);
   life_->credit = credit;
   if (weight >= kMinMomentWeight) {
-    PersonMap map = look(observation);
+    PersonMap map = evaluate(observation);
     if (const Sight sight = sight_of(map, 0.0); sight != Sight::kSeen) {
       return sight;
     }
     learn(map, weight);
     life_->within = std::move(map.within);
     life_->credit += weight;
-    life_->is_clear = map.somebody >= kSomebody;
+    life_->is_clear = map.presence >= kPresence;
   }
   life_->weighed = time;
   life_->last = observation.arrays;
@@ -228,7 +228,7 @@ std::optional<TrackTransition> PersonTracker::age(Timestamp time, bool is_seen) 
       reason = "not seen lately";
     }
   }
-  if (time - life_->clear >= options_.doubt_after) {
+  if (time - life_->clear >= options_.unclear_after) {
     after = TrackState::kLost;
     reason = "not clearly seen for too long";
   }
@@ -268,7 +268,7 @@ void PersonTracker::report(LocationEstimate location,
   update.estimate.location = std::move(location);
   update.estimate.state = life_->state;
   update.estimate.predicted = !is_seen;
-  update.estimate.standing = life_->filter.standing();
+  update.estimate.stationary = life_->filter.stationary();
   update.estimate.transition = std::move(transition);
   updates.push_back(std::move(update));
   if (life_->state == TrackState::kLost) {
@@ -308,7 +308,7 @@ void PersonTracker::receive_moment(std::span<const CsiFrame> frames,
   const Sight sight = weigh(observation);
   const bool is_seen = sight == Sight::kSeen;
   counters_.used += is_seen ? 1U : 0U;
-  counters_.nobody += sight == Sight::kNobody ? 1U : 0U;
+  counters_.no_person += sight == Sight::kNoPerson ? 1U : 0U;
   counters_.unexplained += sight == Sight::kUnexplained ? 1U : 0U;
   if (!life_) {
     return;

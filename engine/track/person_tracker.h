@@ -53,7 +53,7 @@ struct PersonTrackerOptions {
   Duration lose_after = std::chrono::seconds(5);          // unseen, any track is lost
   // Time without a clear detection after which any track is lost: a weak link receives as much from
   // an empty room as from a person, so the track of a person who left would never end.
-  Duration doubt_after = std::chrono::seconds(10);
+  Duration unclear_after = std::chrono::seconds(10);
   // Compares every moment with the whole room: the reference for the restricted search.
   bool is_exhaustive = false;
   // Time between two predicted positions while the transmitter is silent.
@@ -75,7 +75,7 @@ struct PersonTrackerCounters {
   std::uint64_t lost = 0;          // tracks
   std::uint64_t moments = 0;       // measurements
   std::uint64_t used = 0;          // with a detected person
-  std::uint64_t nobody = 0;        // without a detected person
+  std::uint64_t no_person = 0;        // without a detected person
   std::uint64_t unexplained = 0;   // not explained by a person at any position
   std::uint64_t out_of_order = 0;  // not later than the last moment
   std::uint64_t unusable = 0;      // without usable frames of any access point
@@ -115,7 +115,7 @@ class PersonTracker {
   const PersonTrackerCounters& counters() const { return counters_; }
 
  private:
-  enum class Sight : std::uint8_t { kSeen, kNobody, kUnexplained };
+  enum class Sight : std::uint8_t { kSeen, kNoPerson, kUnexplained };
   // `least`: least value of `PersonMap::somebody` at which a person is reported.
   static Sight sight_of(const PersonMap& map, double least);
 
@@ -126,7 +126,7 @@ class PersonTracker {
     Timestamp seen{};
     Timestamp clear{};    // last time that a person was seen as clearly as a track needs to begin
     Timestamp weighed{};  // last moment that was weighed
-    Timestamp looked{};   // last moment that was compared with the whole room
+    Timestamp searched{};   // last moment that was compared with the whole room
     Timestamp due{};      // time of the next predicted position, if the transmitter stays silent
     TrackState state = TrackState::kTentative;
     std::size_t moments = 0;  // number of moments with a detected person
@@ -141,8 +141,8 @@ class PersonTracker {
   void begin(Timestamp time);
   void predict(Timestamp time);
   double change_of(const PersonObservation& observation) const;
-  PersonMap look(const PersonObservation& observation);
-  PersonMap map(const PersonObservation& observation, const LookedCells& looked) const;
+  PersonMap evaluate(const PersonObservation& observation);
+  PersonMap map(const PersonObservation& observation, const SearchedCells& searched) const;
   void learn(const PersonMap& map, double weight);
   Sight weigh(const PersonObservation& observation);
   std::optional<TrackTransition> age(Timestamp time, bool is_seen);

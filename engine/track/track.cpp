@@ -14,8 +14,8 @@ namespace {
 constexpr double kMinBurstWeight = 0.02;  // least weight of a burst for which the map is computed
 constexpr double kMinChange = 1e-12;    // of the power; a smaller change is rounding
 // Counts of cells, chosen: kept by a resting track, with 17 modes 29 KiB ...
-constexpr std::size_t kRestingCells = 400;
-constexpr std::size_t kRestingWithin = 64;  // a count, chosen: ... with positions in the cell
+constexpr std::size_t kCompactCells = 400;
+constexpr std::size_t kCompactRefined = 64;  // a count, chosen: ... with positions in the cell
 // [s], chosen: a step or two of a walk.
 constexpr Duration kVelocityWindow = std::chrono::seconds(1);
 
@@ -81,12 +81,12 @@ bool Track::weigh(const RoomObservation& observation, Duration elapsed) {
   // Evidence from access points that join is entirely new, also for a device at rest.
   const bool is_joining = is_joined(observation);
   const double credit = is_joining ? 0.0 : credit_ * (1.0 - novelty);
-  const Duration unseen = time_ - looked_;  // without evidence outside the window
+  const Duration unseen = time_ - searched_;  // without evidence outside the window
   bool is_wide = widens(is_joining);
   // Cells that enter the window have had no evidence of their own since then, so this burst counts
   // for all of that time. Otherwise no single evaluation could leave a wrongly followed peak,
   // because the next window would again exclude the small mass that was given to the right one.
-  const bool is_new = knows_nothing_ || is_joining;
+  const bool is_new = is_unlocated_ || is_joining;
   const auto weight_of_burst = [&] {
     const Duration since = is_wide ? std::max(elapsed, unseen) : elapsed;
     const double share =
@@ -100,7 +100,7 @@ bool Track::weigh(const RoomObservation& observation, Duration elapsed) {
     if (is_joining) {  // evaluated again soon: one burst of a joining access point may mislead
       whole_room_period_ = kFirstWholeRoomPeriod;
     }
-    evidence = look(observation, is_wide);
+    evidence = evaluate(observation, is_wide);
     if (map.empty()) {
       return false;
     }
@@ -113,12 +113,12 @@ bool Track::weigh(const RoomObservation& observation, Duration elapsed) {
   if (!map.empty()) {
     filter_.update(GridFilter::Sampled{map, evidence.cells, evidence.weights},
                    weight * localizer_->room().likelihood_exponent,
-                   evidence.elsewhere);
+                   evidence.outlier);
     within_ = std::move(evidence.within);
     credit_ += weight;
-    looked_with_.resize(localizer_->room().access_points.size());
+    searched_with_.resize(localizer_->room().access_points.size());
     for (const ArrayObservation& received : observation.arrays) {
-      looked_with_[received.ap] = time_;
+      searched_with_[received.ap] = time_;
     }
     const auto mass = filter_.mass();
     learn_height(mass, weight);
@@ -131,7 +131,7 @@ bool Track::weigh(const RoomObservation& observation, Duration elapsed) {
     last_.push_back({received.ap, received.h});
   }
   ++bursts_;
-  knows_nothing_ = false;
+  is_unlocated_ = false;
   return true;
 }
 
@@ -140,8 +140,8 @@ bool Track::weigh(const RoomObservation& observation, Duration elapsed) {
 bool Track::is_joined(const RoomObservation& observation) const {
   return std::any_of(
       observation.arrays.begin(), observation.arrays.end(), [&](const ArrayObservation& received) {
-        return received.ap >= looked_with_.size() || !looked_with_[received.ap] ||
-               time_ - *looked_with_[received.ap] > kWholeRoomPeriod;
+        return received.ap >= searched_with_.size() || !searched_with_[received.ap] ||
+               time_ - *searched_with_[received.ap] > kWholeRoomPeriod;
       });
 }
 
@@ -152,30 +152,30 @@ bool Track::widens(bool is_joining) const {
   const auto number = [&](Timestamp time) {
     return (time.time_since_epoch() + phase_) / whole_room_period_;
   };
-  const bool is_due = number(time_) != number(looked_);
+  const bool is_due = number(time_) != number(searched_);
   return !filter_.window().is_all_of(space_->grid) &&
          (is_due || filter_.away() > kMaxAway || is_joining);
 }
 
 // Also evaluates the whole room if no place in the window explains the burst: then `is_wide`.
-Localizer::Evidence Track::look(const RoomObservation& observation, bool& is_wide) {
-  const auto look_wide = [&] {
+Localizer::Evidence Track::evaluate(const RoomObservation& observation, bool& is_wide) {
+  const auto search_wide = [&] {
     filter_.widen();
     whole_room_period_ = std::min(2 * whole_room_period_, kWholeRoomPeriod);
   };
   if (is_wide) {
-    look_wide();
+    search_wide();
   } else if (filter_.window().is_all_of(space_->grid)) {
     whole_room_period_ = kFirstWholeRoomPeriod;
   }
-  auto evidence = localizer_->evidence(observation, Localizer::Look::kPlaces, focus());
+  auto evidence = localizer_->evidence(observation, Localizer::Scan::kPlaces, focus());
   if (evidence.log_likelihood.empty() && !filter_.window().is_all_of(space_->grid)) {
     is_wide = true;
-    look_wide();
-    evidence = localizer_->evidence(observation, Localizer::Look::kPlaces, focus());
+    search_wide();
+    evidence = localizer_->evidence(observation, Localizer::Scan::kPlaces, focus());
   }
   if (filter_.window().is_all_of(space_->grid)) {
-    looked_ = time_;
+    searched_ = time_;
   }
   return evidence;
 }
@@ -188,11 +188,11 @@ SearchFocus Track::focus() const {
   if (!localizer_->heights().is_known()) {
     focus.layer_weight = layers_;
   }
-  LookedCells looked = looked_cells(filter_, *space_, bursts_);
-  if (!looked.is_all()) {
-    focus.log_prior = log_masses(std::move(looked.mass));
-    focus.cells = std::move(looked.cells);
-    focus.others = std::move(looked.others);
+  SearchedCells searched = searched_cells(filter_, *space_, bursts_);
+  if (!searched.is_all()) {
+    focus.log_prior = log_masses(std::move(searched.mass));
+    focus.cells = std::move(searched.cells);
+    focus.others = std::move(searched.others);
   } else if (filter_.window().is_all_of(space_->grid) && !layers_.empty()) {
     focus.log_prior = log_masses(filter_.mass());
   }
@@ -216,22 +216,22 @@ void Track::learn_height(const std::vector<double>& mass, double weight) {
   if (layers_.empty()) {
     layers_ = heights.weight;
   }
-  std::vector<double> said(layers_.size());
+  std::vector<double> layer_mass(layers_.size());
   double known = 0.0;
   for (const auto& [cell, of_cell] : within_) {
     const auto number = filter_.window().number(cell, space_->grid);
     if (!number) {
       continue;
     }
-    for (std::size_t layer = 0; layer < said.size(); ++layer) {
-      said[layer] += mass[*number] * static_cast<double>(of_cell.layers[layer]);
+    for (std::size_t layer = 0; layer < layer_mass.size(); ++layer) {
+      layer_mass[layer] += mass[*number] * static_cast<double>(of_cell.layers[layer]);
     }
     known += mass[*number];
   }
   double sum = 0.0;
-  for (std::size_t layer = 0; layer < said.size(); ++layer) {
+  for (std::size_t layer = 0; layer < layer_mass.size(); ++layer) {
     // Cells that were not evaluated carry no information on the height.
-    const double all = said[layer] + std::max(0.0, 1.0 - known) * layers_[layer];
+    const double all = layer_mass[layer] + std::max(0.0, 1.0 - known) * layers_[layer];
     layers_[layer] = std::pow(layers_[layer], 1.0 - weight) * std::pow(all, weight);
     sum += layers_[layer];
   }
@@ -290,13 +290,13 @@ FilteredEstimate Track::summarise(LocationEstimate location, const KnownCells& w
                    {1.0,
                     location.accuracy_confidence,
                     localizer_->options().max_hypotheses,
-                    doubt_.probability,
-                    localizer_->room().least_sigma},
+                    fault_.probability,
+                    localizer_->room().sigma_floor},
                    within,
                    location);
   location.loss = loss_;
   estimate.location = std::move(location);
-  estimate.standing = filter_.standing();
+  estimate.stationary = filter_.stationary();
   return estimate;
 }
 
@@ -329,21 +329,21 @@ void Track::remember(FilteredEstimate& estimate) {
   estimate.velocity = (1.0 / spread) * product;
 }
 
-void Track::rest() {
+void Track::compact() {
   const bool is_small =
-      within_.size() <= kRestingWithin && filter_.window().size() <= kRestingCells;
-  if (options_.is_exhaustive || filter_.is_resting() || is_small) {
+      within_.size() <= kCompactRefined && filter_.window().size() <= kCompactCells;
+  if (options_.is_exhaustive || filter_.is_compact() || is_small) {
     return;
   }
   const std::vector<double> mass = filter_.mass();
-  if (within_.size() > kRestingWithin) {
+  if (within_.size() > kCompactRefined) {
     std::vector<double> of_cells;
     of_cells.reserve(within_.size());
     for (const auto& [cell, of_cell] : within_) {
       const auto number = filter_.window().number(cell, space_->grid);
       of_cells.push_back(number ? mass[*number] : 0.0);
     }
-    std::vector<std::size_t> best = highest(of_cells, kRestingWithin);
+    std::vector<std::size_t> best = highest(of_cells, kCompactRefined);
     std::sort(best.begin(), best.end());
     KnownCells kept;
     kept.reserve(best.size());
@@ -352,12 +352,12 @@ void Track::rest() {
     }
     within_ = std::move(kept);
   }
-  filter_.rest(kRestingCells, mass);
+  filter_.compact(kCompactCells, mass);
 }
 
 void Track::forget_place() {
   filter_ = GridFilter(space_, options_.motion);
-  knows_nothing_ = true;
+  is_unlocated_ = true;
   credit_ = 0.0;
   loss_ = 0.0;
   within_.clear();
@@ -367,7 +367,7 @@ void Track::forget_place() {
 }
 
 tl::expected<FilteredEstimate, MomentRefusal> Track::receive(std::span<const CsiFrame> frames,
-                                                          const FrameDoubt& doubt) {
+                                                          const FrameFault& fault) {
   filter_.wake();
   RoomObservation observation = localizer_->receive(frames);
   const Timestamp time = observation.estimate.time;
@@ -383,7 +383,7 @@ tl::expected<FilteredEstimate, MomentRefusal> Track::receive(std::span<const Csi
     return tl::make_unexpected(MomentRefusal::kUnexplained);
   }
   received_ = time;
-  doubt_ = doubt;
+  fault_ = fault;
   FilteredEstimate estimate = summarise(std::move(observation.estimate), within_);
   remember(estimate);
   if (!state_ && bursts_ < options_.confirming_bursts) {

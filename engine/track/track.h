@@ -69,11 +69,11 @@ class Track {
         Duration phase = {});
 
   // Reduces the memory until the next call.
-  void rest();
+  void compact();
 
   // Updates with frames of the target within a moment in which it does not move.
   tl::expected<FilteredEstimate, MomentRefusal> receive(std::span<const CsiFrame> frames,
-                                                     const FrameDoubt& doubt = {});
+                                                     const FrameFault& fault = {});
 
   // Earlier bursts may have been wrong: the target may be anywhere, and the track continues.
   void forget_place();
@@ -105,7 +105,7 @@ class Track {
   SearchFocus focus() const;
   bool is_joined(const RoomObservation& observation) const;
   bool widens(bool is_joining) const;
-  Localizer::Evidence look(const RoomObservation& observation, bool& is_wide);
+  Localizer::Evidence evaluate(const RoomObservation& observation, bool& is_wide);
   void spread_height(double seconds);
   void learn_height(const std::vector<double>& mass, double weight);
   void narrow(Duration reach);
@@ -124,15 +124,15 @@ class Track {
   std::optional<TrackState> state_;                    // empty before the first usable burst
   Timestamp time_;                                     // time of the filter
   Timestamp received_;                                    // last usable burst
-  Timestamp looked_;                                   // last evaluation of the whole room
+  Timestamp searched_;                                   // last evaluation of the whole room
   Duration whole_room_period_;                         // time to its next evaluation
-  std::vector<std::optional<Timestamp>> looked_with_;  // its last evaluation, [ArrayObservation::ap]
+  std::vector<std::optional<Timestamp>> searched_with_;  // its last evaluation, [ArrayObservation::ap]
   std::size_t bursts_ = 0;                             // usable bursts
-  bool knows_nothing_ = true;  // no usable burst yet, or the place was forgotten
+  bool is_unlocated_ = true;  // no usable burst yet, or the place was forgotten
   double credit_ = 0.0;        // share of a snapshot's weight already given to the present channel
   double loss_ = 0.0;          // at the last position
   // From the last frames: all evidence of the filter relies on the same chains, equally suspect.
-  FrameDoubt doubt_;
+  FrameFault fault_;
   // Distribution inside the best cells, from the last weighed burst.
   KnownCells within_;
   std::vector<double> layers_;  // probability of each layer of heights; empty: known, or the prior

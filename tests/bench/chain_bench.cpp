@@ -171,7 +171,7 @@ void cycle(const std::shared_ptr<const Localizer>& localizer,
 
 // The use of an access point's chains from the second power cycle on.
 struct Withdrawal {
-  bool believed = false;               // in use when the chains turned
+  bool accepted = false;               // in use when the chains turned
   std::vector<Value> factor;           // those in use then
   std::optional<std::size_t> bursts;   // since then, until they were withdrawn
   std::optional<std::size_t> learned;  // since then, until others were learned
@@ -234,7 +234,7 @@ void again(const std::shared_ptr<const Localizer>& localizer,
         "the end:%s\n",
         number,
         room.access_points[state.access_point].id.c_str(),
-        one.believed ? "believed" : "not believed",
+        one.accepted ? "believed" : "not believed",
         text(one.bursts).c_str(),
         text(one.learned).c_str(),
         phases(state.factors.factor, second[state.access_point]).c_str());

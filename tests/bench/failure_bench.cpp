@@ -169,7 +169,7 @@ void study_jumps(const std::shared_ptr<const Localizer>& localizer,
               "chain's phase jumped",
               *localizer,
               spot,
-              learner.believed(frames),
+              learner.accepted(frames),
               tally,
               !learner.leaves_alone());
       }
@@ -208,7 +208,7 @@ void run(const RoomModel& room, const std::vector<Spot>& spots, bool verbose) {
   });
   study_jumps(kept, spots, verbose);
   study("access point covered", localizer, [&](std::size_t i, Frames& frames) {
-    test::cover(frames, hit(i), room, spots[i].position);
+    test::obstruct(frames, hit(i), room, spots[i].position);
     return true;
   });
   study("another room's channel", localizer, [&](std::size_t, Frames& frames) {

@@ -31,13 +31,13 @@ OfdmGrid grid_of(int bandwidth_mhz, double centre_hz) {
 
 // Around the walls, from the middle of the western one on.
 Pose place_along_walls(double share, double length) {
-  const double way = 4.0 * share + 0.5;
-  const double along = way - std::floor(way);
+  const double distance = 4.0 * share + 0.5;
+  const double along = distance - std::floor(distance);
   const double from = kFromWall;
   const double to = length - kFromWall;
   const double at = from + along * (to - from);
   Pose pose;
-  switch (static_cast<int>(way) % 4) {
+  switch (static_cast<int>(distance) % 4) {
     case 0:
       pose.position = {from, at, 1.9};
       break;

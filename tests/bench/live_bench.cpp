@@ -127,9 +127,9 @@ double thousand_cells(std::size_t dimension) {
 
 // Up and down the middle of the room.
 Vec3d place_at(double seconds, const Case& of) {
-  const double way = 0.7 * of.length;
-  const double along = std::fmod(kSpeed * seconds, 2.0 * way);
-  return {0.15 * of.length + (along < way ? along : 2.0 * way - along), of.y, 1.2};
+  const double distance = 0.7 * of.length;
+  const double along = std::fmod(kSpeed * seconds, 2.0 * distance);
+  return {0.15 * of.length + (along < distance ? along : 2.0 * distance - along), of.y, 1.2};
 }
 
 // The moments of a walk: [moment], frames of all access points.

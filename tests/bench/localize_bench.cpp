@@ -258,7 +258,7 @@ void print_latencies() {
     const auto& received = evidence[static_cast<std::size_t>(i) % evidence.size()];
     filter.predict(std::chrono::milliseconds(50));
     filter.weigh_change(1.0);
-    filter.update(received.log_likelihood, p.room->likelihood_exponent, received.elsewhere);
+    filter.update(received.log_likelihood, p.room->likelihood_exponent, received.outlier);
     benchmark::DoNotOptimize(filter.mass());
   });
   DeviceTracker tracker(p.localizer, {});

@@ -86,9 +86,9 @@ constexpr std::size_t kMoments = 120;                      // of the walk, a cou
 
 // North of the islands, from west to east and back.
 TargetPosition place_of_walk(std::size_t moment, double length) {
-  const double way = 0.6 * length;
-  const double along = std::fmod(0.08 * 0.8 * static_cast<double>(moment), 2.0 * way);
-  return {0.15 * length + std::min(along, 2.0 * way - along), 3.7};
+  const double distance = 0.6 * length;
+  const double along = std::fmod(0.08 * 0.8 * static_cast<double>(moment), 2.0 * distance);
+  return {0.15 * length + std::min(along, 2.0 * distance - along), 3.7};
 }
 
 PersonReference reference_of(const RoomModel& room,

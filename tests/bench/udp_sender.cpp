@@ -68,8 +68,8 @@ UdpFlood::UdpFlood(const Flood& flood) {
   process_ = fork();
   if (process_ == 0) {
     const Result result = send_all(flood);
-    const bool told = write(ends[1], &result, sizeof result) == sizeof result;
-    _exit(told ? 0 : 1);
+    const bool is_written = write(ends[1], &result, sizeof result) == sizeof result;
+    _exit(is_written ? 0 : 1);
   }
   close(ends[1]);
   pipe_ = ends[0];

@@ -84,11 +84,11 @@ inline void judge_stamps(const std::vector<Timestamp>& stamps, bool as_stamped) 
   for (std::size_t i = 0; i < stamps.size(); ++i) {
     const auto time = clock.event_time(i + 1, stamps[i]);
     refused += time ? 0U : 1U;
-    const bool told =
+    const bool is_reported =
         !time || std::any_of(times.busy.begin(), times.busy.end(), [&](const auto& s) {
           return s.begin <= *time && *time <= s.end;
         });
-    if (!told) {
+    if (!is_reported) {
       std::abort();  // a record outside of the times that have records
     }
   }

@@ -54,14 +54,14 @@ bool send_all(int fd, const std::string& bytes) {
 
 // Waits until the peer has completed the handshake: earlier data is an error to the peer.
 bool wait_for_ready(int fd) {
-  std::string said;
+  std::string output;
   std::array<char, 512> buffer;
-  while (said.find("READY") == std::string::npos) {
+  while (output.find("READY") == std::string::npos) {
     const ssize_t got = recv(fd, buffer.data(), buffer.size(), 0);
     if (got <= 0) {
       return false;
     }
-    said.append(buffer.data(), static_cast<std::size_t>(got));
+    output.append(buffer.data(), static_cast<std::size_t>(got));
   }
   return true;
 }

@@ -123,7 +123,7 @@ void turn_chain(std::vector<CsiFrame>& frames, int access_point, std::uint8_t co
   }
 }
 
-void cover(std::vector<CsiFrame>& frames,
+void obstruct(std::vector<CsiFrame>& frames,
            int access_point,
            const RoomModel& room,
            const Vec3d& device) {

@@ -27,7 +27,7 @@ void turn_chain(std::vector<CsiFrame>& frames, int access_point, std::uint8_t co
 
 // Places an obstruction that passes 3 % of the direct path's amplitude in front of an access point.
 // `room`: as calibrated, gives the direct path's strength; `device`: the true position.
-void cover(std::vector<CsiFrame>& frames,
+void obstruct(std::vector<CsiFrame>& frames,
            int access_point,
            const RoomModel& room,
            const Vec3d& device);

@@ -190,11 +190,11 @@ Csi TracedLink::csi() const {
 }
 
 Csi TracedLink::reference() const {
-  TracedLink elsewhere = *this;
-  for (Receiver& receiver : elsewhere.receivers_) {
+  TracedLink displaced = *this;
+  for (Receiver& receiver : displaced.receivers_) {
     receiver.position = receiver.position + Vec3d{0.02, -0.013, 0.017};
   }
-  return elsewhere.csi();
+  return displaced.csi();
 }
 
 std::vector<std::uint32_t> TracedLink::path_keys() const {

@@ -275,7 +275,7 @@ Expected<void> Reference::learn_two_days() {
     received_.push_back(
         {surveyed_place(*find_transmitter(site_, mac)), *std::move(people), *std::move(today)});
   }
-  auto days = tell_days_apart(room_, received_);
+  auto days = separate_days(room_, received_);
   if (!days) {
     return tl::make_unexpected(std::move(days.error()));
   }

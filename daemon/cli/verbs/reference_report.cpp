@@ -65,7 +65,7 @@ void print_reference(const ReferenceReport& report) {
                        : "as stated (no --people)",
       person.body.semi_axes[0],
       person.strength_variance,
-      person.way_variance,
+      person.path_variance,
       person.front_sigma,
       person.diffuse,
       person.noise,

@@ -50,7 +50,7 @@ std::vector<RoomParameter> all_parameters(const std::vector<CalibrationMethodRes
     return number;
   };
   parameters.push_back({assumed(file.likelihood_exponent), parse_parameter_id("temper"), "1"});
-  parameters.push_back({assumed(file.least_sigma), parse_parameter_id("least_sigma"), "m"});
+  parameters.push_back({assumed(file.sigma_floor), parse_parameter_id("least_sigma"), "m"});
   return parameters;
 }
 
@@ -98,7 +98,7 @@ CalibrationFile Calibration::file_of(const std::vector<CalibrationMethodResult>&
   file.scene_hash = scene_hash(*room.scene);
   file.points_hash = inputs_.points_hash;
   file.likelihood_exponent = {fixes_.back().likelihood_exponent, plan_.likelihood_exponent, 0.0};
-  file.least_sigma = {fixes_.back().least_sigma, plan_.least_sigma, 0.0};
+  file.sigma_floor = {fixes_.back().sigma_floor, plan_.sigma_floor, 0.0};
   file.ray_depth = room.trace.max_depth;
   file.transmission = room.trace.transmission;
   file.access_points = calibrated_access_points(plan_, methods.front().calibration, results_);

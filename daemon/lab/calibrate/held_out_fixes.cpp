@@ -32,7 +32,7 @@ std::vector<HeldOutSpot> at_height(std::span<const HeldOutSpot> spots, double he
 
 struct Tried {
   HeldOutFixes outcome;
-  JudgedExponent judged;
+  TemperingExponent judged;
 };
 
 Tried fixes_with(const Localizer& localizer,
@@ -61,10 +61,10 @@ Tried fixes_with(const Localizer& localizer,
     result.within_accuracy += error <= estimate.accuracy_m ? 1U : 0U;
     errors.push_back(error);
   }
-  result.least_sigma = room.least_sigma;
+  result.sigma_floor = room.sigma_floor;
   if (!estimates.empty()) {
-    tried.judged = judge_exponent(likelihood_exponent, estimates, room.least_sigma, known, sigmas);
-    result.least_sigma = tried.judged.least_sigma;
+    tried.judged = evaluate_exponent(likelihood_exponent, estimates, room.sigma_floor, known, sigmas);
+    result.sigma_floor = tried.judged.sigma_floor;
     result.log_score = tried.judged.score;
     result.dishonesty = tried.judged.dishonesty;
   }
@@ -82,7 +82,7 @@ Expected<std::vector<HeldOutFixes>> fit_certainty_of(std::shared_ptr<const RoomM
   const std::vector<HeldOutSpot> spots = at_height(all, room->device.height);
   const double usual = room->likelihood_exponent;
   const double most = room->access_points.size() > 1 ? kMaxOfSeveral : kExponents.front();
-  const std::array usual_sigma{room->least_sigma};
+  const std::array usual_sigma{room->sigma_floor};
   const auto localizer = Localizer::create(std::move(room), {});
   if (!localizer) {
     return tl::make_unexpected(localizer.error());
@@ -92,7 +92,7 @@ Expected<std::vector<HeldOutFixes>> fit_certainty_of(std::shared_ptr<const RoomM
         fixes_with(*localizer, spots, usual, usual_sigma, survey_sigma).outcome};
   }
   std::vector<HeldOutFixes> outcomes;
-  std::vector<JudgedExponent> judged;
+  std::vector<TemperingExponent> judged;
   std::size_t top = 0;
   for (const double exponent : kExponents) {
     if (exponent > most) {

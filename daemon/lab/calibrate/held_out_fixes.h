@@ -19,7 +19,7 @@ struct HeldOutSpot {
 };
 
 // Selects the exponent of the likelihood (RoomModel::likelihood_exponent), with
-// RoomModel::least_sigma, of the best log score to within the resolution of the points; the
+// RoomModel::sigma_floor, of the best log score to within the resolution of the points; the
 // selected one is the last of the returned fixes. The log score is that of the probabilities stated
 // for the points. It penalizes regions that are too narrow and too wide alike, so that regions of
 // 50 % are right as well as those of 95 %. Points are compared by their surveyed positions, with

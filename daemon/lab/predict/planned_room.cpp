@@ -103,7 +103,7 @@ Expected<RoomModel> planned_room(const Site& site, const PlannedRoomOptions& pla
   if (!site.calibration_file) {
     room->trace = kCalibratedRays;
     room->likelihood_exponent = kCalibratedExponent;
-    room->least_sigma = kCalibratedLeastSigma;
+    room->sigma_floor = kCalibratedLeastSigma;
   }
   for (RoomAccessPoint& ap : room->access_points) {
     if (ap.gains.empty()) {

@@ -147,7 +147,7 @@ void fill_person_tracker(const PersonEstimator& estimator, v1::PersonTrackerCoun
   counters->set_lost(tracker.lost);
   counters->set_moments(tracker.moments);
   counters->set_used(tracker.used);
-  counters->set_nobody(tracker.nobody);
+  counters->set_nobody(tracker.no_person);
   counters->set_unexplained(tracker.unexplained);
   counters->set_out_of_order(tracker.out_of_order);
   counters->set_unusable(tracker.unusable);

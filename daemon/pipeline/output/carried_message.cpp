@@ -172,7 +172,7 @@ Debounce verdict_of(const v1::CarriedVerdict& message) {
   return Debounce(CalibrationMonitor::kSteady, message.state(), static_cast<int>(message.run()));
 }
 
-void set_told(const CalibrationMonitor::Told& told, v1::CarriedCalibration* message) {
+void set_told(const CalibrationMonitor::MonitorState& told, v1::CarriedCalibration* message) {
   message->set_access_point(static_cast<std::uint32_t>(told.access_point));
   message->set_bursts(static_cast<std::uint32_t>(told.bursts));
   if (told.usual) {
@@ -196,12 +196,12 @@ void set_told(const CalibrationMonitor::Told& told, v1::CarriedCalibration* mess
   }
 }
 
-Expected<CalibrationMonitor::Told> told_of(const v1::CarriedCalibration& message) {
+Expected<CalibrationMonitor::MonitorState> told_of(const v1::CarriedCalibration& message) {
   if (message.jump_size() != message.jump_phase_size()) {
     return bad_input("verdicts and phases are of different numbers of chains");
   }
   const auto chains = static_cast<std::size_t>(message.jump_size());
-  CalibrationMonitor::Told told(
+  CalibrationMonitor::MonitorState told(
       message.access_point(),
       chains,
       message.has_usual() ? std::optional<double>(message.usual()) : std::nullopt);
@@ -248,7 +248,7 @@ v1::Carried carried_message(const Carried& carried) {
   for (const ChainState& state : carried.chains) {
     set_chains(state, message.add_chains());
   }
-  for (const CalibrationMonitor::Told& told : carried.calibration) {
+  for (const CalibrationMonitor::MonitorState& told : carried.calibration) {
     set_told(told, message.add_calibration());
   }
   for (const Carried::Watched& watched : carried.watched) {

@@ -40,7 +40,7 @@ struct Carried {
   std::vector<People> people;  // by transmitter
   ZoneStays zones;
   std::vector<ChainState> chains;  // by access point, of those that differ from the calibration
-  std::vector<CalibrationMonitor::Told> calibration;  // by access point
+  std::vector<CalibrationMonitor::MonitorState> calibration;  // by access point
   std::vector<Watched> watched;                       // by transmitter
 };
 

@@ -225,7 +225,7 @@ Expected<CalibrationFile> read_calibration_document(TomlDocument& document) {
   // Above 1 if the model states more error than it has.
   calibration.likelihood_exponent = read_value(root, "temper", {0.0, 2.0, ""});
   if (root.has("least_sigma")) {  // older calibrations have none
-    calibration.least_sigma = read_value(root, "least_sigma", {0.0, 1.0, ""});
+    calibration.sigma_floor = read_value(root, "least_sigma", {0.0, 1.0, ""});
   }
   calibration.method = root.string("method").value_or("");
   calibration.ray_depth =
@@ -279,7 +279,7 @@ std::string to_toml(const CalibrationFile& calibration) {
       "\"\nray_depth = " + std::to_string(calibration.ray_depth) +
       "\ntransmission = " + (calibration.transmission ? "true" : "false") +
       "\ntemper = " + value_text(calibration.likelihood_exponent, "1") +
-      "\nleast_sigma = " + value_text(calibration.least_sigma, "m") + "\n";
+      "\nleast_sigma = " + value_text(calibration.sigma_floor, "m") + "\n";
   for (const CalibratedAccessPoint& ap : calibration.access_points) {
     text +=
         "\n[[access_point]]\nid = \"" + ap.id + "\"\npoints = " + std::to_string(ap.points) + "\n";

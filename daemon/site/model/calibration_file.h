@@ -56,7 +56,7 @@ struct CalibrationFile {
   std::string points_hash;            // hash of the surveyed points
   std::string method = "gains-only";  // or "joint", "paper"
   Fitted<double> likelihood_exponent;
-  Fitted<double> least_sigma{0.01, 0.01, 0.0};  // [m]
+  Fitted<double> sigma_floor{0.01, 0.01, 0.0};  // [m]
   int ray_depth = kRayDepth;                    // RoomModel::trace
   bool transmission = false;
   std::vector<CalibratedAccessPoint> access_points;

@@ -34,7 +34,7 @@ std::string person_text(const PersonModel& person, std::size_t spots) {
          "\nrelative_permittivity = " + to_text(body.relative_permittivity) +
          "\nconductivity = " + to_text(body.conductivity) +
          "\nstrength_variance = " + to_text(person.strength_variance) +
-         "\nway_variance = " + to_text(person.way_variance) +
+         "\nway_variance = " + to_text(person.path_variance) +
          "\nfront_sigma_m = " + to_text(person.front_sigma) +
          "\ndiffuse = " + to_text(person.diffuse) + "\nnoise = " + to_text(person.noise) +
          "\ntemper = " + to_text(person.likelihood_exponent) + "\n" +
@@ -61,7 +61,7 @@ PersonModel read_person(const TomlTable& root) {
   body.conductivity = table->number("conductivity", {0.0, 1e9, "S/m"}).value_or(body.conductivity);
   person.strength_variance =
       table->number("strength_variance", {0.0, 100.0}).value_or(person.strength_variance);
-  person.way_variance = table->number("way_variance", {0.0, 100.0}).value_or(person.way_variance);
+  person.path_variance = table->number("way_variance", {0.0, 100.0}).value_or(person.path_variance);
   person.front_sigma = table->number("front_sigma_m", {0.0, 1.0, "m"}).value_or(person.front_sigma);
   person.diffuse = table->number("diffuse", {0.0, 100.0}).value_or(person.diffuse);
   person.noise = table->number("noise", {1e-9, 1.0}).value_or(person.noise);

@@ -68,7 +68,7 @@ Expected<void> apply_calibration(const Site& site, RoomModel& room) {
   }
   room.calibration_id = calibration->id;
   room.likelihood_exponent = calibration->likelihood_exponent.value;
-  room.least_sigma = calibration->least_sigma.value;
+  room.sigma_floor = calibration->sigma_floor.value;
   room.trace.max_depth = calibration->ray_depth;
   room.trace.transmission = calibration->transmission;
   if (!calibration->surfaces.empty()) {

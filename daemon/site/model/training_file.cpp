@@ -61,7 +61,7 @@ std::string network_text(const PlaceNetwork& network, const std::string& method)
   std::string text =
       "\n[network]  # classifies places; [m]\nweights = \"" + method + ".f32\"\nhash = \"" +
       weights_hash(weights_bytes(network.parameters)) +
-      "\"  # of that file\nknows_nobody = " + (network.knows_nobody ? "true" : "false") +
+      "\"  # of that file\nknows_nobody = " + (network.has_empty_room ? "true" : "false") +
       "\ntemperature = " + to_text(network.temperature) + "\nsigma = " + to_text(network.sigma) +
       "\nresidual = " + to_text(network.residual) + "\nmean = " + list_text(network.mean, itself) +
       "\ndeviation = " + list_text(network.deviation, itself) +
@@ -126,7 +126,7 @@ PlaceNetwork read_network(const TomlTable& table) {
   constexpr NumberRange kAny = {-1e9, 1e9, ""};
   PlaceNetwork network;
   network.parameters = read_weights(table);
-  network.knows_nobody = table.boolean("knows_nobody").value_or(false);
+  network.has_empty_room = table.boolean("knows_nobody").value_or(false);
   network.temperature = table.number("temperature", {1e-3, 1e3, ""}).value_or(1.0);
   network.sigma = table.number("sigma", {1e-3, 1e3, "m"}).value_or(1.0);
   network.residual = table.number("residual", {0.0, 1.0, ""}).value_or(0.0);

@@ -8,13 +8,13 @@
 namespace rayloc {
 namespace {
 
-constexpr std::size_t kTelling = 20;  // frames, a count, chosen: fewer give no reliable median
+constexpr std::size_t kReliableFrames = 20;  // frames, a count, chosen: fewer give no reliable median
 
 }  // namespace
 
 bool FrameSeries::add(Timestamp time, std::vector<std::complex<double>> values) {
   bool is_whole = true;
-  if (const double usual = frames_.size() < kTelling ? 0.0 : rate();
+  if (const double usual = frames_.size() < kReliableFrames ? 0.0 : rate();
       usual > 0.0 && to_seconds(time - frames_.back().time) * usual > kMaxBridged) {
     frames_.clear();
     is_whole = false;

@@ -21,7 +21,7 @@ double RangeSmoother::measurement_variance() const {
     off.push_back(std::abs(one));
   }
   const double sigma = off.empty() ? 0.0 : kMadToSigma * median(std::move(off));
-  return std::max(sigma * sigma, options_.least_sigma * options_.least_sigma);
+  return std::max(sigma * sigma, options_.sigma_floor * options_.sigma_floor);
 }
 
 void RangeSmoother::add(double rate, double seconds, double measured) {

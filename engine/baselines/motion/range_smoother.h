@@ -11,7 +11,7 @@ namespace rayloc {
 
 struct RangeSmootherOptions {
   double rate_sigma = 0.15;     // [m/s], of the rates
-  double least_sigma = 0.5;     // [m], of a measurement
+  double sigma_floor = 0.5;     // [m], of a measurement
   double least = 0.0;           // [m], lower limit of the length
   std::size_t lag = 6;          // steps that are smoothed backward
   std::size_t remembered = 30;  // steps used to estimate the measurements' variance

@@ -10,7 +10,7 @@
 namespace rayloc {
 namespace {
 
-constexpr double kNobody = 0.5;  // a probability: of the empty room, above which no person is seen
+constexpr double kNoPerson = 0.5;  // a probability: of the empty room, above which no person is seen
 
 }  // namespace
 
@@ -51,7 +51,7 @@ Expected<PlaceClassifier> PlaceClassifier::create(std::shared_ptr<const RoomMode
   const PlaceNetwork& learned = *training->network;
   const NetworkShape shape{options.kind.network,
                            image_shape(*room, access_points, options.kind),
-                           learned.places.size() + (learned.knows_nobody ? 1U : 0U)};
+                           learned.places.size() + (learned.has_empty_room ? 1U : 0U)};
   if (!is_possible(shape) || learned.mean.size() != shape.image.channels ||
       learned.deviation.size() != shape.image.channels) {
     return refuse("trained with other antennas or tones than the site has");
@@ -87,15 +87,15 @@ LocationEstimate PlaceClassifier::locate(std::span<const CsiFrame> frames, std::
   weighted.temperature = learned.temperature;
   weighted.sigma = learned.sigma;
   weighted.residual = learned.residual;
-  if (learned.knows_nobody) {
-    const double nobody = weighted.weights.back();
+  if (learned.has_empty_room) {
+    const double no_person = weighted.weights.back();
     weighted.weights.pop_back();
-    if (nobody > kNobody) {
+    if (no_person > kNoPerson) {
       estimate.reason = "nobody is seen";
       return estimate;
     }
     for (double& weight : weighted.weights) {
-      weight /= 1.0 - nobody;
+      weight /= 1.0 - no_person;
     }
   }
   summarise_places(*room_, weighted, options_.answer, estimate);

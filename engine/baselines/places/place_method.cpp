@@ -10,16 +10,16 @@ namespace {
 // The given values, with that of PlaceMethod::learned taken from the training. An Error (kUsage) if
 // a different value is given.
 Expected<BaselineValues> with_learned_value(const PlaceMethod& method,
-                                            const BaselineValues& told,
+                                            const BaselineValues& given,
                                             const Training* training) {
-  BaselineValues all = told;
+  BaselineValues all = given;
   if (training == nullptr) {
     return all;
   }
   const std::string key(method.learned);
   const std::string before = setting_text(method.settings, training->values, key);
-  const std::string now = setting_text(method.settings, told, key);
-  if (told.contains(key) && now != before) {
+  const std::string now = setting_text(method.settings, given, key);
+  if (given.contains(key) && now != before) {
     return make_error(ErrorKind::kUsage,
                       "--baseline " + key + "=" + now + ": trained with " + key + "=" + before +
                           "; leave it out, or train again (rayloc train)");

@@ -16,7 +16,7 @@ constexpr std::size_t kHeldOutEvery = 5;      // one in so many classes is held 
 constexpr double kMinDeviation = 1e-6;      // of a plane's values, chosen: for a constant plane
 constexpr std::size_t kStages = 2;            // of learning, a count
 // Weight of the empty room in places, a count, chosen: it is not one place among many.
-constexpr std::size_t kNobodyCounts = 8;
+constexpr std::size_t kEmptyRoomCounts = 8;
 
 // Images of a class.
 struct Seen {
@@ -46,7 +46,7 @@ class Trainer {
   std::vector<std::size_t> access_points_;
   std::vector<std::size_t> points_;  // points with a burst at each access point
   std::vector<Seen> seen_;
-  std::vector<std::vector<float>> nobody_;  // images of the empty room
+  std::vector<std::vector<float>> empty_room_;  // images of the empty room
   ImageShape shape_;
   PlaceNetwork learned_;
 };
@@ -84,7 +84,7 @@ Expected<void> Trainer::see() {
     }
   }
   if (!input_.empty.empty()) {
-    nobody_ = images_of(input_.empty, input_.points.size(), kNobodyCounts);
+    empty_room_ = images_of(input_.empty, input_.points.size(), kEmptyRoomCounts);
   }
   if (options_.cell > 0.0) {
     merge_cells();
@@ -168,8 +168,8 @@ Network Trainer::learn(std::size_t stage, const std::vector<const Seen*>& classe
   for (std::size_t i = 0; i < classes.size(); ++i) {
     add(classes[i]->images, i);
   }
-  add(nobody_, classes.size());
-  const std::size_t count = classes.size() + (nobody_.empty() ? 0U : 1U);
+  add(empty_room_, classes.size());
+  const std::size_t count = classes.size() + (empty_room_.empty() ? 0U : 1U);
   Network network({options_.classifier.kind.network, shape_, count}, input_.seed + stage);
   AdamOptions adam;
   adam.epochs = options_.epochs;
@@ -231,7 +231,7 @@ Expected<std::shared_ptr<const Training>> Trainer::run() {
     all.push_back(&one);
   }
   learned_.sigma = surroundings_of(learned_.places);
-  learned_.knows_nobody = !nobody_.empty();
+  learned_.has_empty_room = !empty_room_.empty();
   const PlaceCertainty certainty =
       input_.resume && input_.resume->stage > 0
           ? PlaceCertainty{input_.resume->temperature, input_.resume->residual}

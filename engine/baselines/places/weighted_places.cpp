@@ -179,12 +179,12 @@ void summarise_places(const RoomModel& room,
                       LocationEstimate& estimate) {
   PlanMapOptions map;
   map.accuracy_confidence = answer.accuracy_confidence;
-  map.elsewhere = weighted.residual;
+  map.outlier = weighted.residual;
   const std::vector<double> weights = weighted.tempered();
-  std::vector<std::pair<Vec3d, double>> telling;
+  std::vector<std::pair<Vec3d, double>> informative;
   for (std::size_t i = 0; i < weights.size(); ++i) {
     if (weights[i] > kMinWeight) {
-      telling.emplace_back(weighted.places[i], weights[i]);
+      informative.emplace_back(weighted.places[i], weights[i]);
     }
   }
   const double half_precision = 0.5 / (weighted.sigma * weighted.sigma);
@@ -193,7 +193,7 @@ void summarise_places(const RoomModel& room,
       map,
       [&](const Vec3d& cell) {
         double sum = std::numeric_limits<double>::min();
-        for (const auto& [place, weight] : telling) {
+        for (const auto& [place, weight] : informative) {
           sum += weight * std::exp(-half_precision * square_in_plan(cell, place));
         }
         return std::log(sum);

@@ -66,11 +66,11 @@ std::optional<MotionPath> PathLink::add(std::vector<MotionPath> paths) {
   for (std::size_t i = received_.size() - 1; i > received_.size() - 1 - windows_; --i) {
     at = received_[i].before[at];
   }
-  const MotionPath told = received_[received_.size() - 1 - windows_].paths[at];
+  const MotionPath decoded = received_[received_.size() - 1 - windows_].paths[at];
   if (received_.size() > windows_ + 1) {
     received_.pop_front();
   }
-  return told;
+  return decoded;
 }
 
 }  // namespace rayloc

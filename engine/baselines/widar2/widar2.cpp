@@ -27,7 +27,7 @@ constexpr double kWidar2StillTime = 1.0;    // [s], without motion: no estimate
 constexpr double kWidar2MotionRatio = 2.0;  // energy of the band over that of noise, 3 dB
 constexpr double kMinDetour = 0.1;        // [m], of a path via a person
 constexpr std::size_t kMinSamples = 10;   // of a window, a count, chosen
-constexpr double kElsewhere = 0.1;          // a probability, chosen: wrong path
+constexpr double kOutlier = 0.1;          // a probability, chosen: wrong path
 
 Vec3d in_plan(const Vec3d& v) { return {v.x, v.y, 0.0}; }
 
@@ -267,7 +267,7 @@ LocationEstimate Widar2::estimate(std::span<const Received> received, Timestamp 
   PlanMapOptions map;
   map.step = options_.grid;
   map.accuracy_confidence = options_.accuracy_confidence;
-  map.elsewhere = kElsewhere;
+  map.outlier = kOutlier;
   summarise_plan(
       *room_,
       map,

@@ -24,7 +24,7 @@ using Comparisons = std::vector<PairedComparison>;  // per access point
 
 // A mistake, the recordings' meanings under it, and how well these explain the recordings.
 struct Candidate {
-  TriedMistake told;
+  TriedMistake reported;
   std::vector<Meant> meant;
   std::vector<Correlations> explained;  // for each of these
 };
@@ -155,7 +155,7 @@ struct MovedRecording {
   PairedComparison comparison;
 };
 
-TriedMistake told(const std::vector<MovedRecording>& moved, TriedMistake mistake) {
+TriedMistake reported(const std::vector<MovedRecording>& moved, TriedMistake mistake) {
   std::string fits;
   for (const MovedRecording& one : moved) {
     const std::string from = quoted(one.from);
@@ -214,7 +214,7 @@ std::vector<Candidate> try_recordings(const StatedSurvey& survey) {
     const bool possible = std::none_of(
         moved.begin(), moved.end(), [](const auto& one) { return one.comparison.empty(); });
     if (possible) {
-      candidate.told = told(moved, tried(MistakeKind::kRecordings, comparison));
+      candidate.reported = reported(moved, tried(MistakeKind::kRecordings, comparison));
       all.push_back(std::move(candidate));
     }
   }
@@ -304,12 +304,12 @@ std::optional<TriedMistake> clearest(const StatedSurvey& survey,
                                      const std::vector<Candidate>& candidates) {
   const Candidate* best = nullptr;
   for (const Candidate& one : candidates) {
-    if (is_clear(one.told) && (best == nullptr || gains_less(best->told, one.told)) &&
+    if (is_clear(one.reported) && (best == nullptr || gains_less(best->reported, one.reported)) &&
         is_above_chance(survey, one)) {
       best = &one;
     }
   }
-  return best == nullptr ? std::nullopt : std::optional(best->told);
+  return best == nullptr ? std::nullopt : std::optional(best->reported);
 }
 
 double gained_by(const std::vector<TriedMistake>& mistakes) {
@@ -341,7 +341,7 @@ InputCheck check_calibration_inputs(const RoomModel& room,
     std::transform(candidates.begin(),
                    candidates.end(),
                    std::back_inserter(check.tried),
-                   [](const Candidate& one) { return one.told; });
+                   [](const Candidate& one) { return one.reported; });
     return clearest(survey, candidates);
   };
   for (const auto& candidates : {try_places(survey), try_recordings(survey)}) {

@@ -35,7 +35,7 @@ StatedSurvey::StatedSurvey(const RoomModel& room, std::span<const CalibrationPoi
     : room_(room), points_(points) {
   for (std::size_t ap = 0; ap < room.access_points.size(); ++ap) {
     received_.push_back(receive_stated(room, ap));
-    stated_.push_back(judged(received_.back(), room.access_points[ap].array));
+    stated_.push_back(evaluated(received_.back(), room.access_points[ap].array));
   }
 }
 
@@ -72,7 +72,7 @@ Correlations StatedSurvey::of_points(const Received& received, const Correlation
   return result;
 }
 
-Correlations StatedSurvey::judged(const Received& received, const AntennaArray& array) const {
+Correlations StatedSurvey::evaluated(const Received& received, const AntennaArray& array) const {
   return of_points(received, received.calibrator.crossed_correlations(offsets_of(array)));
 }
 
@@ -103,7 +103,7 @@ Correlations StatedSurvey::other(const Meant& meant) const {
   const AntennaArray& array = meant.array ? *meant.array : stated;
   const bool own = meant.recorded == meant.pose && !meant.place;
   if (own && share_rays(array, stated)) {
-    return judged(received_[meant.pose], array);
+    return evaluated(received_[meant.pose], array);
   }
   RoomModel room = room_;
   room.access_points[meant.pose].array = array;
@@ -112,16 +112,16 @@ Correlations StatedSurvey::other(const Meant& meant) const {
         points_[i].h.at(meant.recorded), aps[meant.recorded], aps[meant.pose], room_.grid.size());
   };
   const auto at = [&](std::size_t i) { return meant.place ? meant.place(i) : place(i); };
-  return judged(receive(room, meant.pose, rows, at), array);
+  return evaluated(receive(room, meant.pose, rows, at), array);
 }
 
 Correlations StatedSurvey::by_chance(const Meant& meant) const {
-  Meant elsewhere = meant;
-  elsewhere.place = [&](std::size_t i) {
+  Meant displaced = meant;
+  displaced.place = [&](std::size_t i) {
     const std::size_t far = (i + points_.size() / 2) % points_.size();
     return meant.place ? meant.place(far) : place(far);
   };
-  return other(elsewhere);
+  return other(displaced);
 }
 
 Correlations StatedSurvey::at_carrier(std::size_t access_point, double centre_hz) const {

@@ -57,7 +57,7 @@ class StatedSurvey {
              const std::function<Vec3d(std::size_t)>& place) const;
   Received receive_stated(const RoomModel& room, std::size_t access_point) const;
   Correlations of_points(const Received& received, const Correlations& samples) const;
-  Correlations judged(const Received& received, const AntennaArray& array) const;
+  Correlations evaluated(const Received& received, const AntennaArray& array) const;
   Vec3d place(std::size_t point) const { return points_[point].position; }
 
   const RoomModel& room_;

@@ -182,7 +182,7 @@ bool JointCalibration::solve(const JointRound& round,
   const auto samples = used(uses);
   JointProblem(context(samples)).solve(joint_options(round, free), state_, [&](double unexplained) {
     progress_.advance();
-    return progress_.tell(stage, unexplained);
+    return progress_.report(stage, unexplained);
   });
   return !progress_.is_stopped();
 }
@@ -244,7 +244,7 @@ bool JointCalibration::search(const JointRound& round, bool cycles) {
   const auto samples = used(kFitted);
   scan_surfaces(context(samples), power_, {round.floor, round.scan_range}, state_);
   progress_.advance();
-  return progress_.tell("scan", mean_unexplained(context(samples), state_)) &&
+  return progress_.report("scan", mean_unexplained(context(samples), state_)) &&
          solve(round, kFitted, "fit") && find_survey(round) && (!cycles || settle(round));
 }
 
@@ -347,7 +347,7 @@ std::vector<RoomParameter> JointCalibration::parameters(const JointRound& round)
   const auto samples = used(kAllButHeldOut);
   const JointContext about = context(samples);
   const std::vector<double> sigma =
-      stated_widths(about,
+      reported_sigma(about,
                     joint_options(round, free),
                     state_,
                     other_cycles_,

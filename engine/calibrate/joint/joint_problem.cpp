@@ -133,9 +133,9 @@ class PriorCost : public ceres::CostFunction {
   double scale_;
 };
 
-class StopWhenTold : public ceres::IterationCallback {
+class StopOnRequest : public ceres::IterationCallback {
  public:
-  StopWhenTold(const JointContext& context, const Values& values, const JointObserver& observer)
+  StopOnRequest(const JointContext& context, const Values& values, const JointObserver& observer)
       : context_(context), values_(values), observer_(observer) {}
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& /*summary*/) override {
     return !observer_ || observer_(mean_unexplained(context_, state_of(values_)))
@@ -279,12 +279,12 @@ Eigen::MatrixXd information_of(Assembled& assembled, const JointOptions& options
 // information [1/m^2], and the error [m] found with an expected variance of `assumed`. Without that
 // prior the error would be larger, the more so the less the information; axes with little
 // information have little weight. Their noise is not subtracted: `said` is of tempered evidence.
-double spread_of(const Eigen::VectorXd& said, const Eigen::VectorXd& error, double assumed) {
+double spread_of(const Eigen::VectorXd& survey_info, const Eigen::VectorXd& error, double assumed) {
   double sum = 0.0;
   double weights = 0.0;
-  for (Eigen::Index i = 0; i < said.size(); ++i) {
-    if (said[i] > 0.0) {
-      const double share = said[i] * assumed / (1.0 + said[i] * assumed);
+  for (Eigen::Index i = 0; i < survey_info.size(); ++i) {
+    if (survey_info[i] > 0.0) {
+      const double share = survey_info[i] * assumed / (1.0 + survey_info[i] * assumed);
       sum += error[i] * error[i];  // (error / share)^2, weighted by share^2
       weights += share * share;
     }
@@ -352,7 +352,7 @@ double JointProblem::solve(const JointOptions& options,
     }
     solver.linear_solver_ordering = ordering;
   }
-  StopWhenTold stop(context_, assembled.values, observer);
+  StopOnRequest stop(context_, assembled.values, observer);
   solver.update_state_every_iteration = true;  // the observer reads it
   solver.callbacks.push_back(&stop);
   ceres::Solver::Summary summary;
@@ -398,18 +398,18 @@ double JointProblem::survey_sigma(const JointOptions& options, const JointState&
   const Eigen::Index survey = all.rows() - room;
   const double assumed = options.survey_sigma * options.survey_sigma;
   // Information of the measurements on the errors, the room integrated out.
-  Eigen::MatrixXd said = all.bottomRightCorner(survey, survey);
-  said.diagonal().array() -= 1.0 / assumed;
+  Eigen::MatrixXd survey_info = all.bottomRightCorner(survey, survey);
+  survey_info.diagonal().array() -= 1.0 / assumed;
   if (room > 0) {
     const auto shared = all.topRightCorner(room, survey);
-    said -= shared.transpose() * all.topLeftCorner(room, room).llt().solve(shared);
+    survey_info -= shared.transpose() * all.topLeftCorner(room, room).llt().solve(shared);
   }
   Eigen::VectorXd error(survey);
   for (std::size_t i = 0; i < assembled.points.size(); ++i) {
     const auto& of_point = assembled.values.survey[assembled.points[i]];
     error.segment<3>(static_cast<Eigen::Index>(3 * i)) << of_point[0], of_point[1], of_point[2];
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(said);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(survey_info);
   return spread_of(eigen.eigenvalues(), eigen.eigenvectors().transpose() * error, assumed);
 }
 

@@ -17,7 +17,7 @@ void JointProgress::begin_part(int part) {
 
 void JointProgress::advance() { done_ = std::min(done_ + 1, steps_); }
 
-bool JointProgress::tell(const char* stage, double loss) {
+bool JointProgress::report(const char* stage, double loss) {
   history_.push_back({stage, static_cast<int>(history_.size()), loss, heldout_});
   return go_on();
 }

@@ -27,7 +27,7 @@ class JointProgress {
   void advance();
 
   // Adds a step to the history and reports it; false: stop.
-  bool tell(const char* stage, double loss);
+  bool report(const char* stage, double loss);
   // Polls for a stop again, between trials that are not steps of the history.
   bool go_on();
 

@@ -60,7 +60,7 @@ void widen_by_unmodelled_echo(const RoomUnknowns& unknowns,
   }
 }
 
-std::vector<double> stated_widths(const JointContext& context,
+std::vector<double> reported_sigma(const JointContext& context,
                                   const JointOptions& options,
                                   const JointState& state,
                                   std::span<const WaveCycle> other_cycles,

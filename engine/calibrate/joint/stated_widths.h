@@ -1,4 +1,4 @@
-// stated_widths: reported standard deviations of the unknowns of the joint calibration.
+// reported_sigma: reported standard deviations of the unknowns of the joint calibration.
 //
 // The Gaussian about the fit assumes that the model is right. For the offsets of surfaces, and in
 // the last case for the chains, three errors are added that it does not contain: a surface may fit
@@ -35,7 +35,7 @@ void widen_by_unmodelled_echo(const RoomUnknowns& unknowns,
 
 // Standard deviation of every released unknown, 0 for the others: that of the Gaussian with all of
 // the above.
-std::vector<double> stated_widths(const JointContext& context,
+std::vector<double> reported_sigma(const JointContext& context,
                                   const JointOptions& options,
                                   const JointState& state,
                                   std::span<const WaveCycle> other_cycles,

@@ -74,12 +74,12 @@ Expected<PersonCertainty> fit_person_certainty(const RoomModel& room,
   PersonCertainty certainty;
   if (!known.places.empty()) {
     // Places known to a centimetre cannot reveal a smaller error floor of all positions.
-    const std::array usual{PosteriorOptions{}.least_sigma};
-    std::vector<JudgedExponent> judged;
+    const std::array usual{PosteriorOptions{}.sigma_floor};
+    std::vector<TemperingExponent> evaluated;
     for (std::size_t t = 0; t < kExponents.size(); ++t) {
-      judged.push_back(judge_exponent(kExponents[t], estimates[t], usual.front(), known, usual));
+      evaluated.push_back(evaluate_exponent(kExponents[t], estimates[t], usual.front(), known, usual));
     }
-    certainty.likelihood_exponent = judged[best_exponent(judged)].exponent;
+    certainty.likelihood_exponent = evaluated[best_exponent(evaluated)].exponent;
   }
   if (known.places.size() >= kMinSpots) {
     certainty.second_person = gain;

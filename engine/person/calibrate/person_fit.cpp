@@ -25,7 +25,7 @@ constexpr std::array<double, 6> kFitLevels = {0.4, 0.6, 0.8, 1.0, 1.25, 1.6};
 constexpr std::array<double, 9> kVariances = {
     0.004, 0.008, 0.015, 0.03, 0.06, 0.12, 0.25, 0.5, 1.0};
 // The same, for a path.
-constexpr std::array<double, 8> kWayVariances = {0.0, 0.03, 0.06, 0.12, 0.25, 0.5, 1.0, 2.0};
+constexpr std::array<double, 8> kPathVariances = {0.0, 0.03, 0.06, 0.12, 0.25, 0.5, 1.0, 2.0};
 // Ratios of the traced power, chosen: 3 dB apart.
 constexpr std::array<double, 9> kDiffuseScan = {
     0.004, 0.008, 0.015, 0.03, 0.06, 0.12, 0.25, 0.5, 1.0};
@@ -81,7 +81,7 @@ class PersonFitter {
                               const ReceivedSpot& received,
                               Value scale,
                               const PersonModel& model,
-                              double nobody) const;
+                              double no_person) const;
   double marginal(std::span<const double> samples) const;
 
   const RoomModel& room_;
@@ -130,12 +130,12 @@ std::vector<double> PersonFitter::samples(const FitLink& link,
                                           const ReceivedSpot& received,
                                           Value scale,
                                           const PersonModel& model,
-                                          double nobody) const {
+                                          double no_person) const {
   std::vector<double> values(prior_.size());
   link.likelihood.log_likelihood(
       link.likelihood.place(received.patch, scale, model), received.observed, {}, values);
   for (double& value : values) {
-    value -= nobody;
+    value -= no_person;
   }
   return values;
 }
@@ -230,7 +230,7 @@ PersonModel PersonFitter::best_errors(const std::vector<FitLink>& links,
   };
   for (int round = 0; round < kErrorRounds; ++round) {
     better = false;
-    scan(&PersonModel::way_variance, kWayVariances);
+    scan(&PersonModel::path_variance, kPathVariances);
     scan(&PersonModel::strength_variance, kVariances);
     scan(&PersonModel::diffuse, kDiffuseScan);
     scan(&PersonModel::noise, kNoiseScan);

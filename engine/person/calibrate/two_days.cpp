@@ -99,7 +99,7 @@ Expected<std::vector<DayChange>> changes_of(const RoomModel& room,
 
 }  // namespace
 
-Expected<TwoDays> tell_days_apart(const RoomModel& room, std::span<const ReceivedDays> received) {
+Expected<TwoDays> separate_days(const RoomModel& room, std::span<const ReceivedDays> received) {
   TwoDays days{room, room, {}, {}};
   for (const ReceivedDays& one : received) {
     days.received.push_back(on_both(one));

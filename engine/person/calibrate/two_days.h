@@ -1,4 +1,4 @@
-// tell_days_apart: the empty rooms of two days, received from fixed transmitters, and the chain
+// separate_days: the empty rooms of two days, received from fixed transmitters, and the chain
 // gains of each: people were recorded on one day, and are located on the other.
 //
 // The calibration's gains are of one of the days, or of a day between power cycles of its own. They
@@ -42,7 +42,7 @@ struct TwoDays {
 
 // An Error when an access point receives a transmitter as if it were another one, or when no access
 // point received one on both days. REQUIRES: all access points with arrays are calibrated.
-Expected<TwoDays> tell_days_apart(const RoomModel& room, std::span<const ReceivedDays> received);
+Expected<TwoDays> separate_days(const RoomModel& room, std::span<const ReceivedDays> received);
 
 // A reference of the day of the people, moved to today: each link gets today's empty room, with the
 // phase, amplitude and delay of its present one (by what both have in common): `scale` holds.

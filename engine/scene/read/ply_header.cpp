@@ -36,7 +36,7 @@ std::optional<PlyType> type_named(std::string_view name) {
   return std::nullopt;
 }
 
-std::vector<std::string_view> words_of(std::string_view line) {
+std::vector<std::string_view> split_words(std::string_view line) {
   std::vector<std::string_view> words;
   for (std::size_t begin = line.find_first_not_of(kPlyBlank); begin != std::string_view::npos;) {
     const std::size_t end = std::min(line.find_first_of(kPlyBlank, begin), line.size());
@@ -57,7 +57,7 @@ class HeaderReader {
       if (end == std::string_view::npos) {
         return refuse("the header has no end_header");
       }
-      const auto words = words_of(bytes_.substr(header_.size, end - header_.size));
+      const auto words = split_words(bytes_.substr(header_.size, end - header_.size));
       header_.size = end + 1;
       ++header_.lines;
       if (header_.lines == 1) {

@@ -206,7 +206,7 @@ class SceneReader {
   std::string why_left_out(const pugi::xml_node& shape) const {
     bool is_lamp = !shape.child("emitter").empty();
     std::optional<BsdfKind> kind;
-    const auto look_at = [&](const pugi::xml_node& bsdf) {
+    const auto inspect = [&](const pugi::xml_node& bsdf) {
       const BsdfKind found = materials_.kind_of(bsdf);
       kind = kind == BsdfKind::kRadio ? *kind : found;
     };
@@ -215,9 +215,9 @@ class SceneReader {
       const std::string id = child.attribute("id").value();
       const auto named = bsdfs_.find(id);
       if (tag == "bsdf") {
-        look_at(child);
+        inspect(child);
       } else if (tag == "ref" && named != bsdfs_.end()) {
-        look_at(named->second);
+        inspect(named->second);
       } else if (tag == "ref") {
         const auto visual = visual_ids_.find(id);
         is_lamp = is_lamp || (visual != visual_ids_.end() && visual->second == "emitter");

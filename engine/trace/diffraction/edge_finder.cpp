@@ -4,7 +4,7 @@
 
 namespace rayloc {
 
-bool EdgeFinder::find(std::uint32_t edge, const LitWay& from, const LitWay& to) {
+bool EdgeFinder::find(std::uint32_t edge, const LitRoute& from, const LitRoute& to) {
   const auto most = static_cast<std::size_t>(context_->options.max_depth);
   if (from.lit.mirrors + to.lit.mirrors + 1 > most) {
     return false;

@@ -44,7 +44,7 @@ class EdgeFinder {
 
  private:
   // Fills interactions_; false when there is no such path.
-  bool find(std::uint32_t edge, const LitWay& from, const LitWay& to);
+  bool find(std::uint32_t edge, const LitRoute& from, const LitRoute& to);
 
   std::shared_ptr<const TraceContext> context_;
   EdgeSide before_;

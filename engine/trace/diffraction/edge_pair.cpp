@@ -18,8 +18,8 @@ double length_of(const Edges& edges,
                  const Vec3d& source,
                  const Vec3d& observer,
                  const EdgePairBends<double>& bends) {
-  const EdgePairWay<double> way = edge_pair_way(edges, source, observer, bends);
-  return way.before + way.between + way.behind;
+  const EdgePairRoute<double> route = edge_pair_route(edges, source, observer, bends);
+  return route.before + route.between + route.behind;
 }
 
 }  // namespace
@@ -33,8 +33,8 @@ std::optional<EdgePairBends<double>> shortest_over(const Edges& edges,
                               dot(middle - edges.second.from, edges.second.along)};
   double length = length_of(edges, source, observer, bends);
   for (int i = 0; i < kMaxSteps; ++i) {
-    const EdgePairWay<double> way = edge_pair_way(edges, source, observer, bends);
-    if (std::min({way.before, way.between, way.behind}) < kMinEdgeDistance) {
+    const EdgePairRoute<double> route = edge_pair_route(edges, source, observer, bends);
+    if (std::min({route.before, route.between, route.behind}) < kMinEdgeDistance) {
       return std::nullopt;
     }
     const EdgePairBends<double> aim = improved(edges, source, observer, bends);

@@ -18,27 +18,27 @@ struct EdgePairBends {
 
 // The three parts of a path over two lines.
 template <typename T>
-struct EdgePairWay {
+struct EdgePairRoute {
   T before{}, between{}, behind{};  // [m]
   Vec3<T> in, across, out;          // their directions, unit
 };
 
 template <typename T>
-EdgePairWay<T> edge_pair_way(const std::pair<EdgeLine<T>, EdgeLine<T>>& edges,
+EdgePairRoute<T> edge_pair_route(const std::pair<EdgeLine<T>, EdgeLine<T>>& edges,
                              const Vec3<T>& source,
                              const Vec3<T>& observer,
                              const EdgePairBends<T>& bends) {
   const Vec3<T> at_first = edges.first.from + bends.first * edges.first.along;
   const Vec3<T> at_second = edges.second.from + bends.second * edges.second.along;
-  EdgePairWay<T> way;
+  EdgePairRoute<T> route;
   const auto part = [](const Vec3<T>& off, T& length, Vec3<T>& direction) {
     length = norm(off);
     direction = (T(1) / length) * off;
   };
-  part(at_first - source, way.before, way.in);
-  part(at_second - at_first, way.between, way.across);
-  part(observer - at_second, way.behind, way.out);
-  return way;
+  part(at_first - source, route.before, route.in);
+  part(at_second - at_first, route.between, route.across);
+  part(observer - at_second, route.behind, route.out);
+  return route;
 }
 
 // Second derivatives of the length by the heights of both bends [1/m]. Their determinant is
@@ -51,15 +51,15 @@ struct EdgePairCurvature {
 
 template <typename T>
 EdgePairCurvature<T> edge_pair_curvature(const std::pair<EdgeLine<T>, EdgeLine<T>>& edges,
-                                         const EdgePairWay<T>& way) {
+                                         const EdgePairRoute<T>& route) {
   const Vec3<T>& e = edges.first.along;
   const Vec3<T>& f = edges.second.along;
   const auto across = [](const T& cosine) { return T(1) - cosine * cosine; };
-  const T e_across = dot(e, way.across);
-  const T f_across = dot(f, way.across);
-  return {across(dot(e, way.in)) / way.before + across(e_across) / way.between,
-          (e_across * f_across - dot(e, f)) / way.between,
-          across(f_across) / way.between + across(dot(f, way.out)) / way.behind};
+  const T e_across = dot(e, route.across);
+  const T f_across = dot(f, route.across);
+  return {across(dot(e, route.in)) / route.before + across(e_across) / route.between,
+          (e_across * f_across - dot(e, f)) / route.between,
+          across(f_across) / route.between + across(dot(f, route.out)) / route.behind};
 }
 
 // One Newton step towards the shortest path. From bends with correct values it gives their
@@ -69,10 +69,10 @@ EdgePairBends<T> improved(const std::pair<EdgeLine<T>, EdgeLine<T>>& edges,
                           const Vec3<T>& source,
                           const Vec3<T>& observer,
                           const EdgePairBends<T>& bends) {
-  const EdgePairWay<T> way = edge_pair_way(edges, source, observer, bends);
-  const EdgePairCurvature<T> curved = edge_pair_curvature(edges, way);
-  const T by_first = dot(edges.first.along, way.in - way.across);
-  const T by_second = dot(edges.second.along, way.across - way.out);
+  const EdgePairRoute<T> route = edge_pair_route(edges, source, observer, bends);
+  const EdgePairCurvature<T> curved = edge_pair_curvature(edges, route);
+  const T by_first = dot(edges.first.along, route.in - route.across);
+  const T by_second = dot(edges.second.along, route.across - route.out);
   const T determinant = curved.determinant();
   return {bends.first - (curved.second * by_first - curved.mixed * by_second) / determinant,
           bends.second - (curved.first * by_second - curved.mixed * by_first) / determinant};

@@ -43,23 +43,23 @@ bool EdgePairFinder::may_follow(std::uint32_t first, std::uint32_t second) const
   return first != second && !are_in_line(one, two) && !hides(one, two) && !hides(two, one);
 }
 
-std::vector<EdgePairFinder::Between> EdgePairFinder::ways_between(std::uint32_t first,
+std::vector<EdgePairFinder::Between> EdgePairFinder::routes_between(std::uint32_t first,
                                                                   std::uint32_t second) const {
-  std::vector<Between> ways;
+  std::vector<Between> routes;
   for (const bool along_face_n : {false, true}) {
     if (shared_side({context_->wedges[first], context_->wedges[second]}, along_face_n)) {
-      ways.emplace_back(along_face_n);
+      routes.emplace_back(along_face_n);
     }
   }
-  if (ways.empty()) {
-    ways.emplace_back(std::nullopt);
+  if (routes.empty()) {
+    routes.emplace_back(std::nullopt);
   }
-  return ways;
+  return routes;
 }
 
 bool EdgePairFinder::find(const Pair& pair,
-                          const LitWay& from,
-                          const LitWay& to,
+                          const LitRoute& from,
+                          const LitRoute& to,
                           const Between& between) {
   const auto most = static_cast<std::size_t>(context_->options.max_depth);
   if (from.lit.mirrors + to.lit.mirrors + 2 > most) {
@@ -67,9 +67,9 @@ bool EdgePairFinder::find(const Pair& pair,
   }
   const Wedge& first = context_->wedges[pair.first];
   const Wedge& second = context_->wedges[pair.second];
-  const auto image = [](const LitWay& way) {
-    return way.lit.node == kRootNode ? way.end.end()
-                                     : way.end.tree().image(way.end.root(), way.lit.node);
+  const auto image = [](const LitRoute& route) {
+    return route.lit.node == kRootNode ? route.end.end()
+                                     : route.end.tree().image(route.end.root(), route.lit.node);
   };
   const auto bends =
       shortest_over({edge_line<double>(first), edge_line<double>(second)}, image(from), image(to));

@@ -43,10 +43,10 @@ class EdgePairFinder {
             !may_follow(first, second)) {
           continue;
         }
-        const std::vector<Between> ways = ways_between(first, second);
+        const std::vector<Between> routes = routes_between(first, second);
         for (const LitEdge& from : transmitter.of(first)) {
           for (const LitEdge& to : receiver.of(second)) {
-            for (const Between& between : ways) {
+            for (const Between& between : routes) {
               if (find({first, second}, {from, transmitter}, {to, receiver}, between)) {
                 visit(std::as_const(interactions_));
               }
@@ -66,9 +66,9 @@ class EdgePairFinder {
 
   // False where geometry proves that no path leads from the first to the second.
   bool may_follow(std::uint32_t first, std::uint32_t second) const;
-  std::vector<Between> ways_between(std::uint32_t first, std::uint32_t second) const;
+  std::vector<Between> routes_between(std::uint32_t first, std::uint32_t second) const;
   // Fills interactions_; false when there is no such path.
-  bool find(const Pair& pair, const LitWay& from, const LitWay& to, const Between& between);
+  bool find(const Pair& pair, const LitRoute& from, const LitRoute& to, const Between& between);
   // Fill between_; false where the path is obstructed.
   bool is_joined(const Wedge& first, const Vec3d& bend, const Vec3d& other, bool along_face_n);
   bool is_open(const Vec3d& from, const Vec3d& to);

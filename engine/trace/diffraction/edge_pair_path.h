@@ -76,7 +76,7 @@ struct FaceAlong {
 template <typename T>
 struct EdgePairRays {
   std::pair<EdgeLine<T>, EdgeLine<T>> edges;
-  EdgePairWay<T> way;
+  EdgePairRoute<T> route;
   std::optional<SharedSide> side;     // followed by the part between
   T sin_first{}, sin_second{};        // of the angles between edges and path
   T length_first{}, length_second{};  // [m], L of each edge
@@ -104,14 +104,14 @@ EdgePairRays<T> edge_pair_rays(const std::pair<EdgeOfPath<T>, EdgeOfPath<T>>& at
   const auto& [first, second] = rays.edges;
   const EdgePairBends<T> bends =
       improved<T>(rays.edges, source, observer, {height(at.first), height(at.second)});
-  rays.way = edge_pair_way(rays.edges, source, observer, bends);
-  const EdgePairWay<T>& way = rays.way;
+  rays.route = edge_pair_route(rays.edges, source, observer, bends);
+  const EdgePairRoute<T>& route = rays.route;
   const auto sine = [](const T& cosine) { return sqrt(T(1) - cosine * cosine); };
-  rays.sin_first = sine(dot(first.along, way.across));
-  rays.sin_second = sine(dot(second.along, way.across));
+  rays.sin_first = sine(dot(first.along, route.across));
+  rays.sin_second = sine(dot(second.along, route.across));
   const auto together = [](const T& a, const T& b, const T& s) { return a * b / (a + b) * s * s; };
-  rays.length_first = together(way.before, way.between, rays.sin_first);
-  rays.length_second = together(way.between, way.behind, rays.sin_second);
+  rays.length_first = together(route.before, route.between, rays.sin_first);
+  rays.length_second = together(route.between, route.behind, rays.sin_second);
   rays.ray_first = {first.n,
                     about_edge(first, source).azimuth,
                     about_edge(first, second.from + bends.second * second.along).azimuth,
@@ -149,40 +149,40 @@ PathCoefficient<T> edge_pair_path(const std::pair<EdgeOfPath<T>, EdgeOfPath<T>>&
                         {image_before<T>(interactions, facets, one.place, ends.first.position),
                          image_behind<T>(interactions, facets, two.place, ends.second.position)},
                         wave_number);
-  const EdgePairWay<T>& way = rays.way;
+  const EdgePairRoute<T>& route = rays.route;
   const Vec3<T>& along_1 = rays.edges.first.along;
   const Vec3<T>& along_2 = rays.edges.second.along;
   const auto of = [&](const EdgeOfPath<T>& edge, const WedgeRay<T>& ray, const T& cosine) {
-    const T half_phase = wave_number * way.between / T(2);
+    const T half_phase = wave_number * route.between / T(2);
     const auto along = [&](const Facet<T>& face) {
       return FaceAlong<T>{{face, wavelength}, rays.side.has_value(), half_phase};
     };
     return sloped_wedge_dyad<T>(
         ray, cosine, along(facets[edge.place]), along(edge.face_n), edge.met.body);
   };
-  const auto first = of(one, rays.ray_first, dot(way.in, along_1));
-  const auto second = of(two, rays.ray_second, dot(way.across, along_2));
+  const auto first = of(one, rays.ray_first, dot(route.in, along_1));
+  const auto second = of(two, rays.ray_second, dot(route.across, along_2));
   PathCoefficient<T> path;
-  path.length = way.before + way.between + way.behind;
-  path.departure = departure_of<T>(interactions, facets, one.place, way.in);
+  path.length = route.before + route.between + route.behind;
+  path.departure = departure_of<T>(interactions, facets, one.place, route.in);
   const Wave<T> lit = carried<T>(
       radiated(ends.first, path.departure), interactions, facets, {0, one.place}, wavelength);
   const auto over = [&](const WedgeDyad<T>& at_first, const WedgeDyad<T>& at_second) {
-    Wave<T> wave = diffracted(lit, along_1, way.across, at_first);
+    Wave<T> wave = diffracted(lit, along_1, route.across, at_first);
     wave = carried<T>(wave, interactions, facets, {one.place + 1, two.place}, wavelength);
-    wave = diffracted(wave, along_2, way.out, at_second);
+    wave = diffracted(wave, along_2, route.out, at_second);
     return carried<T>(wave, interactions, facets, {two.place + 1, facets.size()}, wavelength);
   };
   // Per metre across the path at the second edge, towards larger azimuths of its source, over k.
-  const T slope = dot(cross(along_1, way.across), cross(way.across, along_2)) /
+  const T slope = dot(cross(along_1, route.across), cross(route.across, along_2)) /
                   (rays.sin_first * rays.sin_first * rays.sin_second * rays.sin_second *
-                   way.between * wave_number);
+                   route.between * wave_number);
   const Wave<T> level = over(first.value, second.value);
   const Wave<T> sloped = over(first.by_to, Complex<T>{T(0), -slope} * second.by_from);
   const T spread = T(rays.side ? 0.5 : 1.0) * path.length *
                    sqrt(rays.length_first * rays.length_second /
-                        edge_pair_curvature(rays.edges, way).determinant()) /
-                   (way.before * way.between * way.behind);
+                        edge_pair_curvature(rays.edges, route).determinant()) /
+                   (route.before * route.between * route.behind);
   const Wave<T> wave{
       {spread * (level.field.re + sloped.field.re), spread * (level.field.im + sloped.field.im)},
       level.direction};

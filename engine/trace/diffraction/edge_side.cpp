@@ -20,21 +20,21 @@ Interaction turn_at(const TraceContext& context, std::uint32_t edge, const Vec3d
   return turn;
 }
 
-bool EdgeSide::trace(const LitWay& way, const Vec3d& bend) {
+bool EdgeSide::trace(const LitRoute& route, const Vec3d& bend) {
   chain_.surfaces.clear();
   chain_.points.clear();
-  return way.lit.node == kRootNode ||
-         way.end.tree().back_trace(way.end.root(), way.lit.node, bend, chain_);
+  return route.lit.node == kRootNode ||
+         route.end.tree().back_trace(route.end.root(), route.lit.node, bend, chain_);
 }
 
-bool EdgeSide::find(const LitWay& way, const Vec3d& beside) {
-  if (!way.end.tree().is_open(way.end.root(), chain_, beside)) {
+bool EdgeSide::find(const LitRoute& route, const Vec3d& beside) {
+  if (!route.end.tree().is_open(route.end.root(), chain_, beside)) {
     return false;
   }
   LinkEnd<double> at_bend;
   at_bend.position = beside;
   LinkEnd<double> at_end;
-  at_end.position = way.end.end();
+  at_end.position = route.end.end();
   return finder_.find(chain_, at_bend, at_end, met_) && met_.size() <= kMaxBesideEdge;
 }
 

@@ -27,7 +27,7 @@ Vec3d beside_edge(const Wedge& wedge, const Vec3d& bend);
 Interaction turn_at(const TraceContext& context, std::uint32_t edge, const Vec3d& bend);
 
 // The mirrors over which an end lights a part of an edge.
-struct LitWay {
+struct LitRoute {
   const LitEdge& lit;
   const LitEdges& end;
 };
@@ -37,9 +37,9 @@ class EdgeSide {
   explicit EdgeSide(std::shared_ptr<const TraceContext> context) : finder_(std::move(context)) {}
 
   // True if the mirrors reflect at the points that the path to the bend needs.
-  bool trace(const LitWay& way, const Vec3d& bend);
+  bool trace(const LitRoute& route, const Vec3d& bend);
   // True if the path to a point beside the edge is unobstructed; fills met(). REQUIRES: trace().
-  bool find(const LitWay& way, const Vec3d& beside);
+  bool find(const LitRoute& route, const Vec3d& beside);
   // Interactions from the bend to the end.
   const std::vector<Interaction>& met() const { return met_; }
 

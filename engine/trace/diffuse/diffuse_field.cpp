@@ -85,16 +85,16 @@ DiffuseField::End DiffuseField::lit_by(const RadioDevice& device) const {
 Path DiffuseField::path(const End::Lit& in, const End::Lit& out) const {
   const ScatteringPatch& patch = patches_[in.patch];
   const RoughMaterial<double>& rough = *materials_.of_surface(patch.surface);
-  const ScatteredWay<double> way = scattered_way<double>(
+  const ScatteredPath<double> scattered = scattered_path<double>(
       rough, context_->facets[patch.surface], in.leg, out.leg, context_->wavelength);
   // Symmetric in both ends.
   const std::uint64_t number =
       mixed(options_.seed ^ mixed(2 * in.patch + (in.above ? 1 : 0))) + in.mirrors + out.mirrors;
-  const double amplitude = std::sqrt(way.per_area * patch.area);
-  const Complex<double> co = scaled(amplitude * std::sqrt(1.0 - rough.xpd), way.co);
-  const Complex<double> cross = scaled(amplitude * std::sqrt(rough.xpd), way.cross);
+  const double amplitude = std::sqrt(scattered.per_area * patch.area);
+  const Complex<double> co = scaled(amplitude * std::sqrt(1.0 - rough.xpd), scattered.co);
+  const Complex<double> cross = scaled(amplitude * std::sqrt(rough.xpd), scattered.cross);
   return {co * phase(number) + cross * phase(~number),
-          way.length / kSpeedOfLight,
+          scattered.length / kSpeedOfLight,
           in.leg.departure,
           out.leg.departure,
           {}};

@@ -165,7 +165,7 @@ class DiffuseTracer::Integration {
     const auto known_to = known(to_.find(patch.position, side), receiver_, patch);
     for (const KnownLeg& in : known_from) {
       for (const KnownLeg& out : known_to) {
-        add_way(patch, in, out, made);
+        add_path(patch, in, out, made);
       }
     }
   }
@@ -187,17 +187,17 @@ class DiffuseTracer::Integration {
     return legs;
   }
 
-  void add_way(const ScatteringPatch& patch, const KnownLeg& in, const KnownLeg& out, Cell& made) {
+  void add_path(const ScatteringPatch& patch, const KnownLeg& in, const KnownLeg& out, Cell& made) {
     const std::size_t met = in.found->interactions.size() + out.found->interactions.size() + 1;
     if (in.found->mirrors + out.found->mirrors > tracer_.options_.reflections ||
         met > static_cast<std::size_t>(context_.options.max_depth)) {
       return;
     }
     const RoughMaterial<double>& rough = *tracer_.materials_.of_surface(patch.surface);
-    const ScatteredWay<double> way = scattered_way<double>(
+    const ScatteredPath<double> path = scattered_path<double>(
         rough, context_.facets[patch.surface], in.leg, out.leg, context_.wavelength);
-    made.echoes.push_back({way.power(rough) * patch.area,
-                           way.length / kSpeedOfLight,
+    made.echoes.push_back({path.power(rough) * patch.area,
+                           path.length / kSpeedOfLight,
                            in.leg.departure,
                            out.leg.departure,
                            patch,
@@ -249,10 +249,10 @@ DiffuseDensity DiffuseTracer::again(const DiffuseDensity& density,
         leg_to_patch<double>(from, echo.before, facet_of, patch.position, context_->wavelength);
     const auto out =
         leg_to_patch<double>(to, echo.after, facet_of, patch.position, context_->wavelength);
-    const ScatteredWay<double> way =
-        scattered_way<double>(*rough, facet_of(patch.surface), in, out, context_->wavelength);
-    echo.power = way.power(*rough) * patch.area;
-    echo.tau = way.length / kSpeedOfLight;
+    const ScatteredPath<double> path =
+        scattered_path<double>(*rough, facet_of(patch.surface), in, out, context_->wavelength);
+    echo.power = path.power(*rough) * patch.area;
+    echo.tau = path.length / kSpeedOfLight;
     echo.departure = in.departure;
     echo.arrival = out.departure;
   }
@@ -299,19 +299,19 @@ DiffuseDerivatives DiffuseTracer::run(const DiffuseDensity& density,
     for (std::size_t i = 0; i < echoes.size(); ++i) {
       const ScatteringPatch& patch = echoes[i].patch;
       const auto& rough = materials.of_surface(patch.surface);
-      const ScatteredWay<Dual<N>> way = scattered_way<Dual<N>>(
+      const ScatteredPath<Dual<N>> path = scattered_path<Dual<N>>(
           rough,
           facet_of(patch.surface),
           leg_to_patch<Dual<N>>(from, echoes[i].before, facet_of, patch.position, wavelength),
           leg_to_patch<Dual<N>>(to, echoes[i].after, facet_of, patch.position, wavelength),
           wavelength);
-      const Dual<N> power = way.power(rough);
+      const Dual<N> power = path.power(rough);
       for (int lane = 0; lane < block.size; ++lane) {
         const std::size_t parameter = first + static_cast<std::size_t>(lane);
         const Kind kind = parameters[parameter].kind;
         const bool is_gain = kind == Kind::kTransmitterGain || kind == Kind::kReceiverGain;
         result.at(i, parameter) = {is_gain ? 2.0 * echoes[i].power : patch.area * power.v[lane],
-                                   way.length.v[lane] / kSpeedOfLight};
+                                   path.length.v[lane] / kSpeedOfLight};
       }
     }
   }

@@ -68,10 +68,10 @@ LegToPatch<T> leg_to_patch(const LinkEnd<T>& end,
   for (std::size_t i = 0; i < facets.size(); ++i) {
     source = is_mirror(interactions[i].kind) ? mirror(facets[i].plane, source) : source;
   }
-  const Vec3<T> way = Vec3<T>{T(patch.x), T(patch.y), T(patch.z)} - source;
+  const Vec3<T> path = Vec3<T>{T(patch.x), T(patch.y), T(patch.z)} - source;
   LegToPatch<T> leg;
-  leg.length = norm(way);
-  leg.departure = (T(1) / leg.length) * way;
+  leg.length = norm(path);
+  leg.departure = (T(1) / leg.length) * path;
   for (std::size_t i = facets.size(); i > 0; --i) {
     if (is_mirror(interactions[i - 1].kind)) {
       leg.departure = interactions::Reflection::mirrored(leg.departure, facets[i - 1].plane.normal);
@@ -87,7 +87,7 @@ LegToPatch<T> leg_to_patch(const LinkEnd<T>& end,
 }
 
 template <typename T>
-struct ScatteredWay {
+struct ScatteredPath {
   T per_area{};      // [1/m^2], of |a|^2, for a receiver of all polarisations with gain 1
   Complex<T> co;     // response of both antennas to the kept polarisation
   Complex<T> cross;  // and to the other one
@@ -111,7 +111,7 @@ T smooth_reflectance(const T& cosine, const Facet<T>& facet, const T& wavelength
 
 // `facet`: the patch's. REQUIRES: both legs come from the same side of it, and not along it.
 template <typename T>
-ScatteredWay<T> scattered_way(const RoughMaterial<T>& rough,
+ScatteredPath<T> scattered_path(const RoughMaterial<T>& rough,
                               const Facet<T>& facet,
                               const LegToPatch<T>& in,
                               const LegToPatch<T>& out,
@@ -137,15 +137,15 @@ ScatteredWay<T> scattered_way(const RoughMaterial<T>& rough,
     const T cosine = cosine_of_incidence(leg.wave.direction, facet);
     return typename ScatteringLobe<T>::End{cosine, smooth_reflectance(cosine, facet, wavelength)};
   };
-  ScatteredWay<T> way;
+  ScatteredPath<T> path;
   const T cos_back = dot(in.wave.direction, out.wave.direction);
   const T spread =
       rough.scattering * wavelength / (T(4.0 * std::numbers::pi) * in.length * out.length);
-  way.per_area = spread * spread * rough.lobe.weight(end(in), end(out), cos_reflected, cos_back);
-  way.co = received(kept);
-  way.cross = received(other);
-  way.length = in.length + out.length;
-  return way;
+  path.per_area = spread * spread * rough.lobe.weight(end(in), end(out), cos_reflected, cos_back);
+  path.co = received(kept);
+  path.cross = received(other);
+  path.length = in.length + out.length;
+  return path;
 }
 
 }  // namespace rayloc

@@ -106,7 +106,7 @@ PlaceModel WaveLikelihood::model_of(const WavePlace& place,
   }
   PlaceMoments moments(static_cast<Index>(model_.dimension()));
   Eigen::MatrixXcd s = prepared.columns;
-  const std::size_t direct = model_.coverable(place.rays);
+  const std::size_t direct = model_.obstructable(place.rays);
   for (std::size_t p = 0; p < rays.size(); ++p) {
     auto one = s.col(static_cast<Index>(p));
     moments.mean.all += terms.parts[p].known * one;

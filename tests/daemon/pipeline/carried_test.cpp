@@ -91,7 +91,7 @@ Carried filled() {
   chains.since = at(3);
   chains.bursts = 12;
   carried.chains = {chains};
-  CalibrationMonitor::Told told(2, 3, std::nullopt);
+  CalibrationMonitor::MonitorState told(2, 3, std::nullopt);
   told.bursts = 4;
   told.first = {0.91};
   told.fit = 0.9;

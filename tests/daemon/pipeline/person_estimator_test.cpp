@@ -240,7 +240,7 @@ TEST_F(PeopleOfTwoTransmitters, AreLostOnceEach) {
   EXPECT_EQ(outcome().counters.lost, 2U);
   EXPECT_GE(outcome().counters.used, 30U);
   EXPECT_EQ(outcome().counters.moments,
-            outcome().counters.used + outcome().counters.nobody + outcome().counters.unexplained +
+            outcome().counters.used + outcome().counters.no_person + outcome().counters.unexplained +
                 outcome().counters.out_of_order + outcome().counters.unusable);
 
   // At fixed times after the last detection, independent of the times of other frames.

@@ -54,7 +54,7 @@ struct Batch {
 };
 
 // Noise, and where `telling` the class as the sign of the first plane.
-Batch batch_of(const NetworkShape& shape, std::size_t count, bool telling, unsigned seed = 1) {
+Batch batch_of(const NetworkShape& shape, std::size_t count, bool informative, unsigned seed = 1) {
   std::mt19937 random(seed);
   const auto noise = [&] {
     return static_cast<float>(static_cast<double>(random()) / 4294967296.0 - 0.5);
@@ -63,7 +63,7 @@ Batch batch_of(const NetworkShape& shape, std::size_t count, bool telling, unsig
   for (std::size_t i = 0; i < count; ++i) {
     LabelledImage image;
     image.label = i % shape.classes;
-    const float mean = telling ? (image.label == 0 ? -1.0F : 1.0F) : 0.0F;
+    const float mean = informative ? (image.label == 0 ? -1.0F : 1.0F) : 0.0F;
     for (std::size_t k = 0; k < shape.image.size(); ++k) {
       image.values.push_back((k < shape.image.rows * shape.image.columns ? mean : 0.0F) + noise());
     }

@@ -312,7 +312,7 @@ TEST(Dscp, KnowsTheEmptyRoomAndPlaces) {
   input.transmitter = kPhone;
   const auto training = train_dscp(input);
   ASSERT_TRUE(training) << training.error().message;
-  EXPECT_TRUE((*training)->network->knows_nobody);
+  EXPECT_TRUE((*training)->network->has_empty_room);
   EXPECT_EQ((*training)->network->mean.size(), 9U) << "three pairs of three access points";
   auto dscp = make_dscp(room(), {}, 1, 0.95, *training);
   ASSERT_TRUE(dscp);

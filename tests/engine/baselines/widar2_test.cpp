@@ -148,7 +148,7 @@ TEST(MotionSage, FindsTwoPathsByTheirFormula) {
 
 TEST(PathLink, FollowsOnePathAndNotTheLoudest) {
   PathLink link(3);
-  std::vector<MotionPath> told;
+  std::vector<MotionPath> decoded;
   for (int i = 0; i < 20; ++i) {
     // The target, and something that jumps and is louder every other time.
     const double jump = i % 2 == 0 ? 2.0 : -2.0;
@@ -156,12 +156,12 @@ TEST(PathLink, FollowsOnePathAndNotTheLoudest) {
         link.add({{jump, 90e-9, jump, i % 2 == 0 ? 1.5 : 0.5}, {0.5 + 0.02 * i, 10e-9, 0.3, 1.0}});
     EXPECT_EQ(path.has_value(), i >= 3);
     if (path) {
-      told.push_back(*path);
+      decoded.push_back(*path);
     }
   }
-  ASSERT_EQ(told.size(), 17U);
-  for (std::size_t i = 0; i < told.size(); ++i) {
-    EXPECT_NEAR(told[i].rate, 0.5 + 0.02 * static_cast<double>(i), 1e-12) << "three windows ago";
+  ASSERT_EQ(decoded.size(), 17U);
+  for (std::size_t i = 0; i < decoded.size(); ++i) {
+    EXPECT_NEAR(decoded[i].rate, 0.5 + 0.02 * static_cast<double>(i), 1e-12) << "three windows ago";
   }
 }
 
@@ -169,7 +169,7 @@ TEST(PathLink, FollowsOnePathAndNotTheLoudest) {
 // and measurements, solved as one linear system.
 TEST(RangeSmoother, IsTheLeastSquaresOfAllSteps) {
   constexpr std::size_t kLag = 6;
-  RangeSmoother smoother({.rate_sigma = 2.0, .least_sigma = 0.5, .least = 0.0, .lag = kLag});
+  RangeSmoother smoother({.rate_sigma = 2.0, .sigma_floor = 0.5, .least = 0.0, .lag = kLag});
   const std::array<double, 7> rate = {0.0, 1.0, 1.2, 0.8, -0.5, 0.3, 0.9};
   const std::array<double, 7> measured = {4.1, 4.0, 4.4, 4.2, 4.1, 4.3, 4.2};
   for (std::size_t i = 0; i < rate.size(); ++i) {

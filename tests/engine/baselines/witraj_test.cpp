@@ -149,13 +149,13 @@ std::vector<LocationEstimate> received(Witraj& witraj, const std::vector<CsiFram
   return out;
 }
 
-Vec3d way(double t) { return {-0.6 + 0.4 * t, 0.3 * std::sin(1.2 * t), 1.2}; }
+Vec3d route(double t) { return {-0.6 + 0.4 * t, 0.3 * std::sin(1.2 * t), 1.2}; }
 
 // [m], of way().
 double worst_error(const std::vector<LocationEstimate>& estimates) {
   double worst = 0.0;
   for (const LocationEstimate& estimate : estimates) {
-    const Vec3d truth = way(to_seconds(estimate.time.time_since_epoch()));
+    const Vec3d truth = route(to_seconds(estimate.time.time_since_epoch()));
     worst =
         std::max(worst, std::hypot(estimate.position->x - truth.x, estimate.position->y - truth.y));
   }
@@ -163,8 +163,8 @@ double worst_error(const std::vector<LocationEstimate>& estimates) {
 }
 
 TEST(Witraj, FollowsAWalkFromItsStart) {
-  auto witraj = *Witraj::create(room(), kLink, way(0.0), {});
-  const auto estimates = received(witraj, walk(3.0, kStep, way));
+  auto witraj = *Witraj::create(room(), kLink, route(0.0), {});
+  const auto estimates = received(witraj, walk(3.0, kStep, route));
   ASSERT_GT(estimates.size(), 90U);
   EXPECT_LT(worst_error(estimates), 0.12) << "of a walk of 1.4 m";
   EXPECT_GT(estimates.back().accuracy_m, estimates.front().accuracy_m) << "the error grows";
@@ -178,9 +178,9 @@ TEST(Witraj, TellsTheWeakerAntennaOfEachToneWhenAsked) {
     const bool is_first = tone % 10 < 4;
     return antenna == (is_first ? 0U : 2U) ? 0.15 : 2.0;
   };
-  const auto frames = walk(3.0, kStep, way, fades);
-  auto published = *Witraj::create(room(), kLink, way(0.0), {});
-  auto by_tone = *Witraj::create(room(), kLink, way(0.0), {.by_tone = true});
+  const auto frames = walk(3.0, kStep, route, fades);
+  auto published = *Witraj::create(room(), kLink, route(0.0), {});
+  auto by_tone = *Witraj::create(room(), kLink, route(0.0), {.by_tone = true});
   const double worst = worst_error(received(by_tone, frames));
   EXPECT_LT(worst, 0.15);
   EXPECT_GT(worst_error(received(published, frames)), 2.0 * worst);

@@ -167,13 +167,13 @@ TEST(AccessPointCalibrator, RecoversHowLongDiffusePowerLasts) {
 TEST(AccessPointCalibrator, TellsTheErrorsOfASurveyFromThoseOfTheRoom) {
   const RoomModel room = test::make_room();
   auto samples = survey_beside(room, 0.005);
-  const auto believed = AccessPointCalibrator(room, 0, samples).fit(ArrayFit::kHeld);
+  const auto held = AccessPointCalibrator(room, 0, samples).fit(ArrayFit::kHeld);
   for (CalibrationSample& sample : samples) {
     sample.survey_sigma = 0.005;
   }
   const auto fit = AccessPointCalibrator(room, 0, samples).fit(ArrayFit::kHeld);
-  ASSERT_TRUE(believed && fit);
-  EXPECT_GT(believed->error.plan_tolerance.value, 0.002);
+  ASSERT_TRUE(held && fit);
+  EXPECT_GT(held->error.plan_tolerance.value, 0.002);
   EXPECT_LT(fit->error.plan_tolerance.value, 0.001);
 }
 

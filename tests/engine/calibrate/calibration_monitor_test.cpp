@@ -35,9 +35,9 @@ RoomModel calibrated() {
 // another room.
 class Stream {
  public:
-  explicit Stream(const RoomModel& believed, std::vector<Vec3d> plugs = kPlugs)
-      : monitor_(std::make_shared<const RoomModel>(believed)),
-        device_(believed.device),
+  explicit Stream(const RoomModel& assumed, std::vector<Vec3d> plugs = kPlugs)
+      : monitor_(std::make_shared<const RoomModel>(assumed)),
+        device_(assumed.device),
         plugs_(std::move(plugs)) {}
 
   // `turn` [rad] of core 3 of the first access point.
@@ -62,14 +62,14 @@ class Stream {
     seed_ = 0;
   }
   // States the channels of the plugs in `room`.
-  void know(const RoomModel& room) {
+  void set_reference(const RoomModel& room) {
     for (const Vec3d& plug : plugs_) {
       const auto frames = test::frames_at(room, plug, {8, 30.0, 99});
       for (std::size_t a = 0; a < room.access_points.size(); ++a) {
         const RoomAccessPoint& ap = room.access_points[a];
         auto h = combine_burst(frames, {static_cast<int>(a), room.grid, ap.cores, {}}).value().h;
         remove_gains(ap.gains, h);
-        monitor_.know({plug, device_}, a, std::move(h));
+        monitor_.set_reference({plug, device_}, a, std::move(h));
       }
     }
   }
@@ -160,11 +160,11 @@ TEST(CalibrationMonitor, SeesAJumpFromBeforeItStartedByWhatWasHeardThen) {
     ap.error.plan_tolerance = 0.03;
   }
   Stream healthy(plan, {{-0.6, 0.9, 1.1}});
-  healthy.know(room);
+  healthy.set_reference(room);
   healthy.send(room, 15);
   EXPECT_TRUE(healthy.warnings().empty()) << healthy.warnings()[0].text;
   Stream jumped(plan, {{-0.6, 0.9, 1.1}});
-  jumped.know(room);
+  jumped.set_reference(room);
   jumped.send(room, 15, std::numbers::pi / 2.0);
   ASSERT_EQ(jumped.warnings().size(), 1U);
   EXPECT_EQ(jumped.warnings()[0].core, 3);

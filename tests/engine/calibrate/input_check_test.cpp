@@ -62,7 +62,7 @@ std::string refusal(const std::vector<CalibrationPoint>& points) {
   return check.found.empty() ? "passes" : check.found.front().message;
 }
 
-::testing::AssertionResult says(const std::string& message, const std::string& part) {
+::testing::AssertionResult contains(const std::string& message, const std::string& part) {
   return message.find(part) != std::string::npos
              ? ::testing::AssertionSuccess()
              : ::testing::AssertionFailure() << "'" << message << "' does not say '" << part << "'";
@@ -84,11 +84,11 @@ TEST(CalibrationInputCheck, NamesExchangedColumns) {
     std::swap(point.position.x, point.position.y);
   }
   const std::string message = refusal(points);
-  EXPECT_TRUE(says(message, "with x and y exchanged"));
+  EXPECT_TRUE(contains(message, "with x and y exchanged"));
   for (const char* ap : {" at a, ", " at b, ", " at c)"}) {
-    EXPECT_TRUE(says(message, ap));
+    EXPECT_TRUE(contains(message, ap));
   }
-  EXPECT_TRUE(says(message, "most clearly the one stated to be at ("));
+  EXPECT_TRUE(contains(message, "most clearly the one stated to be at ("));
 }
 
 TEST(CalibrationInputCheck, NamesAnAxisThatRunsTheOtherWay) {
@@ -96,7 +96,7 @@ TEST(CalibrationInputCheck, NamesAnAxisThatRunsTheOtherWay) {
   for (CalibrationPoint& point : points) {
     point.position.y = -point.position.y;
   }
-  EXPECT_TRUE(says(refusal(points), "with the sign of y changed"));
+  EXPECT_TRUE(contains(refusal(points), "with the sign of y changed"));
 }
 
 TEST(CalibrationInputCheck, NamesRowsThatAreOneOff) {
@@ -104,7 +104,7 @@ TEST(CalibrationInputCheck, NamesRowsThatAreOneOff) {
   for (std::size_t i = 0; i < kCount; ++i) {
     points[i].position = survey()[(i + 1) % kCount].position;
   }
-  EXPECT_TRUE(says(refusal(points), "one row down"));
+  EXPECT_TRUE(contains(refusal(points), "one row down"));
 }
 
 TEST(CalibrationInputCheck, NamesExchangedAccessPoints) {
@@ -113,9 +113,9 @@ TEST(CalibrationInputCheck, NamesExchangedAccessPoints) {
     std::swap(point.h[1], point.h[2]);
   }
   const std::string message = refusal(points);
-  EXPECT_TRUE(says(message, "access point 'b'"));
-  EXPECT_TRUE(says(message, "access point 'c'"));
-  EXPECT_FALSE(says(message, "access point 'a'"));
+  EXPECT_TRUE(contains(message, "access point 'b'"));
+  EXPECT_TRUE(contains(message, "access point 'c'"));
+  EXPECT_FALSE(contains(message, "access point 'a'"));
 }
 
 TEST(CalibrationInputCheck, NamesAnAccessPointThatWasExchangedWithOneNotRecorded) {
@@ -126,7 +126,7 @@ TEST(CalibrationInputCheck, NamesAnAccessPointThatWasExchangedWithOneNotRecorded
     point.h[2].clear();
   }
   EXPECT_TRUE(
-      says(refusal(points), "given for access point 'a' fits the place of access point 'c'"));
+      contains(refusal(points), "given for access point 'a' fits the place of access point 'c'"));
 }
 
 // Recordings of a and b exchanged, where the site lists the chains of b in another order: the
@@ -146,7 +146,7 @@ TEST(CalibrationInputCheck, ReadsChainsInTheOrderOfTheOtherAccessPoint) {
   }
   const InputCheck check = check_calibration_inputs(room, points);
   ASSERT_EQ(check.found.size(), 1U);
-  EXPECT_TRUE(says(check.found.front().message,
+  EXPECT_TRUE(contains(check.found.front().message,
                    "given for access point 'b' fits the place of access point 'a'"));
 }
 
@@ -157,8 +157,8 @@ TEST(CalibrationInputCheck, RefusesTheOnePointThatStoodElsewhere) {
   ASSERT_TRUE(check.found.empty()) << check.found.front().message;
   ASSERT_EQ(check.misfits.size(), 1U);
   EXPECT_EQ(check.misfits.front().point, 8U);
-  EXPECT_TRUE(says(check.misfits.front().reason, "wrong place or time?"));
-  EXPECT_TRUE(says(check.misfits.front().reason, "(a), "));
+  EXPECT_TRUE(contains(check.misfits.front().reason, "wrong place or time?"));
+  EXPECT_TRUE(contains(check.misfits.front().reason, "(a), "));
 }
 
 TEST(CalibrationInputCheck, SaysNothingOfFewPoints) {
@@ -197,9 +197,9 @@ TEST(Field, CalibrationCheckNamesATurnedAccessPoint) {
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found.front().kind, TriedMistake::Kind::kArray);
   EXPECT_GT(found.front().explained, found.front().stated);
-  EXPECT_TRUE(says(found.front().message, "access point 'b'"));
-  EXPECT_TRUE(says(found.front().message, "turned by 180 degrees"));
-  EXPECT_TRUE(says(found.front().remedy, "yaw_deg = "));
+  EXPECT_TRUE(contains(found.front().message, "access point 'b'"));
+  EXPECT_TRUE(contains(found.front().message, "turned by 180 degrees"));
+  EXPECT_TRUE(contains(found.front().remedy, "yaw_deg = "));
 }
 
 // Few pairs need more standard errors, and are evidence all the same.
@@ -223,7 +223,7 @@ TEST(Field, CalibrationCheckNamesExchangedCores) {
   const auto& cores = room.access_points[0].cores;
   const auto found = found_where({{0, exchange_first_two}});
   ASSERT_EQ(found.size(), 1U);
-  EXPECT_TRUE(says(found.front().message,
+  EXPECT_TRUE(contains(found.front().message,
                    "with cores " + std::to_string(cores[0]) + " and " + std::to_string(cores[1]) +
                        " exchanged"));
 }
@@ -231,12 +231,12 @@ TEST(Field, CalibrationCheckNamesExchangedCores) {
 TEST(Field, CalibrationCheckNamesCoresInAnotherOrder) {
   const auto found = found_where({{2, shift_all}});
   ASSERT_EQ(found.size(), 1U);
-  EXPECT_TRUE(says(found.front().message, "access point 'c'"));
-  EXPECT_TRUE(says(found.front().message, "with its antennas wired to cores "));
+  EXPECT_TRUE(contains(found.front().message, "access point 'c'"));
+  EXPECT_TRUE(contains(found.front().message, "with its antennas wired to cores "));
   // The second antenna is at the place that the site states for its first.
   const RoomModel room = surveyed_room();
   const auto& cores = room.access_points[2].cores;
-  EXPECT_TRUE(says(found.front().remedy,
+  EXPECT_TRUE(contains(found.front().remedy,
                    "core = " + std::to_string(cores[1]) + ", " + std::to_string(cores[2]) + ", " +
                        std::to_string(cores[0])));
 }
@@ -244,8 +244,8 @@ TEST(Field, CalibrationCheckNamesCoresInAnotherOrder) {
 TEST(Field, CalibrationCheckNamesEachAccessPointThatStandsOtherwise) {
   const auto found = found_where({{0, exchange_first_two}, {2, turn}});
   ASSERT_EQ(found.size(), 2U);
-  EXPECT_TRUE(says(found[0].message, "access point 'a'"));
-  EXPECT_TRUE(says(found[1].message, "access point 'c'"));
+  EXPECT_TRUE(contains(found[0].message, "access point 'a'"));
+  EXPECT_TRUE(contains(found[1].message, "access point 'c'"));
 }
 
 // With one access point a mistake of the points may be better than nothing, too.
@@ -273,7 +273,7 @@ TEST(Field, CalibrationCheckNamesRecordingsThatWentRound) {
   for (const char* part : {"--capture b= with what is given for a",
                            "--capture c= with what is given for b",
                            "--capture a= with what is given for c"}) {
-    EXPECT_TRUE(says(found.front().remedy, part));
+    EXPECT_TRUE(contains(found.front().remedy, part));
   }
 }
 
@@ -353,7 +353,7 @@ TEST(MisfittingPoints, AreThoseFarBelowTheOthers) {
   const auto refused = misfitting_points(surveyed_room(), fits_of(after), &PointFit::after);
   ASSERT_EQ(refused.size(), 1U);
   EXPECT_EQ(refused.front().point, 17U);
-  EXPECT_TRUE(says(refused.front().reason, "0.20 (a) where the others fit by 0.96"));
+  EXPECT_TRUE(contains(refused.front().reason, "0.20 (a) where the others fit by 0.96"));
 }
 
 TEST(MisfittingPoints, AreNotThoseOfAWideSpread) {

@@ -290,14 +290,14 @@ TEST(JointCalibration, GoesOnFromEachCheckpointAsIfNeverInterrupted) {
 // decreases.
 TEST(JointCalibration, TellsHowFarItIs) {
   double last = 0.0;
-  const auto look = [&](const CalibrationProgress& progress) {
+  const auto observe = [&](const CalibrationProgress& progress) {
     EXPECT_GE(progress.share, last);
     EXPECT_LE(progress.share, 1.0);
     EXPECT_EQ(progress.points, 24U);  // of 30, every fifth is held out
     last = progress.share;
     return true;
   };
-  ASSERT_TRUE(calibrate_jointly(small_survey().plan, small_survey().points, quick(), look));
+  ASSERT_TRUE(calibrate_jointly(small_survey().plan, small_survey().points, quick(), observe));
   EXPECT_GT(last, 0.8);
 }
 

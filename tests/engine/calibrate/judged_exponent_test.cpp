@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace rayloc::judged_exponent_test {
+namespace rayloc::tempering_exponent_test {
 namespace {
 
 constexpr std::size_t kSpots = 140;
@@ -46,22 +46,22 @@ std::vector<LocationEstimate> estimates(const Survey& survey, double exponent, d
   return all;
 }
 
-std::vector<JudgedExponent> judge_all(const Survey& survey) {
-  std::vector<JudgedExponent> judged;
-  judged.reserve(kExponents.size());
+std::vector<TemperingExponent> evaluate_all(const Survey& survey) {
+  std::vector<TemperingExponent> evaluated;
+  evaluated.reserve(kExponents.size());
   for (const double exponent : kExponents) {
-    judged.push_back(judge_exponent(
+    evaluated.push_back(evaluate_exponent(
         exponent, estimates(survey, exponent, 0.01), kOneWidth[0], survey.spots, kOneWidth));
   }
-  return judged;
+  return evaluated;
 }
 
 double chosen(const Survey& survey) {
-  const auto judged = judge_all(survey);
-  return judged[best_exponent(judged)].exponent;
+  const auto evaluated = evaluate_all(survey);
+  return evaluated[best_exponent(evaluated)].exponent;
 }
 
-TEST(JudgedExponent, IsWhatMakesTheEstimatesAsWideAsTheirErrors) {
+TEST(TemperingExponent, IsWhatMakesTheEstimatesAsWideAsTheirErrors) {
   for (const unsigned seed : {1U, 2U, 3U, 4U}) {
     EXPECT_GE(chosen(survey(kSigma, 0.0, seed)), 0.8) << seed;
     const double wide = chosen(survey(2.0 * kSigma, 0.0, seed));  // 0.25 by construction
@@ -70,45 +70,45 @@ TEST(JudgedExponent, IsWhatMakesTheEstimatesAsWideAsTheirErrors) {
   }
 }
 
-TEST(JudgedExponent, DoesNotTakeTheSurveyForAnError) {
+TEST(TemperingExponent, DoesNotTakeTheSurveyForAnError) {
   Survey exact = survey(kSigma, 0.1);
   EXPECT_GE(chosen(exact), 0.8);
   exact.spots.place_sigma = 0.0;  // as if the places were certain
   EXPECT_LE(chosen(exact), 0.6);
 }
 
-TEST(JudgedExponent, OfHonestRegionsIsAboutOne) {
+TEST(TemperingExponent, OfHonestRegionsIsAboutOne) {
   double sum = 0.0;
   constexpr unsigned kSurveys = 40;
   for (unsigned seed = 0; seed < kSurveys; ++seed) {
     const Survey one = survey(std::hypot(kSigma, kOneWidth[0]), 0.0, seed);
-    sum += judge_exponent(1.0, estimates(one, 1.0, 0.0), kOneWidth[0], one.spots, kOneWidth)
+    sum += evaluate_exponent(1.0, estimates(one, 1.0, 0.0), kOneWidth[0], one.spots, kOneWidth)
                .dishonesty;
   }
   // The statistic of Anderson and Darling has a mean of 1 and a standard deviation of 0.76.
   EXPECT_NEAR(sum / kSurveys, 1.0, 4.0 * 0.76 / std::sqrt(kSurveys));
-  const auto judged = judge_all(survey(kSigma, 0.0));
-  EXPECT_GT(judged.back().dishonesty, 20.0);  // regions four times too wide
+  const auto evaluated = evaluate_all(survey(kSigma, 0.0));
+  EXPECT_GT(evaluated.back().dishonesty, 20.0);  // regions four times too wide
 }
 
-TEST(JudgedExponent, FindsTheWidthThatIsLeft) {
+TEST(TemperingExponent, FindsTheWidthThatIsLeft) {
   const Survey one = survey(std::hypot(kSigma, 0.03), 0.0);
-  const auto judged = judge_exponent(1.0, estimates(one, 1.0, 0.0), kOneWidth[0], one.spots);
-  EXPECT_GE(judged.least_sigma, 0.014);
+  const auto evaluated = evaluate_exponent(1.0, estimates(one, 1.0, 0.0), kOneWidth[0], one.spots);
+  EXPECT_GE(evaluated.sigma_floor, 0.014);
 }
 
-TEST(JudgedExponent, CountsASpotWithoutAFixAsAnywhere) {
+TEST(TemperingExponent, CountsASpotWithoutAFixAsAnywhere) {
   const Survey one = survey(kSigma, 0.0);
   auto all = estimates(one, 1.0, 0.0);
   all.front() = {};
-  const auto judged = judge_exponent(1.0, all, kOneWidth[0], one.spots, kOneWidth);
-  EXPECT_NEAR(judged.scores.front(), -std::log(one.spots.area), 1e-12);
+  const auto evaluated = evaluate_exponent(1.0, all, kOneWidth[0], one.spots, kOneWidth);
+  EXPECT_NEAR(evaluated.scores.front(), -std::log(one.spots.area), 1e-12);
 }
 
 // Worse than 0 by `mean` [nat] a spot, by 0.3 more at every other one and by 0.3 less at the rest:
 // the standard error of 20 spots is 0.07.
-JudgedExponent judged(double exponent, double dishonesty, double mean) {
-  JudgedExponent one{exponent, 0.01, {}, -mean, dishonesty};
+TemperingExponent evaluated(double exponent, double dishonesty, double mean) {
+  TemperingExponent one{exponent, 0.01, {}, -mean, dishonesty};
   for (int i = 0; i < 20; ++i) {
     one.scores.push_back(mean == 0.0 ? 0.0 : -mean + (i % 2 == 0 ? 0.3 : -0.3));
   }
@@ -116,19 +116,19 @@ JudgedExponent judged(double exponent, double dishonesty, double mean) {
 }
 
 TEST(BestExponent, IsTheMostHonestOfThoseThatAreAsGood) {
-  const std::vector all = {judged(1.0, 5.0, 0.0), judged(0.8, 1.0, 0.05), judged(0.6, 3.0, 0.05)};
+  const std::vector all = {evaluated(1.0, 5.0, 0.0), evaluated(0.8, 1.0, 0.05), evaluated(0.6, 3.0, 0.05)};
   EXPECT_EQ(best_exponent(all), 1U);
 }
 
 TEST(BestExponent, IsTheLeastOfTheHonest) {
-  const std::vector all = {judged(1.0, 1.0, 0.0), judged(0.8, 1.5, 0.05), judged(0.6, 2.0, 0.05)};
+  const std::vector all = {evaluated(1.0, 1.0, 0.0), evaluated(0.8, 1.5, 0.05), evaluated(0.6, 2.0, 0.05)};
   EXPECT_EQ(best_exponent(all), 1U);
 }
 
 TEST(BestExponent, IsNoneThatTheScoreTellsToBeWorse) {
-  const std::vector all = {judged(1.0, 5.0, 0.0), judged(0.8, 0.5, 0.1)};
+  const std::vector all = {evaluated(1.0, 5.0, 0.0), evaluated(0.8, 0.5, 0.1)};
   EXPECT_EQ(best_exponent(all), 0U);
 }
 
 }  // namespace
-}  // namespace rayloc::judged_exponent_test
+}  // namespace rayloc::tempering_exponent_test

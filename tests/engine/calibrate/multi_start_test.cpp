@@ -83,13 +83,13 @@ TEST(MultiStart, TellsOneShareAndCheckpointsOfTheFirst) {
     ++checkpoints;
     EXPECT_LT(last, 0.5);
   };
-  const auto look = [&](const CalibrationProgress& progress) {
+  const auto observe = [&](const CalibrationProgress& progress) {
     EXPECT_GE(progress.share, last);
     EXPECT_LE(progress.share, 1.0);
     last = progress.share;
     return true;
   };
-  ASSERT_TRUE(calibrate_from_draws(survey().plan, survey().points, options, 2, look));
+  ASSERT_TRUE(calibrate_from_draws(survey().plan, survey().points, options, 2, observe));
   EXPECT_GT(last, 0.9);
   EXPECT_EQ(checkpoints, 5);
 }

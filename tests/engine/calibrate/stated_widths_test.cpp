@@ -13,7 +13,7 @@
 #include "engine/scene/scene.h"
 #include "tests/support/surveyed_room.h"
 
-namespace rayloc::stated_widths_test {
+namespace rayloc::reported_sigma_test {
 namespace {
 
 constexpr double kHalfWave = 0.029;  // [m]
@@ -126,4 +126,4 @@ TEST_F(StatedWidthsTest, AWeakEchoTurnsTheOffsetAsFarAsItsPhase) {
 }
 
 }  // namespace
-}  // namespace rayloc::stated_widths_test
+}  // namespace rayloc::reported_sigma_test

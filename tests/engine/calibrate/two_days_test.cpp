@@ -89,7 +89,7 @@ class TwoDaysTest : public ::testing::Test {
 
 TEST_F(TwoDaysTest, TurnedChainsChangeNoAnswer) {
   const std::vector<ReceivedDays> received_days = {received(room_, empty_)};
-  const auto days = tell_days_apart(room_, received_days);
+  const auto days = separate_days(room_, received_days);
   ASSERT_TRUE(days) << days.error().message;
   ASSERT_EQ(days->changes.size(), 3U);
   for (const DayChange& change : days->changes) {
@@ -128,7 +128,7 @@ TEST_F(TwoDaysTest, TurnedChainsChangeNoAnswer) {
 // If the chains of a site were renewed first, the calibration has today's gains.
 TEST_F(TwoDaysTest, GainsOfTheCalibrationMayBeTodays) {
   const std::vector<ReceivedDays> received_days = {received(later_, empty_)};
-  const auto days = tell_days_apart(later_, received_days);
+  const auto days = separate_days(later_, received_days);
   ASSERT_TRUE(days) << days.error().message;
   for (const DayChange& change : days->changes) {
     EXPECT_TRUE(change.is_turned);
@@ -143,7 +143,7 @@ TEST_F(TwoDaysTest, GainsOfTheCalibrationMayBeTodays) {
 TEST_F(TwoDaysTest, ChainsThatAreAsTheyWereKeepTheirGains) {
   ReceivedDays same = received(room_, empty_);
   same.today = received_by(room_, frames_of_empty(room_, empty_, 3));
-  const auto days = tell_days_apart(room_, std::vector{same});
+  const auto days = separate_days(room_, std::vector{same});
   ASSERT_TRUE(days) << days.error().message;
   for (const DayChange& change : days->changes) {
     EXPECT_FALSE(change.is_turned);
@@ -167,7 +167,7 @@ TEST_F(TwoDaysTest, WhatMovedIsNotTakenForAChain) {
       h[j] += std::polar(0.1 * std::sqrt(power), turn + 1.3 * static_cast<double>(core));
     }
   }
-  const auto days = tell_days_apart(room_, std::vector{received(room_, today)});
+  const auto days = separate_days(room_, std::vector{received(room_, today)});
   ASSERT_TRUE(days) << days.error().message;
   for (const DayChange& change : days->changes) {
     EXPECT_TRUE(change.is_turned);
@@ -193,7 +193,7 @@ TEST_F(TwoDaysTest, AnotherTransmitterIsNoOtherDay) {
              std::polar(1.0, -w * 70e-9 - 2.0 * core);
     }
   }
-  const auto days = tell_days_apart(room_, std::vector{received(room_, today)});
+  const auto days = separate_days(room_, std::vector{received(room_, today)});
   ASSERT_FALSE(days);
   EXPECT_NE(days.error().message.find("access point a: the empty rooms of the two days"),
             std::string::npos)
@@ -204,7 +204,7 @@ TEST_F(TwoDaysTest, AnAccessPointIsNeededOnBothDays) {
   ReceivedDays apart = received(room_, empty_);
   apart.people.resize(1);
   apart.today.erase(apart.today.begin());
-  const auto days = tell_days_apart(room_, std::vector{apart});
+  const auto days = separate_days(room_, std::vector{apart});
   ASSERT_FALSE(days);
   EXPECT_NE(days.error().message.find("both days"), std::string::npos) << days.error().message;
 }

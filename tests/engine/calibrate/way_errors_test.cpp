@@ -9,23 +9,23 @@
 #include "engine/person/triangle.h"
 #include "tests/support/person_in_room.h"
 
-namespace rayloc::way_errors_test {
+namespace rayloc::path_errors_test {
 namespace {
 
 using Value = std::complex<double>;
 
-ScatteredRay ray(std::size_t way, double turn_x) {
+ScatteredRay ray(std::size_t path, double turn_x) {
   ScatteredRay result;
   result.slope_x = {0.0, turn_x};
-  result.way = way;
+  result.path = path;
   return result;
 }
 
 const Value& cross(const std::vector<Value>& triangle) { return triangle[triangle_size(1)]; }
 
-TEST(WayErrors, AreAlikeAtAllAntennasOfAWay) {
+TEST(PathErrors, AreAlikeAtAllAntennasOfAWay) {
   const std::vector<Value> one{1.0};
-  WayErrors same(2, 1);
+  PathErrors same(2, 1);
   same.add(0, ray(0, 0.0), {1.0, 0.0}, one, 1.0);
   same.add(1, ray(0, 0.0), {0.0, 2.0}, one, 1.0);
   const auto all = same.all(0.015);
@@ -33,26 +33,26 @@ TEST(WayErrors, AreAlikeAtAllAntennasOfAWay) {
   EXPECT_EQ(cross(all), Value(0.0, 2.0));
   EXPECT_EQ(all[2], Value(4.0));
 
-  WayErrors other(2, 1);
+  PathErrors other(2, 1);
   other.add(0, ray(0, 0.0), {1.0, 0.0}, one, 1.0);
   other.add(1, ray(1, 0.0), {0.0, 2.0}, one, 1.0);
   EXPECT_EQ(cross(other.all(0.015)), Value(0.0));
 }
 
-TEST(WayErrors, LoseWhatThePlaceInTheSquareTurns) {
+TEST(PathErrors, LoseWhatThePlaceInTheSquareTurns) {
   const std::vector<Value> one{1.0};
-  WayErrors ways(2, 1);
-  ways.add(0, ray(0, -10.0), {1.0, 0.0}, one, 0.25);
-  ways.add(1, ray(0, 10.0), {1.0, 0.0}, one, 0.25);
+  PathErrors errors(2, 1);
+  errors.add(0, ray(0, -10.0), {1.0, 0.0}, one, 0.25);
+  errors.add(1, ray(0, 10.0), {1.0, 0.0}, one, 0.25);
   const double sigma = 0.05;  // [m]: a turn of one radian against each other
-  EXPECT_NEAR(cross(ways.all(sigma)).real(), std::exp(-0.5), 1e-12);
-  EXPECT_NEAR(ways.all(sigma)[0].real(), 1.0, 1e-12);
+  EXPECT_NEAR(cross(errors.all(sigma)).real(), std::exp(-0.5), 1e-12);
+  EXPECT_NEAR(errors.all(sigma)[0].real(), 1.0, 1e-12);
   // A quarter of the power has no phase.
-  EXPECT_NEAR(cross(ways.without_phase(sigma)).real(), 0.25 * std::exp(-0.5), 1e-12);
+  EXPECT_NEAR(cross(errors.without_phase(sigma)).real(), 0.25 * std::exp(-0.5), 1e-12);
 }
 
 // A wave scattered back depends on the place of the body's front, a wave that passes on does not.
-TEST(WayErrors, AFrontTakesThePhaseOfWhatComesBack) {
+TEST(PathErrors, AFrontTakesThePhaseOfWhatComesBack) {
   const RoomModel room = test::make_room();
   const PersonReference reference = test::learn_reference(room);
   const std::size_t antennas = room.access_points[0].cores.size();
@@ -83,4 +83,4 @@ TEST(WayErrors, AFrontTakesThePhaseOfWhatComesBack) {
 }
 
 }  // namespace
-}  // namespace rayloc::way_errors_test
+}  // namespace rayloc::path_errors_test

@@ -42,7 +42,7 @@ double share_above(const std::vector<double>& of_cell, const Vec3d& place) {
 TEST(ChainEvidence, WhoseChainsNobodyKnowsStillTellsMuchOfThePlace) {
   const double exponent = localizer()->room().likelihood_exponent;
   double whatever = 0.0;
-  double believed = 0.0;
+  double accepted = 0.0;
   constexpr int kPlaces = 12;
   for (int i = 0; i < kPlaces; ++i) {
     const Vec3d place{-1.1 + 0.19 * i, 0.8 - 0.13 * i, 1.2};
@@ -65,12 +65,12 @@ TEST(ChainEvidence, WhoseChainsNobodyKnowsStillTellsMuchOfThePlace) {
     as_calibrated[0] = 1.0;
     whatever +=
         share_above(places_whatever_turned(*array.map, array.observed, grid, exponent, any), place);
-    believed += share_above(
+    accepted += share_above(
         places_whatever_turned(*array.map, array.observed, grid, exponent, as_calibrated), place);
   }
   // Chance is one half. Wrong gains of the chains are worse than unknown gains.
   EXPECT_LT(whatever / kPlaces, 0.35);
-  EXPECT_LT(whatever, believed);
+  EXPECT_LT(whatever, accepted);
 }
 
 TEST(CellBelief, AnAccessPointThatMayBeWrongRulesNothingOut) {

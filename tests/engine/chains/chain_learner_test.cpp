@@ -71,8 +71,8 @@ TEST(ChainLearner, LeavesChainsAloneThatAreAsCalibrated) {
     learner.receive(frames);
     ASSERT_EQ(learner.states().size(), 1U);
     EXPECT_EQ(learner.states()[0].knowledge, ChainKnowledge::kAsCalibrated) << i;
-    EXPECT_EQ(learner.believed(frames).size(), frames.size());
-    EXPECT_LT(learner.doubt(frames).probability, i < 6 ? 0.6 : 0.05) << i;
+    EXPECT_EQ(learner.accepted(frames).size(), frames.size());
+    EXPECT_LT(learner.suspect(frames).probability, i < 6 ? 0.6 : 0.05) << i;
   }
   EXPECT_TRUE(learner.leaves_alone());
   EXPECT_EQ(learner.withdrawals(), 0U);
@@ -100,7 +100,7 @@ TEST(ChainLearner, LearnsWhatChainsMultiplyByAfterAPowerCycle) {
     }
     EXPECT_FALSE(learner.leaves_alone());
     // Frames are as if nothing had happened: a fix is where the device is.
-    const auto frames = learner.believed(through(burst(40), factors));
+    const auto frames = learner.accepted(through(burst(40), factors));
     const LocationEstimate as_before = localizer()->locate(burst(40));
     const LocationEstimate now = localizer()->locate(frames);
     ASSERT_TRUE(now.position && as_before.position);
@@ -121,7 +121,7 @@ TEST(ChainLearner, WithdrawsWhatHasBecomeWrongAndLearnsAnew) {
     const auto frames = through(burst(i), second);
     learner.receive(frames);
     const bool is_learning = learner.states().at(0).knowledge == ChainKnowledge::kLearning;
-    EXPECT_EQ(learner.believed(frames).empty(), is_learning);
+    EXPECT_EQ(learner.accepted(frames).empty(), is_learning);
     if (withdrawn < 0 && std::abs(phase_error(learner.states().at(0), first, 1)) > 0.5) {
       withdrawn = i;
     }
@@ -156,7 +156,7 @@ TEST(ChainLearner, IsToldOfAPowerCycleAndKeepsWhatItLearned) {
   ChainLearner learner(localizer());
   learner.power_cycled(0, burst(0).front().time);
   EXPECT_EQ(learner.states().at(0).knowledge, ChainKnowledge::kLearning);
-  EXPECT_TRUE(learner.believed(burst(0)).empty());
+  EXPECT_TRUE(learner.accepted(burst(0)).empty());
   int bursts = 0;
   while (bursts < 40 && learner.states().at(0).knowledge != ChainKnowledge::kLearned) {
     learner.receive(through(burst(bursts++), factors));
@@ -165,7 +165,7 @@ TEST(ChainLearner, IsToldOfAPowerCycleAndKeepsWhatItLearned) {
   ChainLearner next(localizer());
   next.restore(learner.states().at(0));
   const auto frames = through(burst(50), factors);
-  const auto kept = next.believed(frames);
+  const auto kept = next.accepted(frames);
   ASSERT_EQ(kept.size(), frames.size());
   const LocationEstimate now = localizer()->locate(kept);
   const LocationEstimate as_before = localizer()->locate(burst(50));

@@ -163,13 +163,13 @@ TEST(WedgeDyad, JumpsByWhatDoesNotGoThrough) {
     for (const double from : {0.4, 0.9, (n - 0.2) * kPi}) {
       const bool rising = from < kPi;
       const double at = rising ? from + kPi : from - kPi;
-      const Vec3d way = -direction(from, -kCosEdge);
-      const Vec3d field = 0.8 * soft_of(way) - 0.5 * hard_of(way);
+      const Vec3d heading = -direction(from, -kCosEdge);
+      const Vec3d field = 0.8 * soft_of(heading) - 0.5 * hard_of(heading);
       const Vec3d normal_0{0.0, 1.0, 0.0};
       const Vec3d normal_n = direction((n - 0.5) * kPi, 0.0);
       const auto through = [&](const Field& f, const Vec3d& normal) {
-        const Field re = met(f.re, way, normal, false);
-        const Field im = met(f.im, way, normal, false);
+        const Field re = met(f.re, heading, normal, false);
+        const Field im = met(f.im, heading, normal, false);
         return Field{re.re - im.im, re.im + im.re};
       };
       Field passed = through({field, {}}, rising ? normal_0 : normal_n);
@@ -181,8 +181,8 @@ TEST(WedgeDyad, JumpsByWhatDoesNotGoThrough) {
       const Field found = turned(
           jump(n, from, dark, lit, kCosEdge, is_sheet ? WedgeBody::kSheet : WedgeBody::kSolid),
           field,
-          way,
-          way);
+          heading,
+          heading);
       EXPECT_NEAR(norm(found.re - (field - passed.re)), 0.0, 1e-7) << is_sheet << " " << from;
       EXPECT_NEAR(norm(found.im + passed.im), 0.0, 1e-7) << is_sheet << " " << from;
     }

@@ -44,7 +44,7 @@ TEST(AccessPointFusion, OneIsBelievedAsItIs) {
     EXPECT_NEAR(map[cell] - map[0], maps[0][cell], 1e-9);
   }
   // For any map, one burst in fifty carries no information.
-  EXPECT_NEAR(fusion.elsewhere(log_mean_exp(map, kTemper), 0.01), 0.02, 2e-4);
+  EXPECT_NEAR(fusion.outlier(log_mean_exp(map, kTemper), 0.01), 0.02, 2e-4);
 }
 
 TEST(AccessPointFusion, ThoseThatAgreeAddUp) {
@@ -54,7 +54,7 @@ TEST(AccessPointFusion, ThoseThatAgreeAddUp) {
   const auto map = fused(maps, fusion);
   // Each adds its own 6 nats, less the share of a blunted access point.
   EXPECT_NEAR(map[7] - map[0], 12.0, 3.0);
-  EXPECT_LT(fusion.elsewhere(log_mean_exp(map, kTemper), 0.01), 0.01);
+  EXPECT_LT(fusion.outlier(log_mean_exp(map, kTemper), 0.01), 0.01);
   EXPECT_LT(fusion.faulty(0, 6.0), 0.02);  // mostly blunted
 }
 
@@ -66,7 +66,7 @@ TEST(AccessPointFusion, OneAgainstTwoIsOutvotedHoweverSureItIs) {
   EXPECT_GT(probability(map, 7), 0.95);
   EXPECT_GT(fusion.faulty(2, maps[2][7]), 0.99);
   EXPECT_LT(fusion.faulty(0, maps[0][7]), 0.02);
-  EXPECT_LT(fusion.elsewhere(log_mean_exp(map, kTemper), 0.01), 0.05);
+  EXPECT_LT(fusion.outlier(log_mean_exp(map, kTemper), 0.01), 0.05);
 }
 
 TEST(AccessPointFusion, TwoThatContradictEachOtherLeaveBothPlacesAndElsewhere) {
@@ -76,8 +76,8 @@ TEST(AccessPointFusion, TwoThatContradictEachOtherLeaveBothPlacesAndElsewhere) {
   const auto map = fused(maps, fusion);
   EXPECT_GT(probability(map, 7), 0.3);
   EXPECT_GT(probability(map, 60), 0.3);
-  const double elsewhere = fusion.elsewhere(log_mean_exp(map, kTemper), 0.01);
-  EXPECT_GT(elsewhere, 0.02);  // more than before any burst
+  const double outlier = fusion.outlier(log_mean_exp(map, kTemper), 0.01);
+  EXPECT_GT(outlier, 0.02);  // more than before any burst
 }
 
 // A hill of a standard deviation of `width` cells.

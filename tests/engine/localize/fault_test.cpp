@@ -229,7 +229,7 @@ TEST(Fault, CoveredAccessPoint) {
   for (const std::size_t access_points : {1U, 2U, 3U}) {
     const Localizer& by = localizer(access_points);
     const Tally tally = study("access point covered", by, [&](std::size_t spot, Frames& frames) {
-      test::cover(
+      test::obstruct(
           frames, static_cast<int>(hit(by, spot)), by.room(), calibrated().spots[spot].position);
       return name_of(by, spot);
     });

@@ -87,7 +87,7 @@ TEST(RaisedRay, IsTheTracersRayFromThere) {
   const Vec3d place{0.4, 0.3, 1.2};
   const auto rays = test::rays_to(tracer, room, array, place);
   for (const double by : {0.3, -0.4}) {
-    const auto raised = raised_rays(rays, by, room.device, array);
+    const auto raised = rays_at_height(rays, by, room.device, array);
     const auto traced = test::rays_to(tracer, room, array, place + Vec3d{0.0, 0.0, by});
     std::size_t same = 0;
     for (const Ray& ray : raised) {
@@ -140,7 +140,7 @@ TEST(ObservationModelColumn, IsTheMixtureOfItsHeights) {
   const ObservationModel model(room.grid, 3);
   const auto rays =
       test::rays_to(PathTracer(room.scene, room.trace), room, ap.array, {0.4, 0.3, 1.2});
-  const auto high = raised_rays(rays, 0.2, room.device, ap.array);
+  const auto high = rays_at_height(rays, 0.2, room.device, ap.array);
   const std::array heights{ObservationModel::WeightedPlace{{rays, offsets, 0.0}, 0.3},
                            ObservationModel::WeightedPlace{{high, offsets, 0.0}, 0.7}};
   const Eigen::MatrixXcd together = covariance_of(model.column(heights, ap.error));
@@ -201,7 +201,7 @@ TEST(UnknownHeight, IsHandledByEveryLikelihood) {
 TEST(UnknownHeight, EvidenceTellsLayersAndKeepsToTheFocus) {
   const auto frames = test::frames_at(localizer().room(), {0.3, 0.2, 1.45});
   const RoomObservation observation = localizer().receive(frames);
-  const auto free = localizer().evidence(observation, Localizer::Look::kPlaces);
+  const auto free = localizer().evidence(observation, Localizer::Scan::kPlaces);
   ASSERT_FALSE(free.within.empty());
   for (const auto& [cell, mass] : free.within) {
     ASSERT_EQ(mass.layers.size(), localizer().heights().size());
@@ -211,7 +211,7 @@ TEST(UnknownHeight, EvidenceTellsLayersAndKeepsToTheFocus) {
   focus.log_prior.assign(localizer().grid().size(), -100.0);
   focus.log_prior[7] = 0.0;
   focus.layer_weight = localizer().heights().weight;
-  const auto only = localizer().evidence(observation, Localizer::Look::kPlaces, focus);
+  const auto only = localizer().evidence(observation, Localizer::Scan::kPlaces, focus);
   ASSERT_EQ(only.within.size(), 1U);
   EXPECT_EQ(only.within.front().first, 7U);
 }

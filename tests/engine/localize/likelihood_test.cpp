@@ -90,7 +90,7 @@ TEST_P(EachLikelihood, IsHighestWhereTheDeviceIs) {
   const auto observed = likelihood_->observe(link().channel(kTruth));
   const double here = at(kTruth, observed);
   EXPECT_GT(here,
-            likelihood_->log_likelihood(likelihood_->nowhere(link().error()), observed) + 5.0);
+            likelihood_->log_likelihood(likelihood_->null_model(link().error()), observed) + 5.0);
   std::mt19937 random(5);
   std::uniform_real_distribution<double> x(-1.4, 1.4);
   std::uniform_real_distribution<double> y(-1.1, 1.1);
@@ -255,13 +255,13 @@ TEST(Likelihoods, MatchTheirFormulasWithDenseMatrices) {
     expect(LikelihoodKind::kCoherent, coherent);
     expect(LikelihoodKind::kPathCovariance, covariance);
     // The better of a direct way that is open and one whose mean is not there, one time in fifty.
-    const auto covered = [&](const Ray& ray) {
+    const auto obstructed = [&](const Ray& ray) {
       return std::pair(ray.reflections == 0 ? 0.0 : partial(ray).first, partial(ray).second);
     };
     const auto observed = ObservationModel(link().room().grid, 3).observe(received);
     const double reference =
         std::max(best_of(dense(rays, error, partial), observed),
-                 std::log(0.02) + best_of(dense(rays, error, covered), observed));
+                 std::log(0.02) + best_of(dense(rays, error, obstructed), observed));
     EXPECT_NEAR(on_delays(LikelihoodKind::kPartial, rays, error, received),
                 reference,
                 1e-3 * std::abs(reference));
@@ -287,7 +287,7 @@ TEST(Likelihoods, FindADeviceWhoseDirectWayIsCovered) {
   ASSERT_EQ(reflected.size() + 1, rays.size());
   const auto received = model.observe(model.expected({reflected, link().offsets(), 0.0}, error));
   const auto place = model.place({rays, link().offsets(), 0.0}, error);
-  const auto odds = ObservationModel::covered_log_odds(place, received);
+  const auto odds = ObservationModel::obstructed_log_odds(place, received);
   ASSERT_TRUE(odds);
   EXPECT_GT(*odds, 5.0);
   const double here = log_likelihood(rays, received);
@@ -296,8 +296,8 @@ TEST(Likelihoods, FindADeviceWhoseDirectWayIsCovered) {
   }
   // An open access point has the opposite odds, and a place without a direct way none.
   const auto open = model.observe(model.expected({rays, link().offsets(), 0.0}, error));
-  EXPECT_LT(*ObservationModel::covered_log_odds(place, open), -5.0);
-  EXPECT_FALSE(ObservationModel::covered_log_odds(
+  EXPECT_LT(*ObservationModel::obstructed_log_odds(place, open), -5.0);
+  EXPECT_FALSE(ObservationModel::obstructed_log_odds(
       model.place({reflected, link().offsets(), 0.0}, error), open));
 }
 
@@ -367,9 +367,9 @@ TEST(Ray, DelayChangesAsTheTracerSays) {
   ASSERT_TRUE(derivatives);
   for (std::size_t i = 0; i < paths.size(); ++i) {
     const auto one = rays_of(Paths({paths[i]}), link().room(), kTruth, 1);
-    const Vec3d way = image_of(one[0], {});
-    EXPECT_NEAR(derivatives->at(i, 0).tau * 299'792'458.0, -way.x / norm(way), 1e-9);
-    EXPECT_NEAR(derivatives->at(i, 1).tau * 299'792'458.0, -way.y / norm(way), 1e-9);
+    const Vec3d to_image = image_of(one[0], {});
+    EXPECT_NEAR(derivatives->at(i, 0).tau * 299'792'458.0, -to_image.x / norm(to_image), 1e-9);
+    EXPECT_NEAR(derivatives->at(i, 1).tau * 299'792'458.0, -to_image.y / norm(to_image), 1e-9);
   }
 }
 

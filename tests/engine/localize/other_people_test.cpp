@@ -32,7 +32,7 @@ Eigen::VectorXcd as_eigen(const std::vector<Value>& x) {
 // A Gaussian, company, and the covariance of both together, written out.
 struct Accompanied {
   WhitenedGaussian gaussian;
-  OtherPeople company;
+  OtherPeople co_occupants;
   Eigen::MatrixXcd sigma;
   double log_determinant = 0.0;  // of the Gaussian alone
 };
@@ -53,10 +53,10 @@ Accompanied make(std::size_t columns, std::mt19937& random) {
     }
     made.log_determinant -= 2.0 * std::log(whitener(i, i).real());
   }
-  made.company.added = random_vector(random);
+  made.co_occupants.added = random_vector(random);
   for (std::size_t c = 0; c < columns; ++c) {
-    made.company.spread.push_back(random_vector(random));
-    const Eigen::VectorXcd s = as_eigen(made.company.spread.back());
+    made.co_occupants.spread.push_back(random_vector(random));
+    const Eigen::VectorXcd s = as_eigen(made.co_occupants.spread.back());
     made.sigma += s * s.adjoint();
   }
   return made;
@@ -70,7 +70,7 @@ class OtherPeopleTest : public ::testing::TestWithParam<std::size_t> {};
 TEST_P(OtherPeopleTest, IsTheGaussianOfBothTogether) {
   std::mt19937 random(1);
   const Accompanied made = make(GetParam(), random);
-  const AccompaniedGaussian with(made.gaussian, made.company);
+  const AccompaniedGaussian with(made.gaussian, made.co_occupants);
   const Eigen::LLT<Eigen::MatrixXcd> together(made.sigma);
 
   double log_determinant = 0.0;
@@ -92,7 +92,7 @@ TEST_P(OtherPeopleTest, IsTheGaussianOfBothTogether) {
     const double power = as_eigen(x).dot(together.solve(as_eigen(x))).real();
     EXPECT_NEAR(with.power(u), power, kClose * (1.0 + power));
   }
-  const auto shift = whiten(made.gaussian, made.company.added);
+  const auto shift = whiten(made.gaussian, made.co_occupants.added);
   for (std::size_t k = 0; k < kSize; ++k) {
     EXPECT_EQ(with.shift()[k], shift[k]);
   }

@@ -171,8 +171,8 @@ TEST_P(PersonFailureTest, AnotherTransmitterIsHeardUnderTheAddress) {
   const auto spoil = [this](std::size_t i, Channels& channels) {
     const RoomModel& room = localizer().room();
     for (std::size_t a = 0; a < channels.size(); ++a) {
-      const TargetPosition elsewhere = place(i);
-      channels[a] = test::channel_at(room, room.access_points[a], {elsewhere.x, elsewhere.y, 0.9});
+      const TargetPosition other = place(i);
+      channels[a] = test::channel_at(room, room.access_points[a], {other.x, other.y, 0.9});
     }
   };
   // No person affects these channels: any position is wrong, so it must be wide or refused.

@@ -50,22 +50,22 @@ class PersonLocalizerTest : public ::testing::Test {
 TEST_F(PersonLocalizerTest, FindsAPersonOfTheExpectedBuild) {
   int near = 0;
   int covered = 0;
-  int doubted = 0;
+  int suspects = 0;
   std::vector<double> errors;
   unsigned seed = 1;
   for (const TargetPosition& truth : places()) {
     const auto estimate = localizer().locate(
         test::frames_past(*room(), {truth}, PersonModel{}.body, {.count = 8, .seed = seed++}));
     ASSERT_TRUE(estimate.position) << estimate.reason;
-    const bool is_doubted = std::any_of(
+    const bool is_suspect = std::any_of(
         estimate.warnings.begin(), estimate.warnings.end(), [](const std::string& warning) {
           return warning.find("beside the transmitter") != std::string::npos;
         });
-    if (is_doubted) {  // it could have been moved
+    if (is_suspect) {  // it could have been moved
       EXPECT_TRUE(estimate.ambiguous);
       EXPECT_GE(estimate.residual_probability, 0.5);
       EXPECT_GT(estimate.accuracy_m, 1.0);
-      ++doubted;
+      ++suspects;
     }
     errors.push_back(error_of(estimate, truth));
     near += errors.back() < 0.08 ? 1 : 0;
@@ -81,7 +81,7 @@ TEST_F(PersonLocalizerTest, FindsAPersonOfTheExpectedBuild) {
   EXPECT_GE(near, 13);
   EXPECT_LT(errors[10], 0.015);  // where in a cell of 50 mm, not its middle
   EXPECT_GE(covered, 19);
-  EXPECT_LE(doubted, 2);
+  EXPECT_LE(suspects, 2);
 }
 
 TEST_F(PersonLocalizerTest, StatesAWiderRegionForABodyOfAnotherBuild) {

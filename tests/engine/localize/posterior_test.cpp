@@ -55,13 +55,13 @@ TEST(Posterior, LeavesOverWhatTheMapMayBeWrongBy) {
   const RoomGrid g = grid();
   const auto map = map_of(g, [](const Vec3d& p) { return gaussian(p, 0.0, 0.0, 0.08); });
   LocationEstimate sure;
-  LocationEstimate doubtful;
+  LocationEstimate suspect;
   summarise_posterior(g, map, {1.0, 0.95, 5, 0.0}, sure);
-  summarise_posterior(g, map, {1.0, 0.95, 5, 0.03}, doubtful);
-  EXPECT_NEAR(doubtful.residual_probability - sure.residual_probability, 0.03, 1e-3);
-  EXPECT_NEAR(doubtful.hypotheses[0].weight, 0.97 * sure.hypotheses[0].weight, 1e-9);
-  EXPECT_EQ(*doubtful.position, *sure.position);
-  EXPECT_GT(doubtful.accuracy_m, 1.05 * sure.accuracy_m);
+  summarise_posterior(g, map, {1.0, 0.95, 5, 0.03}, suspect);
+  EXPECT_NEAR(suspect.residual_probability - sure.residual_probability, 0.03, 1e-3);
+  EXPECT_NEAR(suspect.hypotheses[0].weight, 0.97 * sure.hypotheses[0].weight, 1e-9);
+  EXPECT_EQ(*suspect.position, *sure.position);
+  EXPECT_GT(suspect.accuracy_m, 1.05 * sure.accuracy_m);
 }
 
 // Four fifths are at one place; to hold 95 % of all a radius needs three quarters of the rest.
@@ -106,7 +106,7 @@ TEST(Posterior, StatesTheCoreOfAHillAndItsFoot) {
   all.xx = 0.9 * (best.xx + best.x * best.x) + 0.1 * uniform.xx - all.x * all.x;
   const KnownCells within{{cell, {all, best, 0.9}}};
   PosteriorOptions options;
-  options.least_sigma = 0.001;
+  options.sigma_floor = 0.001;
   LocationEstimate estimate;
   summarise_posterior(g, map, options, estimate, within);
   ASSERT_EQ(estimate.hypotheses.size(), 2U);

@@ -11,7 +11,7 @@
 #include "engine/scene/scene.h"
 #include "tests/support/synthetic_room.h"
 
-namespace rayloc::watched_area_test {
+namespace rayloc::search_area_test {
 namespace {
 
 // The room, of which only the half with x < 0.2 m is the area, with one access point.
@@ -24,19 +24,19 @@ RoomModel half_room() {
   return room;
 }
 
-TEST(WatchedArea, IsTheRoomWhereTheSceneReachesNoFurther) {
+TEST(SearchArea, IsTheRoomWhereTheSceneReachesNoFurther) {
   const RoomModel room = test::make_room();
-  const WatchedArea area = watched_area(room);
+  const SearchArea area = search_area(room);
   EXPECT_TRUE(area.inside.empty());
   std::vector<double> map(area.grid.size(), -1.0);
   EXPECT_EQ(take_outside(area, 1.0, map), 0.0);
   EXPECT_EQ(map, std::vector<double>(area.grid.size(), -1.0));
 }
 
-TEST(WatchedArea, HoldsTheCellsOfTheAreaAndThoseBesideIt) {
+TEST(SearchArea, HoldsTheCellsOfTheAreaAndThoseBesideIt) {
   const RoomModel room = half_room();
   const RoomGrid inner(room.bounds_min, room.bounds_max, room.device.height, 0.05);
-  const WatchedArea area = watched_area(room);
+  const SearchArea area = search_area(room);
   ASSERT_EQ(area.inside.size(), area.grid.size());
   EXPECT_EQ(static_cast<std::size_t>(std::accumulate(area.inside.begin(), area.inside.end(), 0)),
             inner.size());
@@ -52,8 +52,8 @@ TEST(WatchedArea, HoldsTheCellsOfTheAreaAndThoseBesideIt) {
   }
 }
 
-TEST(WatchedArea, TakesTheShareThatIsOutside) {
-  const WatchedArea area = watched_area(half_room());
+TEST(SearchArea, TakesTheShareThatIsOutside) {
+  const SearchArea area = search_area(half_room());
   std::vector<double> map(area.grid.size(), -1000.0);
   const auto outside = static_cast<std::size_t>(
       std::find(area.inside.begin(), area.inside.end(), 0) - area.inside.begin());
@@ -67,7 +67,7 @@ TEST(WatchedArea, TakesTheShareThatIsOutside) {
 }
 
 // No other access point contradicts the first; the scene does.
-TEST(WatchedArea, OfADeviceBesideItThereIsNoPosition) {
+TEST(SearchArea, OfADeviceBesideItThereIsNoPosition) {
   const auto room = std::make_shared<const RoomModel>(half_room());
   const Localizer localizer = *Localizer::create(room, {});
   int none = 0;
@@ -86,4 +86,4 @@ TEST(WatchedArea, OfADeviceBesideItThereIsNoPosition) {
 }
 
 }  // namespace
-}  // namespace rayloc::watched_area_test
+}  // namespace rayloc::search_area_test

@@ -162,7 +162,7 @@ TEST(Field, MaterialThatScattersIsReadAndSaysWhereItCounts) {
 TEST(Field, MaterialNamesWhatWasNotReadOfIt) {
   struct Case {
     std::string bsdf;
-    std::vector<std::string> said;
+    std::vector<std::string> expected;
   };
   for (const Case& each : std::vector<Case>{
            {bsdf("radio-material",
@@ -211,8 +211,8 @@ TEST(Field, MaterialNamesWhatWasNotReadOfIt) {
     const bool is_wood = each.bsdf.find("mat-itu_wood") != std::string::npos;
     const std::string message =
         error_of(parse(each.bsdf + "\n" + wall_of(is_wood ? "mat-itu_wood" : "m")));
-    for (const std::string& said : each.said) {
-      EXPECT_NE(message.find(said), std::string::npos) << said << "\n" << message;
+    for (const std::string& expected : each.expected) {
+      EXPECT_NE(message.find(expected), std::string::npos) << expected << "\n" << message;
     }
   }
 }

@@ -54,7 +54,7 @@ std::string shape(const std::string& inside) {
 struct Mistake {
   std::string xml;    // in place of a scene's content
   std::string place;  // of the message
-  std::string said;   // in it
+  std::string expected;   // in it
 };
 
 void expect_refused(const std::vector<Mistake>& mistakes) {
@@ -63,7 +63,7 @@ void expect_refused(const std::vector<Mistake>& mistakes) {
     EXPECT_NE(message.find("scene.xml:" + mistake.place + ": "), std::string::npos)
         << mistake.xml << "\n"
         << message;
-    EXPECT_NE(message.find(mistake.said), std::string::npos) << mistake.xml << "\n" << message;
+    EXPECT_NE(message.find(mistake.expected), std::string::npos) << mistake.xml << "\n" << message;
   }
 }
 

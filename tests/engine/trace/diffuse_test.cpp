@@ -151,10 +151,10 @@ struct PlainLink {
       return antenna_field(end.pattern, end.polarization, end.world_from_antenna, direction);
     };
     const V sent = field(from, in);
-    const V mirrored_way = in + (2.0 * cos_in) * n;
+    const V mirrored_ray = in + (2.0 * cos_in) * n;
     const V mirrored_field = sent - (2.0 * dot(sent, n)) * n;
-    const V axis = unit(cross(mirrored_way, out));
-    const V kept = turned(mirrored_field, axis, std::acos(dot(mirrored_way, out)));
+    const V axis = unit(cross(mirrored_ray, out));
+    const V kept = turned(mirrored_field, axis, std::acos(dot(mirrored_ray, out)));
     const V received = field(to, -out);
     const double co = dot(kept, received);
     const double other = dot(cross(out, kept), received);
@@ -250,10 +250,10 @@ TEST(Diffuse, PatchScattersWhatItDoesNotReflect) {
                        3.0 * std::cos(theta)};
             const double solid_angle = std::sin(theta) * (0.5 * kPi / kSteps) * (2 * kPi / kSteps);
             for (const auto received : {Polarization::kVertical, Polarization::kHorizontal}) {
-              const auto way = scattered_way<double>(
+              const auto scattered_ray = scattered_path<double>(
                   material, context.facets[0], in, leg(to, received), kWavelength);
               scattered +=
-                  solid_angle * way.power(material) * 9.0 * std::pow(4.0 * kPi / kWavelength, 2);
+                  solid_angle * scattered_ray.power(material) * 9.0 * std::pow(4.0 * kPi / kWavelength, 2);
             }
           }
         }
@@ -408,17 +408,17 @@ TEST(Diffuse, DerivativeByPlaceIsThatOfTheWholeIntegral) {
 TEST(Diffuse, WhatHasNoDerivativeIsRefused) {
   const Transmitter transmitter = transmitter_in_room();
   const Receiver receiver = receiver_in_room();
-  const auto said = [&](const RadioMaterial& material, const Parameter& parameter) {
+  const auto message_of = [&](const RadioMaterial& material, const Parameter& parameter) {
     const DiffuseTracer tracer(room(material), {});
     const auto found = tracer.differentiate(
         tracer.density(transmitter, receiver), transmitter, receiver, {&parameter, 1});
     return found ? std::string() : found.error().message;
   };
   const RadioMaterial lambertian = rough(test::kConcrete, kLambertian);
-  EXPECT_NE(said(lambertian, Parameter::surface_offset(0)).find("trace anew"), std::string::npos);
-  EXPECT_NE(said(lambertian, Parameter::scattering(Kind::kAlphaReflected, 0)).find("no such lobe"),
+  EXPECT_NE(message_of(lambertian, Parameter::surface_offset(0)).find("trace anew"), std::string::npos);
+  EXPECT_NE(message_of(lambertian, Parameter::scattering(Kind::kAlphaReflected, 0)).find("no such lobe"),
             std::string::npos);
-  EXPECT_NE(said(test::kConcrete, Parameter::scattering(Kind::kXpdCoefficient, 0)).find("above 0"),
+  EXPECT_NE(message_of(test::kConcrete, Parameter::scattering(Kind::kXpdCoefficient, 0)).find("above 0"),
             std::string::npos);
 }
 

@@ -176,11 +176,11 @@ TEST(DeviceTracker, ATrackTakesLittleMemory) {
 // together, one after the other or in reverse order, and on one thread.
 TEST(DeviceTracker, SaysTheSameWhateverTheOrderOfDevices) {
   constexpr int kDevices = 4;
-  enum class Way { kTogether, kInOrder, kBackwards, kOneThread };
-  std::map<Way, std::map<MacAddress, std::vector<double>>> said;
-  for (const Way way : {Way::kTogether, Way::kInOrder, Way::kBackwards, Way::kOneThread}) {
+  enum class Mode { kTogether, kInOrder, kBackwards, kOneThread };
+  std::map<Mode, std::map<MacAddress, std::vector<double>>> estimates;
+  for (const Mode mode : {Mode::kTogether, Mode::kInOrder, Mode::kBackwards, Mode::kOneThread}) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
-                                    way == Way::kOneThread ? 1 : 4);
+                                    mode == Mode::kOneThread ? 1 : 4);
     DeviceTracker tracker(localizer(1), {});
     for (int ms = 0; ms <= 400; ms += 50) {
       std::vector<std::vector<CsiFrame>> received;
@@ -194,23 +194,23 @@ TEST(DeviceTracker, SaysTheSameWhateverTheOrderOfDevices) {
         bursts.push_back({{{2, 0, 0, 0, 0, static_cast<std::uint8_t>(device)}},
                           received[static_cast<std::size_t>(device)]});
       }
-      if (way == Way::kBackwards) {
+      if (mode == Mode::kBackwards) {
         std::reverse(bursts.begin(), bursts.end());
       }
-      const std::size_t at_once = way == Way::kTogether || way == Way::kOneThread ? kDevices : 1;
+      const std::size_t at_once = mode == Mode::kTogether || mode == Mode::kOneThread ? kDevices : 1;
       for (std::size_t i = 0; i < bursts.size(); i += at_once) {
         for (const auto& updates : tracker.receive(std::span(bursts).subspan(i, at_once))) {
           ASSERT_FALSE(updates.empty());
-          auto& numbers = said[way][updates.front().device];
+          auto& numbers = estimates[mode][updates.front().device];
           const auto more = numbers_of(updates);
           numbers.insert(numbers.end(), more.begin(), more.end());
         }
       }
     }
   }
-  EXPECT_EQ(said[Way::kTogether].size(), static_cast<std::size_t>(kDevices));
-  for (const Way way : {Way::kInOrder, Way::kBackwards, Way::kOneThread}) {
-    EXPECT_EQ(said[way], said[Way::kTogether]) << static_cast<int>(way);
+  EXPECT_EQ(estimates[Mode::kTogether].size(), static_cast<std::size_t>(kDevices));
+  for (const Mode mode : {Mode::kInOrder, Mode::kBackwards, Mode::kOneThread}) {
+    EXPECT_EQ(estimates[mode], estimates[Mode::kTogether]) << static_cast<int>(mode);
   }
 }
 
@@ -218,9 +218,9 @@ TEST(DeviceTracker, SaysTheSameWhateverTheOrderOfDevices) {
 TEST(DeviceTracker, ForgetsPlacesAndFollowsOn) {
   DeviceTracker tracker(localizer(3), {});
   std::vector<DeviceUpdate> updates;
-  const auto receive = [&](const Vec3d& place, int ms, const FrameDoubt& doubt = {}) {
+  const auto receive = [&](const Vec3d& place, int ms, const FrameFault& fault = {}) {
     tracker.receive(
-        kDevice, frames(localizer(3)->room(), place, ms, 30.0), updates, std::nullopt, doubt);
+        kDevice, frames(localizer(3)->room(), place, ms, 30.0), updates, std::nullopt, fault);
     return updates.back().estimate;
   };
   const Vec3d first{-0.9, 0.7, 1.2};
@@ -231,10 +231,10 @@ TEST(DeviceTracker, ForgetsPlacesAndFollowsOn) {
   ASSERT_TRUE(updates.back().estimate.location.position);
   EXPECT_LT(error_of(updates.back().estimate.location, first), 0.15);
   // The same with a burst that may be wrong: no hypothesis may exceed the rest of the probability.
-  const FilteredEstimate doubted = receive(first, 1000, {0.4});
-  EXPECT_GE(doubted.location.residual_probability, 0.4);
-  ASSERT_FALSE(doubted.location.hypotheses.empty());
-  EXPECT_LE(doubted.location.hypotheses.front().weight, 0.6);
+  const FilteredEstimate suspect = receive(first, 1000, {0.4});
+  EXPECT_GE(suspect.location.residual_probability, 0.4);
+  ASSERT_FALSE(suspect.location.hypotheses.empty());
+  EXPECT_LE(suspect.location.hypotheses.front().weight, 0.6);
   tracker.forget_places();
   EXPECT_TRUE(tracker.follows(kDevice));
   const FilteredEstimate next = receive(second, 1100);
@@ -266,7 +266,7 @@ TEST(DeviceTracker, StatesTheSpeedOfAWalk) {
   ASSERT_TRUE(result.updates.back().estimate.velocity);
   EXPECT_NEAR(result.updates.back().estimate.velocity->x, 0.5, 0.1);
   EXPECT_NEAR(result.updates.back().estimate.velocity->y, -0.35, 0.1);
-  EXPECT_LT(result.updates.back().estimate.standing, 0.5);
+  EXPECT_LT(result.updates.back().estimate.stationary, 0.5);
 }
 
 // Later bursts through the same channel carry no new information.
@@ -289,7 +289,7 @@ TEST(DeviceTracker, RegionOfAStandingDeviceStaysHonest) {
       first_accuracy += first.location.accuracy_m;
       last_accuracy += last.location.accuracy_m;
       outside += error_of(last.location, truth) > last.location.accuracy_m ? 1 : 0;
-      EXPECT_GT(last.standing, 0.9);
+      EXPECT_GT(last.stationary, 0.9);
     }
   }
   std::printf("of %d places %d outside; accuracy %.2f m, then %.2f m\n",

@@ -112,7 +112,7 @@ TEST(GridFilter, StartsEverywhereThatIsFree) {
   const auto mass = filter.mass();
   EXPECT_NEAR(std::accumulate(mass.begin(), mass.end(), 0.0), 1.0, 1e-12);
   EXPECT_EQ(mass[cell_near(space->grid, 1.25, 0.5)], 0.0);
-  EXPECT_NEAR(filter.standing(), 0.5, 1e-6);
+  EXPECT_NEAR(filter.stationary(), 0.5, 1e-6);
 }
 
 TEST(GridFilter, NoWalkCrossesAWall) {
@@ -190,9 +190,9 @@ TEST(GridFilter, ChangeTellsAWalkFromAStand) {
   const auto space = empty_room();
   GridFilter filter(space, {});
   filter.weigh_change(0.0);
-  EXPECT_NEAR(filter.standing(), 10.0 / 11.0, 1e-6);
+  EXPECT_NEAR(filter.stationary(), 10.0 / 11.0, 1e-6);
   filter.weigh_change(1.0);
-  EXPECT_NEAR(filter.standing(), 0.5, 1e-6);
+  EXPECT_NEAR(filter.stationary(), 0.5, 1e-6);
 }
 
 TEST(GridFilter, WindowHoldsWhatTheWholeRoomHolds) {

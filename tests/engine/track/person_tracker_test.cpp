@@ -40,14 +40,14 @@ class PersonTracking : public ::testing::Test {
         *PersonLocalizer::create(room(), test::learn_reference(*room()), {}));
     return kMade;
   }
-  static const std::vector<CsiFrame>& standing() {
+  static const std::vector<CsiFrame>& stationary() {
     static const std::vector<CsiFrame> kMade = moment(*room(), {{0.2, 0.2}}, 0.0);
     return kMade;
   }
 
   // A person is in the room, at this time.
-  static std::vector<CsiFrame> somebody(double seconds) {
-    std::vector<CsiFrame> frames = standing();
+  static std::vector<CsiFrame> with_person(double seconds) {
+    std::vector<CsiFrame> frames = stationary();
     for (CsiFrame& frame : frames) {
       frame.time += from_seconds(seconds);
     }
@@ -56,10 +56,10 @@ class PersonTracking : public ::testing::Test {
   // The tracker receives `count` moments with a person, every 0.1 s from this time on.
   static void see(PersonTracker& tracker, double begin, int count, Updates& updates) {
     for (int i = 0; i < count; ++i) {
-      tracker.receive(somebody(begin + 0.1 * i), updates);
+      tracker.receive(with_person(begin + 0.1 * i), updates);
     }
   }
-  static Timestamp at(double seconds) { return standing().front().time + from_seconds(seconds); }
+  static Timestamp at(double seconds) { return stationary().front().time + from_seconds(seconds); }
   static PersonTracker tracker(const PersonTrackerOptions& options = {}) {
     return {localizer(), options};
   }
@@ -137,9 +137,9 @@ TEST_F(PersonTracking, FollowsAWalkAndLosesWhoHasLeft) {
   EXPECT_EQ(counters.lost, 1U);
   EXPECT_EQ(counters.moments, 110U);
   EXPECT_EQ(counters.used, 45U);
-  EXPECT_EQ(counters.nobody, 65U);
+  EXPECT_EQ(counters.no_person, 65U);
   EXPECT_EQ(counters.moments,
-            counters.used + counters.nobody + counters.unexplained + counters.out_of_order +
+            counters.used + counters.no_person + counters.unexplained + counters.out_of_order +
                 counters.unusable);
 }
 
@@ -172,7 +172,7 @@ TEST_F(PersonTracking, LooksWhereSomebodyMayBeAndSaysWhatTheWholeRoomSays) {
 TEST_F(PersonTracking, DoubtsWhomItDoesNotSeeClearly) {
   PersonTrackerOptions options;
   options.lose_after = std::chrono::seconds(100);
-  options.doubt_after = std::chrono::seconds(2);
+  options.unclear_after = std::chrono::seconds(2);
   auto tracker = PersonTracking::tracker(options);
   Updates updates;
   see(tracker, 0.0, 40, updates);  // clearly, and for longer than that
@@ -252,7 +252,7 @@ TEST_F(PersonTracking, IsNotSilentWhereBurstsWereLeftOut) {
   auto tracker = PersonTracking::tracker();
   Updates updates;
   see(tracker, 0.0, 6, updates);
-  tracker.receive(somebody(4.0), updates, at(0.6));
+  tracker.receive(with_person(4.0), updates, at(0.6));
   EXPECT_EQ(entered(updates), (std::vector{kTentative, kConfirmed}));
 }
 

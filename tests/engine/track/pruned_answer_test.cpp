@@ -67,12 +67,12 @@ class Walker {
 
   Vec3d step(double seconds) {
     const double far = std::hypot(to_.x - at_.x, to_.y - at_.y);
-    const double way = kSpeed * seconds;
-    if (far <= way) {
+    const double distance = kSpeed * seconds;
+    if (far <= distance) {
       at_ = to_;
       aim(to_);
     } else {
-      at_ = at_ + (way / far) * (to_ - at_);
+      at_ = at_ + (distance / far) * (to_ - at_);
     }
     return at_;
   }

@@ -31,16 +31,16 @@ struct CalibrationMethodResult {
 };
 
 // Fixes of the held-out points, with the likelihood raised to one exponent
-// (RoomModel::likelihood_exponent) and the RoomModel::least_sigma that scores best with it.
+// (RoomModel::likelihood_exponent) and the RoomModel::sigma_floor that scores best with it.
 struct HeldOutFixes {
   double likelihood_exponent = 0.0;
-  double least_sigma = 0.0;  // [m]
+  double sigma_floor = 0.0;  // [m]
   std::size_t points = 0;    // held out and observed
   std::size_t fixes = 0;
   std::size_t within_accuracy = 0;       // truths within the stated 95 % radius
   std::optional<double> median_error_m;  // horizontal; empty without a fix
   // Mean logarithm of the density stated at the truth [1/m^2], and the deviation of the stated
-  // regions from calibrated ones (JudgedExponent). Not a number without points.
+  // regions from calibrated ones (TemperingExponent). Not a number without points.
   double log_score = std::numeric_limits<double>::quiet_NaN();
   double dishonesty = std::numeric_limits<double>::quiet_NaN();
 };

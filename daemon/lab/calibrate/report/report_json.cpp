@@ -114,7 +114,7 @@ Json fixes_json(const std::vector<HeldOutFixes>& fixes) {
   Json all = Json::array();
   for (const HeldOutFixes& one : fixes) {
     all.push_back({{"temper", one.likelihood_exponent},
-                   {"least_sigma_m", one.least_sigma},
+                   {"least_sigma_m", one.sigma_floor},
                    {"dishonesty", one.dishonesty},
                    {"points", one.points},
                    {"fixes", one.fixes},

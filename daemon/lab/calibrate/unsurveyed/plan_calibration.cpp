@@ -40,7 +40,7 @@ CalibrationFile plan_calibration(const RoomModel& plan) {
   calibration.scene_hash = plan.scene_hash;
   calibration.method = "unsurveyed";
   calibration.likelihood_exponent = as_planned(plan.likelihood_exponent);
-  calibration.least_sigma = as_planned(plan.least_sigma);
+  calibration.sigma_floor = as_planned(plan.sigma_floor);
   calibration.ray_depth = plan.trace.max_depth;
   calibration.transmission = plan.trace.transmission;
   for (const RoomAccessPoint& ap : plan.access_points) {

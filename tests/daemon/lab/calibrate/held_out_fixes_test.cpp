@@ -66,7 +66,7 @@ TEST(HeldOutFixes, PositionsOfARoomThatIsAsItsModelAreStatedToMillimetres) {
   const HeldOutFixes fixes = fit(0.0, 0.0);
   EXPECT_EQ(fixes.fixes, static_cast<std::size_t>(kSpots));
   EXPECT_LT(fixes.median_error_m.value(), 0.01);
-  EXPECT_LE(fixes.least_sigma, 0.007);
+  EXPECT_LE(fixes.sigma_floor, 0.007);
 }
 
 // Regions contain the position as often as stated, up to chance. With several access points the
@@ -88,8 +88,8 @@ TEST(HeldOutFixes, TheExponentIsNotAboveTheModelAndItsRegionsHonest) {
 
 // The stated error of the survey does not count as an error of the fixes.
 TEST(HeldOutFixes, ErrorsOfTheSurveyDoNotWidenTheRegions) {
-  EXPECT_GE(fit(0.02, 0.0).least_sigma, 0.014);
-  EXPECT_LE(fit(0.02, 0.02).least_sigma, 0.01);
+  EXPECT_GE(fit(0.02, 0.0).sigma_floor, 0.014);
+  EXPECT_LE(fit(0.02, 0.02).sigma_floor, 0.01);
 }
 
 // A survey at two heights gives more information on the room; a fix assumes one height.
@@ -103,12 +103,12 @@ TEST(HeldOutFixes, SpotsAtOtherHeightsDoNotCount) {
   const HeldOutFixes fixes = fit_certainty_of(recorded().room, spots, 0.0).value().back();
   EXPECT_EQ(fixes.points, static_cast<std::size_t>(kSpots));
   EXPECT_LT(fixes.median_error_m.value(), 0.01);
-  EXPECT_LE(fixes.least_sigma, 0.007);
+  EXPECT_LE(fixes.sigma_floor, 0.007);
   const std::vector<HeldOutSpot> elsewhere{spots[1], spots[3]};
   const HeldOutFixes none = fit_certainty_of(recorded().room, elsewhere, 0.0).value().back();
   EXPECT_EQ(none.points, 0U);
   EXPECT_FALSE(none.median_error_m);
-  EXPECT_EQ(none.least_sigma, recorded().room->least_sigma);
+  EXPECT_EQ(none.sigma_floor, recorded().room->sigma_floor);
 }
 
 TEST(HeldOutFixes, FewSpotsTellNothing) {
@@ -117,7 +117,7 @@ TEST(HeldOutFixes, FewSpotsTellNothing) {
   ASSERT_TRUE(fixes);
   ASSERT_EQ(fixes->size(), 1U);
   EXPECT_EQ(fixes->back().likelihood_exponent, recorded().room->likelihood_exponent);
-  EXPECT_EQ(fixes->back().least_sigma, recorded().room->least_sigma);
+  EXPECT_EQ(fixes->back().sigma_floor, recorded().room->sigma_floor);
 }
 
 }  // namespace

@@ -200,7 +200,7 @@ TEST(ChannelDraw, IsWhatALocalizerTakesItToBe) {
   error.noise = 1e-3;
   RoomModel room = room_with(error);
   room.likelihood_exponent = 1.0;
-  room.least_sigma = 0.001;
+  room.sigma_floor = 0.001;
   const auto shared = std::make_shared<const RoomModel>(room);
   const auto localizer = Localizer::create(shared, {});
   ASSERT_TRUE(localizer);

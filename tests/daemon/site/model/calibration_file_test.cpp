@@ -16,7 +16,7 @@ CalibrationFile example() {
   file.scene_hash = "fedcba9876543210";
   file.points_hash = "00000000deadbeef";
   file.likelihood_exponent = {1.3, 0.6, 0.0};
-  file.least_sigma = {0.004, 0.01, 0.0};
+  file.sigma_floor = {0.004, 0.01, 0.0};
   CalibratedAccessPoint ap;
   ap.id = "ap1";
   ap.points = 143;
@@ -64,7 +64,7 @@ TEST(CalibrationFile, ReadsBackWhatItWrote) {
   EXPECT_EQ(read->scene_hash, written.scene_hash);
   EXPECT_EQ(read->points_hash, written.points_hash);
   EXPECT_EQ(read->likelihood_exponent.value, 1.3);
-  EXPECT_EQ(read->least_sigma.value, 0.004);
+  EXPECT_EQ(read->sigma_floor.value, 0.004);
   ASSERT_EQ(read->access_points.size(), 1U);
   const CalibratedAccessPoint& ap = read->access_points[0];
   EXPECT_EQ(ap.id, "ap1");
