@@ -47,7 +47,7 @@ constexpr std::array<std::uint8_t, 8> kIntelCodes = {
 constexpr std::size_t kIntelLengthBytes = 2;     // not counted in the length itself
 constexpr std::size_t kIntelHeaderBytes = 21;    // length of a record with CSI, from its code on
 constexpr std::size_t kIntelExtendedBytes = 18;  // additional bytes of extended records
-constexpr std::size_t kIntelTellingBytes = kIntelLengthBytes + 11;  // up to the chain counts
+constexpr std::size_t kIntelSignatureBytes = kIntelLengthBytes + 11;  // up to the chain counts
 
 __extension__ using Int128 = __int128;
 constexpr std::int64_t kNanoseconds = 1'000'000'000;
@@ -119,7 +119,7 @@ bool begins_intel_log(Bytes data) {
   const std::uint8_t code = load8(data, kIntelLengthBytes);
   const auto is_count = [](std::uint8_t chains) { return chains >= 1 && chains <= 3; };
   // A copy of a frame begins with the fields that every 802.11 frame has.
-  return (code == kIntelFrame && length > kIntelTellingBytes) ||
+  return (code == kIntelFrame && length > kIntelSignatureBytes) ||
          (code == kIntelCsi && length >= kIntelHeaderBytes && is_count(load8(data, 11)) &&
           is_count(load8(data, 12)));
 }
@@ -158,7 +158,7 @@ Step PcapParser::file_header(Bytes data) {
   }
   const std::uint8_t code = load8(data, kIntelLengthBytes);
   if (code == kIntelCsi || code == kIntelFrame) {
-    if (data.size() < kIntelTellingBytes) {
+    if (data.size() < kIntelSignatureBytes) {
       return need_more();
     }
     if (begins_intel_log(data)) {

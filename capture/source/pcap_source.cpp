@@ -50,11 +50,11 @@ Expected<std::unique_ptr<PcapFileSource>> PcapFileSource::open(const std::string
   }
   PcapFileOptions known = options;
   if (options.max_disorder != kAnyDisorder && !options.times && can_be_read_twice(path)) {
-    auto look = look_through(path, options);
-    if (!look) {
-      return tl::make_unexpected(std::move(look.error()));
+    auto scan = scan_recording(path, options);
+    if (!scan) {
+      return tl::make_unexpected(std::move(scan.error()));
     }
-    known.times = std::move(look->times);
+    known.times = std::move(scan->times);
   }
   return std::unique_ptr<PcapFileSource>(new PcapFileSource(std::move(*input), known));
 }
@@ -225,7 +225,7 @@ void PcapFileSource::take_datagram(const Datagram& datagram, DatagramBatch& batc
 void PcapFileSource::take_streamed(const Datagram& datagram, DatagramBatch& batch) {
   using Ruling = StreamClock::Ruling;
   const Timestamp latest = stream_->latest();
-  Ruling ruling = stream_->look(datagram.time);
+  Ruling ruling = stream_->scan(datagram.time);
   if (ruling == Ruling::kGiveHeld) {
     if (streamed_.jumps.size() < kMaxNoted) {
       streamed_.jumps.push_back(
@@ -235,7 +235,7 @@ void PcapFileSource::take_streamed(const Datagram& datagram, DatagramBatch& batc
     const Datagram held = *std::exchange(held_, std::nullopt);
     give(held, stream_->event_time(held.time), batch);
     place_now_ = place;
-    ruling = stream_->look(datagram.time);
+    ruling = stream_->scan(datagram.time);
   }
   if (ruling == Ruling::kHold) {
     hold(datagram);
@@ -359,7 +359,7 @@ RecordTimes PcapFileSource::with_headers(RecordTimes times) const {
 
 namespace {
 
-Expected<RecordingLook> look_once(const std::string& path,
+Expected<RecordingScan> scan_once(const std::string& path,
                                   const PcapFileOptions& options,
                                   const std::optional<RecordTimes>& units) {
   PcapFileOptions everything = options;
@@ -376,17 +376,17 @@ Expected<RecordingLook> look_once(const std::string& path,
       judge.add((*source)->places()[i], batch.datagrams[i].time);
     }
   }
-  return RecordingLook{(*source)->with_headers(judge.finish()), (*source)->counters()};
+  return RecordingScan{(*source)->with_headers(judge.finish()), (*source)->counters()};
 }
 
 }  // namespace
 
-Expected<RecordingLook> look_through(const std::string& path, const PcapFileOptions& options) {
-  auto look = look_once(path, options, std::nullopt);
-  const bool misread = look && std::any_of(look->times.units.begin(),
-                                           look->times.units.end(),
+Expected<RecordingScan> scan_recording(const std::string& path, const PcapFileOptions& options) {
+  auto scan = scan_once(path, options, std::nullopt);
+  const bool misread = scan && std::any_of(scan->times.units.begin(),
+                                           scan->times.units.end(),
                                            [](const CaptureUnit& unit) { return unit.misread; });
-  return misread ? look_once(path, options, look->times) : look;
+  return misread ? scan_once(path, options, scan->times) : scan;
 }
 
 }  // namespace rayloc

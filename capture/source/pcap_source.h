@@ -118,10 +118,10 @@ bool can_be_read_twice(const std::string& path);
 
 // Result of scanning a file to its end, or as far as it is readable: the reason for an early end is
 // reported when the file is read.
-struct RecordingLook {
+struct RecordingScan {
   RecordTimes times;
   SourceCounters counters;
 };
-Expected<RecordingLook> look_through(const std::string& path, const PcapFileOptions& options);
+Expected<RecordingScan> scan_recording(const std::string& path, const PcapFileOptions& options);
 
 }  // namespace rayloc

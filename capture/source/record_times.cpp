@@ -52,7 +52,7 @@ void StampJudge::add(const RecordPlace& place, Timestamp stamp) {
     runs_.push_back({place, place.packet, 0, stamp, stamp, stamp, {}, 0, {}, 0, {}, false});
   }
   Run& run = runs_.back();
-  look_ahead(run, stamp, place);
+  update_tail(run, stamp, place);
   run.last_packet = place.packet;
   ++run.records;
   run.earliest = std::min(run.earliest, stamp);
@@ -61,7 +61,7 @@ void StampJudge::add(const RecordPlace& place, Timestamp stamp) {
 
 // Within a run time may advance by as much as a silence may last, also to a damaged
 // stamp.
-void StampJudge::look_ahead(Run& run, Timestamp stamp, const RecordPlace& place) const {
+void StampJudge::update_tail(Run& run, Timestamp stamp, const RecordPlace& place) const {
   if (run.records > 0 && stamp > run.latest + limits_.disorder) {
     run.tail_place = place;
     run.tail_records = 0;
@@ -191,7 +191,7 @@ RecordTimes StampJudge::finish() const {
   if (!as_stamped_) {
     find_clocks_set(times);
   }
-  tell_times(kept, times);
+  fill_busy_times(kept, times);
   return times;
 }
 
@@ -206,7 +206,7 @@ void StampJudge::find_clocks_set(RecordTimes& times) const {
   times.correction = -correction;
 }
 
-void StampJudge::tell_times(const std::vector<std::size_t>& kept, RecordTimes& times) const {
+void StampJudge::fill_busy_times(const std::vector<std::size_t>& kept, RecordTimes& times) const {
   RecordClock clock(times);
   for (const std::size_t index : kept) {
     const Run& run = runs_[index];
@@ -245,7 +245,7 @@ std::optional<Timestamp> RecordClock::event_time(std::uint64_t packet, Timestamp
   return stamp + correction_;
 }
 
-StreamClock::Ruling StreamClock::look(Timestamp stamp) {
+StreamClock::Ruling StreamClock::scan(Timestamp stamp) {
   if (!latest_) {
     latest_ = stamp;
     return Ruling::kGive;

@@ -114,7 +114,7 @@ class StampJudge {
     bool outlies = false;  // the records after it continue from those before it
   };
 
-  void look_ahead(Run& run, Timestamp stamp, const RecordPlace& place) const;
+  void update_tail(Run& run, Timestamp stamp, const RecordPlace& place) const;
   bool tail_outlies(const Run& run, Timestamp stamp) const;
   void cut_tail();
   bool continues(std::size_t before, std::size_t run) const;
@@ -123,7 +123,7 @@ class StampJudge {
   std::size_t first_run() const;
   ClockJump jump_between(std::size_t before, std::size_t run) const;
   void find_clocks_set(RecordTimes& times) const;
-  void tell_times(const std::vector<std::size_t>& kept, RecordTimes& times) const;
+  void fill_busy_times(const std::vector<std::size_t>& kept, RecordTimes& times) const;
   DamagedStamps damaged(std::size_t begin, std::size_t end, Timestamp around) const;
 
   const StampLimits limits_;
@@ -161,7 +161,7 @@ class StreamClock {
     kDropHeld,  // the held record is damaged; return this one
     kGiveHeld,  // the held record is valid; return it, and evaluate this one again
   };
-  Ruling look(Timestamp stamp);
+  Ruling scan(Timestamp stamp);
   // At the end of the input: true if the held record is to be returned.
   bool give_at_end();
   Timestamp event_time(Timestamp stamp) const { return stamp + correction_; }
@@ -181,7 +181,7 @@ class StreamClock {
 
 // Descriptions for the operator, a line each; `name` is the file's. Gaps not longer than
 // `least_gap` are omitted (record_words.cpp).
-std::vector<std::string> words_of(const RecordTimes& times,
+std::vector<std::string> describe(const RecordTimes& times,
                                   const std::string& name,
                                   Duration least_gap);
 

@@ -13,7 +13,7 @@ std::string at(const RecordPlace& place) {
 }
 
 // For a machine without a battery that has not received the time yet. No CSI recording is older.
-std::string unset_clock_words(const RecordTimes& times) {
+std::string describe_unset_clock(const RecordTimes& times) {
   constexpr Timestamp kFirstPossible = std::chrono::sys_days(std::chrono::year(2000) / 1 / 1);
   if (times.of_counter || times.busy.empty() || times.busy.front().begin >= kFirstPossible) {
     return {};
@@ -25,7 +25,7 @@ std::string unset_clock_words(const RecordTimes& times) {
          "error";
 }
 
-std::string damage_words(const DamagedStamps& stamps) {
+std::string describe_damage(const DamagedStamps& stamps) {
   const bool late = stamps.ahead < Duration::zero();
   std::string words = at(stamps.first) + "its time stamp lies ";
   words += seconds_text(late ? -stamps.ahead : stamps.ahead);
@@ -38,7 +38,7 @@ std::string damage_words(const DamagedStamps& stamps) {
 }
 
 // For captures that were joined in another order than that of time; no clock was set.
-std::string joined_words(const ClockJump& jump, const RecordTimes& times) {
+std::string describe_joined(const ClockJump& jump, const RecordTimes& times) {
   constexpr std::uint64_t kNear = 16;  // the first packets of a capture may not be datagrams
   const auto after =
       std::find_if(times.joined.rbegin(), times.joined.rend(), [&](const RecordPlace& header) {
@@ -53,8 +53,8 @@ std::string joined_words(const ClockJump& jump, const RecordTimes& times) {
          "and name the parts as several recordings of one access point";
 }
 
-std::string clock_words(const ClockJump& jump, const RecordTimes& times) {
-  if (std::string joined = joined_words(jump, times); !joined.empty()) {
+std::string describe_clock(const ClockJump& jump, const RecordTimes& times) {
+  if (std::string joined = describe_joined(jump, times); !joined.empty()) {
     return joined;
   }
   const Duration size = jump.size() - jump.pause;
@@ -73,7 +73,7 @@ std::string clock_words(const ClockJump& jump, const RecordTimes& times) {
   return words;
 }
 
-std::string unit_words(const CaptureUnit& capture) {
+std::string describe_unit(const CaptureUnit& capture) {
   const bool nanoseconds = capture.shown == pcap::TimeUnit::kNanoseconds;
   std::string words = "byte " + std::to_string(capture.place.byte) + ": ";
   words +=
@@ -99,12 +99,12 @@ std::string resolution_text(std::uint8_t resolution) {
 }
 
 // Messages about units of the stamps that the headers state wrongly.
-std::vector<std::string> units_words(const RecordTimes& times) {
+std::vector<std::string> describe_units(const RecordTimes& times) {
   std::vector<std::string> words;
   std::size_t more = 0;
   for (const CaptureUnit& capture : times.units) {
     if (capture.shown != capture.stated && words.empty()) {
-      words.push_back(unit_words(capture));
+      words.push_back(describe_unit(capture));
     } else if (capture.shown != capture.stated) {
       ++more;
     }
@@ -124,7 +124,7 @@ std::vector<std::string> units_words(const RecordTimes& times) {
 
 }  // namespace
 
-std::vector<std::string> words_of(const RecordTimes& times,
+std::vector<std::string> describe(const RecordTimes& times,
                                   const std::string& name,
                                   Duration least_gap) {
   // For a file with many anomalies the first ones are sufficient.
@@ -132,14 +132,14 @@ std::vector<std::string> words_of(const RecordTimes& times,
   const std::string file = name + ": ";
   std::vector<std::string> damaged;
   for (const DamagedStamps& stamps : times.damaged) {
-    damaged.push_back(file + damage_words(stamps));
+    damaged.push_back(file + describe_damage(stamps));
   }
   std::vector<std::string> set;
   std::vector<const ClockJump*> gaps;
   for (const ClockJump& jump : times.jumps) {
     const Duration size = jump.size() - jump.pause;
     if (jump.was_set || size < Duration::zero()) {
-      set.push_back(file + clock_words(jump, times));
+      set.push_back(file + describe_clock(jump, times));
     } else if (size > least_gap) {
       gaps.push_back(&jump);
     }
@@ -151,7 +151,7 @@ std::vector<std::string> words_of(const RecordTimes& times,
                     ": another capture begins here, as cat joins files; it is read as well" +
                     (more > 0 ? ", and " + std::to_string(more) + " more behind it" : ""));
   }
-  for (const std::string& line : units_words(times)) {
+  for (const std::string& line : describe_units(times)) {
     words.push_back(file + line);
   }
   for (const auto& [lines, what] : {std::pair(&damaged, " more such places"),
@@ -163,7 +163,7 @@ std::vector<std::string> words_of(const RecordTimes& times,
       words.push_back(file + std::to_string(lines->size() - kMaxLines) + what);
     }
   }
-  if (const std::string year = unset_clock_words(times); !year.empty()) {
+  if (const std::string year = describe_unset_clock(times); !year.empty()) {
     words.push_back(file + year);
   }
   const auto longest =

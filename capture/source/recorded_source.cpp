@@ -50,14 +50,14 @@ Expected<void> RecordedSource::open_due() {
       return {};
     }
     PcapFileOptions options = plan_.options;
-    if (file.look) {
-      options.times = file.look->times;
+    if (file.scan) {
+      options.times = file.scan->times;
     }
     auto opened = PcapFileSource::open(file.path, options);
     if (!opened) {
       return tl::make_unexpected(std::move(opened.error()));
     }
-    readers_.push_back({std::move(*opened), file.look.has_value(), {}, 0});
+    readers_.push_back({std::move(*opened), file.scan.has_value(), {}, 0});
     ++next_file_;
   }
   return {};
@@ -98,10 +98,10 @@ void RecordedSource::close_ended() {
 void RecordedSource::add_warnings(const Reader& reader, std::vector<std::string>& to) const {
   const std::vector<std::string> torn = reader.source->warnings();
   to.insert(to.end(), torn.begin(), torn.end());
-  if (reader.looked_through) {  // reported by words_of()
+  if (reader.is_scanned) {  // reported by describe()
     return;
   }
-  const std::vector<std::string> stamps = words_of(
+  const std::vector<std::string> stamps = describe(
       reader.source->streamed_times(), reader.source->description(), least_gap(plan_.options));
   to.insert(to.end(), stamps.begin(), stamps.end());
   const std::vector<std::string> rejections =

@@ -25,14 +25,14 @@ class RecordedSource final : public DatagramSource {
   std::string description() const override { return name_of(plan_); }
 
   const RecordingPlan& plan() const { return plan_; }
-  std::vector<std::string> notices() const override { return words_of(plan_); }
+  std::vector<std::string> notices() const override { return describe(plan_); }
   // Torn records with their places, and findings that appear only when a pipe is read.
   std::vector<std::string> warnings() const override;
 
  private:
   struct Reader {
     std::unique_ptr<PcapFileSource> source;
-    bool looked_through = false;
+    bool is_scanned = false;
     DatagramBatch batch;
     std::size_t next = 0;
 

@@ -13,11 +13,11 @@ namespace rayloc {
 namespace {
 
 std::optional<TimeSpan> span_of(const PlannedFile& file) {
-  if (!file.look || file.look->times.busy.empty()) {
+  if (!file.scan || file.scan->times.busy.empty()) {
     return std::nullopt;
   }
-  TimeSpan span = file.look->times.busy.front();
-  for (const TimeSpan& busy : file.look->times.busy) {
+  TimeSpan span = file.scan->times.busy.front();
+  for (const TimeSpan& busy : file.scan->times.busy) {
     span = {std::min(span.begin, busy.begin), std::max(span.end, busy.end)};
   }
   return span;
@@ -46,7 +46,7 @@ std::vector<TimeSpan> joined(std::vector<TimeSpan> spans, Duration gap) {
 }
 
 // Message about two consecutive files; empty if there is no finding.
-std::string words_between(const PlannedFile& before, const PlannedFile& next, Duration gap) {
+std::string describe_between(const PlannedFile& before, const PlannedFile& next, Duration gap) {
   const auto first = span_of(before);
   const auto second = span_of(next);
   if (!first || !second) {
@@ -68,8 +68,8 @@ std::string words_between(const PlannedFile& before, const PlannedFile& next, Du
 }  // namespace
 
 Timestamp begin_of(const PlannedFile& file) {
-  const bool known = file.look && !file.look->times.busy.empty();
-  return known ? file.look->times.busy.front().begin : Timestamp::min();
+  const bool known = file.scan && !file.scan->times.busy.empty();
+  return known ? file.scan->times.busy.front().begin : Timestamp::min();
 }
 
 PcapFileOptions as_stamped_options() {
@@ -93,11 +93,11 @@ Expected<RecordingPlan> plan_recording(const std::vector<std::string>& files,
     }
     PlannedFile file{path, std::nullopt};
     if (can_be_read_twice(path)) {
-      auto look = look_through(path, options);
-      if (!look) {
-        return tl::make_unexpected(std::move(look.error()));
+      auto scan = scan_recording(path, options);
+      if (!scan) {
+        return tl::make_unexpected(std::move(scan.error()));
       }
-      file.look = std::move(*look);
+      file.scan = std::move(*scan);
     } else if (files.size() > 1 && std::filesystem::exists(path)) {
       return make_error(ErrorKind::kUsage,
                         path +
@@ -130,31 +130,31 @@ std::vector<TimeSpan> busy_times(const std::vector<RecordingPlan>& plans) {
   for (const RecordingPlan& plan : plans) {
     gap = plan.options.max_gap;
     for (const PlannedFile& file : plan.files) {
-      if (file.look) {
-        spans.insert(spans.end(), file.look->times.busy.begin(), file.look->times.busy.end());
+      if (file.scan) {
+        spans.insert(spans.end(), file.scan->times.busy.begin(), file.scan->times.busy.end());
       }
     }
   }
   return joined(std::move(spans), gap);
 }
 
-std::vector<std::string> words_of(const RecordingPlan& plan) {
+std::vector<std::string> describe(const RecordingPlan& plan) {
   std::vector<std::string> words;
   for (std::size_t i = 0; i < plan.files.size(); ++i) {
     const PlannedFile& file = plan.files[i];
     if (i > 0) {
-      if (std::string between = words_between(plan.files[i - 1], file, plan.options.max_gap);
+      if (std::string between = describe_between(plan.files[i - 1], file, plan.options.max_gap);
           !between.empty()) {
         words.push_back(std::move(between));
       }
     }
-    if (!file.look) {
+    if (!file.scan) {
       continue;
     }
     const std::vector<std::string> own =
-        words_of(file.look->times, file.path, least_gap(plan.options));
+        describe(file.scan->times, file.path, least_gap(plan.options));
     words.insert(words.end(), own.begin(), own.end());
-    const std::vector<std::string> rejections = rejection_words(file.look->counters, file.path);
+    const std::vector<std::string> rejections = rejection_words(file.scan->counters, file.path);
     words.insert(words.end(), rejections.begin(), rejections.end());
   }
   return words;

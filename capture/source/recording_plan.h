@@ -18,7 +18,7 @@ namespace rayloc {
 struct PlannedFile {
   std::string path;
   // Empty for a pipe or standard input, which is read as it arrives.
-  std::optional<RecordingLook> look;
+  std::optional<RecordingScan> scan;
 };
 
 // Event time of its first datagram; files without one come before all others.
@@ -45,7 +45,7 @@ std::vector<TimeSpan> busy_times(const std::vector<RecordingPlan>& plans);
 
 // Notices for the operator before it is read, a line each: stamps and clocks (record_times.h), gaps
 // and overlaps between the files, and packets that a better capture would hold (rejection_words.h).
-std::vector<std::string> words_of(const RecordingPlan& plan);
+std::vector<std::string> describe(const RecordingPlan& plan);
 
 // Minimum length of a gap that is reported for such a recording.
 Duration least_gap(const PcapFileOptions& options);

@@ -35,7 +35,7 @@ struct DeviceMethodInput {
 
 // A method's assessment of the chains of a burst's frames at the time of reception.
 struct ChainTrust {
-  FrameFault doubt;
+  FrameFault chain_fault;
   std::uint64_t withdrawals = 0;  // ChainLearner::withdrawals()
 };
 
@@ -64,7 +64,7 @@ class DeviceMethod {
   virtual void advance(Timestamp /*now*/, std::vector<DeviceUpdate>& /*updates*/) {}
   virtual void restart(const std::string& /*reason*/, std::vector<DeviceUpdate>& /*updates*/) {}
   // True if the device has a track; follows(): if the track is confirmed.
-  virtual bool knows(const MacAddress& /*device*/) const { return false; }
+  virtual bool has_track(const MacAddress& /*device*/) const { return false; }
   virtual bool follows(const MacAddress& /*device*/) const { return false; }
   // Last reception from the longest silent device
   // that has a track; `now` if no device has one.

@@ -15,7 +15,7 @@ class DscpPeople : public PersonMethod {
  public:
   DscpPeople(PlaceClassifier classifier, bool has_empty_room, std::string problem)
       : classifier_(std::make_unique<PlaceClassifier>(std::move(classifier))),
-        knows_nobody_(has_empty_room),
+        has_empty_room_(has_empty_room),
         problem_(std::move(problem)) {}
 
   std::vector<LocationEstimate> locate(std::span<const CsiFrame> frames,
@@ -29,7 +29,7 @@ class DscpPeople : public PersonMethod {
     }
     if (estimate.position) {
       estimate.position->z = 0.0;  // positions of people are on the floor
-      if (!knows_nobody_) {
+      if (!has_empty_room_) {
         estimate.warnings.emplace_back("dscp was trained without --empty: it always sees somebody");
       }
     }
@@ -38,7 +38,7 @@ class DscpPeople : public PersonMethod {
 
  private:
   std::unique_ptr<PlaceClassifier> classifier_;
-  bool knows_nobody_;
+  bool has_empty_room_;
   std::string problem_;
 };
 

@@ -26,14 +26,14 @@ std::span<const MethodSetting> settings() {
 }
 
 // `defaults`: for the kind of target.
-PaperLocalizerOptions apply(const MethodOptions& told, PaperLocalizerOptions defaults) {
-  defaults.seed = told.seed;
-  defaults.start = told.start;
-  if (const auto* starts = find_value<double>(told.values, kMultiStart)) {
+PaperLocalizerOptions apply(const MethodOptions& options, PaperLocalizerOptions defaults) {
+  defaults.seed = options.seed;
+  defaults.start = options.start;
+  if (const auto* starts = find_value<double>(options.values, kMultiStart)) {
     defaults.starts = static_cast<std::size_t>(*starts);
   }
   for (const PaperSetting& setting : paper_settings()) {
-    if (const auto* value = find_value<double>(told.values, setting.key)) {
+    if (const auto* value = find_value<double>(options.values, setting.key)) {
       setting.set(defaults, *value);
     }
   }

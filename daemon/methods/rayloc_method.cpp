@@ -72,14 +72,14 @@ class RaylocDevices : public DeviceMethod {
     chains_.restart();
     tracker_.restart(reason, updates);
   }
-  bool knows(const MacAddress& device) const override { return tracker_.has(device); }
+  bool has_track(const MacAddress& device) const override { return tracker_.has(device); }
   bool follows(const MacAddress& device) const override { return tracker_.follows(device); }
   Timestamp received_until(Timestamp now) const override { return tracker_.received_until(now); }
   TrackerCounters tracker_counters() const override { return tracker_.counters(); }
 
   ChainLearner* chains() override { return learns_ ? &chains_ : nullptr; }
-  ChainTrust trust(std::span<const CsiFrame> believed) const override {
-    return {suspect(believed), chains_.withdrawals()};
+  ChainTrust trust(std::span<const CsiFrame> accepted) const override {
+    return {suspect(accepted), chains_.withdrawals()};
   }
 
   std::shared_ptr<const Localizer> localizer() const override { return localizer_; }

@@ -35,9 +35,9 @@ bool differs(const ChainState& a, const ChainState& b) {
 
 }  // namespace
 
-void ChainKeeper::tell(std::string line) {
+void ChainKeeper::notify(std::string line) {
   const std::lock_guard lock(mutex_);
-  news_.push_back(std::move(line));
+  notices_.push_back(std::move(line));
 }
 
 void ChainKeeper::restore(const std::vector<ChainLearner*>& learners, const RoomModel& room) {
@@ -46,7 +46,7 @@ void ChainKeeper::restore(const std::vector<ChainLearner*>& learners, const Room
   }
   const auto states = read_chain_file(options_.read, room);
   if (!states) {
-    tell(states.error().message);
+    notify(states.error().message);
     return;
   }
   for (ChainState state : *states) {
@@ -58,7 +58,7 @@ void ChainKeeper::restore(const std::vector<ChainLearner*>& learners, const Room
       learner->restore(state);
     }
     const RoomAccessPoint& ap = room.access_points[state.access_point];
-    tell("access point " + ap.id + ": " +
+    notify("access point " + ap.id + ": " +
          (is_learned ? "its chains are as learned before: " + turns(state, ap)
                      : "its chains were not known when " + options_.read + " was written; " +
                            learning(state, room)));
@@ -122,7 +122,7 @@ void ChainKeeper::spread(const ChainLearner& learner,
       continue;  // refined
     }
     const RoomAccessPoint& ap = room.access_points[state.access_point];
-    tell(state.knowledge == ChainKnowledge::kLearned
+    notify(state.knowledge == ChainKnowledge::kLearned
              ? "access point " + ap.id + ": its chains are learned, turned " +
                    (ap.are_chains_known ? "since the calibration: " : "by: ") + turns(state, ap)
              : "access point " + ap.id +
@@ -133,7 +133,7 @@ void ChainKeeper::spread(const ChainLearner& learner,
   keep(states);
   if (is_new && !options_.write.empty()) {
     if (const auto written = write_chain_file(options_.write, states, room); !written) {
-      tell(written.error().message);
+      notify(written.error().message);
     }
   }
 }
@@ -166,9 +166,9 @@ std::string ChainKeeper::reason(const RoomModel& room) const {
   return text;
 }
 
-std::vector<std::string> ChainKeeper::news() {
+std::vector<std::string> ChainKeeper::notices() {
   const std::lock_guard lock(mutex_);
-  return std::exchange(news_, {});
+  return std::exchange(notices_, {});
 }
 
 }  // namespace rayloc

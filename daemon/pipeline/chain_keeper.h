@@ -38,17 +38,17 @@ class ChainKeeper {
   std::string reason(const RoomModel& room) const;
   // From any thread: the current states, and lines for the log since the last call.
   std::vector<ChainState> states() const;
-  std::vector<std::string> news();
+  std::vector<std::string> notices();
 
  private:
-  void tell(std::string line);
+  void notify(std::string line);
   void keep(std::vector<ChainState> states);
 
   Options options_;
   std::map<const ChainLearner*, std::uint64_t> seen_;  // ChainLearner::changes()
   mutable std::mutex mutex_;
   std::vector<ChainState> known_;  // guarded by mutex_; written by the estimation thread
-  std::vector<std::string> news_;  // guarded by mutex_
+  std::vector<std::string> notices_;  // guarded by mutex_
 };
 
 }  // namespace rayloc

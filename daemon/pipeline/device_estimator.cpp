@@ -192,8 +192,8 @@ void DeviceEstimator::check_calibration(const SiteTransmitter& fixed, const Burs
   const auto before = monitor_->warnings();
   watched_[burst.transmitter] = burst.last;
   // The verdicts of the predecessor contain the bursts that it has checked.
-  const auto looked_at = watched_before_.find(burst.transmitter);
-  if (looked_at == watched_before_.end() || burst.last > looked_at->second) {
+  const auto checked = watched_before_.find(burst.transmitter);
+  if (checked == watched_before_.end() || burst.last > checked->second) {
     if (all.empty() || all.front()->leaves_alone()) {
       monitor_->observe(placed(fixed), frames_on(room().grid, burst.frames));
     } else {
@@ -279,7 +279,7 @@ void DeviceEstimator::publish_counters() {
 
 // Coarse snapshot of a burst without usable access points, where the room and the frames allow
 // one.
-LocationEstimate DeviceEstimator::unbelieved(const Work& work) const {
+LocationEstimate DeviceEstimator::coarse_estimate(const Work& work) const {
   DeviceMethod& method = *work.room->method;
   const std::string reason = chains_.reason(work.room->room());
   LocationEstimate estimate =
@@ -294,7 +294,7 @@ LocationEstimate DeviceEstimator::unbelieved(const Work& work) const {
 
 void DeviceEstimator::snapshot(Work& work) {
   LocationEstimate snapshot =
-      work.frames.empty() ? unbelieved(work) : work.room->method->locate(work.frames, 0);
+      work.frames.empty() ? coarse_estimate(work) : work.room->method->locate(work.frames, 0);
   Target target = target_of(work.burst->transmitter, snapshot.time);
   work.out->locations.push_back({std::move(snapshot), std::move(target), context_of(*work.room)});
   show_channel(work.frames, *work.room, work.out->locations.back());
@@ -351,7 +351,7 @@ void DeviceEstimator::track(std::vector<Work>& works) {
     for (Work& work : works) {
       if (work.room == &room && !work.frames.empty()) {
         bursts.push_back(
-            {{work.burst->transmitter, work.frames, work.burst->received_since, work.trust.doubt},
+            {{work.burst->transmitter, work.frames, work.burst->received_since, work.trust.chain_fault},
              work.trust.withdrawals});
         received.push_back(&work);
       }
@@ -431,7 +431,7 @@ Rank DeviceEstimator::rank(const MacAddress& transmitter) const {
     return Rank::kListed;
   }
   const bool tracked = std::any_of(rooms_.begin(), rooms_.end(), [&](const Room& room) {
-    return room.method->knows(transmitter);
+    return room.method->has_track(transmitter);
   });
   return tracked ? Rank::kTracked : Rank::kOther;
 }

@@ -82,7 +82,7 @@ class DeviceEstimator : public Estimator {
   // Current chain states, and changes for the log since the last call. From any
   // thread.
   std::vector<ChainState> chain_states() const { return chains_.states(); }
-  std::vector<std::string> chain_news() { return chains_.news(); }
+  std::vector<std::string> chain_notices() { return chains_.notices(); }
   // Progress of the chains that are being learned; empty if there are none.
   std::string chain_progress() const { return chains_.reason(room()); }
   TrackerCounters tracker_counters() const;  // sum over all trackers
@@ -118,7 +118,7 @@ class DeviceEstimator : public Estimator {
   std::optional<Work> receive(const Burst& burst, Estimates& out);
   void track(std::vector<Work>& works);
   void state(Work& work, const std::vector<DeviceUpdate>& updates);
-  LocationEstimate unbelieved(const Work& work) const;
+  LocationEstimate coarse_estimate(const Work& work) const;
   void snapshot(Work& work);
   void check_calibration(const SiteTransmitter& fixed, const Burst& burst);
   std::span<const CsiFrame> accepted(const Burst& burst, Room& room, std::vector<CsiFrame>& kept);

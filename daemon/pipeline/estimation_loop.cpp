@@ -51,13 +51,13 @@ BurstQueueOptions EstimationLoop::queue_options() const {
 }
 
 bool EstimationLoop::step() {
-  if (!more_ && is_collected_ && (waiting_.empty() || hurried_)) {
+  if (!more_ && is_collected_ && (waiting_.empty() || is_cancelled_)) {
     finish();
     return false;
   }
   progress_.beat();
   // Live, new frames are taken before every burst; a replay processes all bursts first.
-  if (waiting_.empty() || hurried_ || is_live()) {
+  if (waiting_.empty() || is_cancelled_ || is_live()) {
     if (is_collected_ && more_) {
       take();
     }
@@ -67,18 +67,18 @@ bool EstimationLoop::step() {
     }
   }
   if (is_collected_ && std::exchange(taken_.moved, false)) {
-    go_elsewhere();
+    reset_after_seek();
     return true;
   }
-  if (!waiting_.empty() && !hurried_) {
+  if (!waiting_.empty() && !is_cancelled_) {
     explain(next_of_waiting());
   }
-  say();
+  advance_output();
   return true;
 }
 
 void EstimationLoop::take() {
-  if (waiting_.empty() || hurried_) {
+  if (waiting_.empty() || is_cancelled_) {
     progress_.rest();
     taken_ = mailbox_.take();
   } else if (auto taken = mailbox_.try_take()) {
@@ -138,9 +138,9 @@ void EstimationLoop::note_silence() {
 }
 
 // Publishes the results that follow from silence, and the time up to which all are published.
-void EstimationLoop::say() {
+void EstimationLoop::advance_output() {
   const Timestamp open = std::min(known_, waiting_.earliest(collector_.earliest_open(safe_time_)));
-  if (!hurried_ && open != Timestamp::min()) {
+  if (!is_cancelled_ && open != Timestamp::min()) {
     Estimates estimates;
     estimator_.advance(open, estimates);
     publish(estimates);
@@ -154,7 +154,7 @@ void EstimationLoop::say() {
 
 // Not before the results of the predecessor are complete: the carried state is valid from there.
 void EstimationLoop::carry(Timestamp done) {
-  if (hurried_ || done < options_.from) {
+  if (is_cancelled_ || done < options_.from) {
     return;
   }
   Carried carried;
@@ -166,8 +166,8 @@ void EstimationLoop::carry(Timestamp done) {
 }
 
 // Processes all bursts of the old position; tracks do not continue at the new one.
-void EstimationLoop::go_elsewhere() {
-  while (!waiting_.empty() && !hurried_) {
+void EstimationLoop::reset_after_seek() {
+  while (!waiting_.empty() && !is_cancelled_) {
     explain(next_of_waiting());
     progress_.beat();
   }

@@ -31,7 +31,7 @@ class EstimationLoop {
   // One iteration: waits for frames if no burst is waiting. False once all is done.
   bool step();
   // From now on waiting bursts are not processed.
-  void hurry() { hurried_ = true; }
+  void cancel_pending() { is_cancelled_ = true; }
   // When all bursts are processed every track and every stay ends with that reason: none continues.
   void end_tracks(const std::string& reason);
 
@@ -48,13 +48,13 @@ class EstimationLoop {
   void collect();
   bool reaches_mark(Timestamp time, bool is_frame);
   void note_silence();
-  void say();
+  void advance_output();
   void carry(Timestamp done);
   void count_collected(std::uint64_t passed_over);
   std::vector<Burst> next_of_waiting();
   void explain(std::vector<Burst> bursts);
   void count(const Burst& burst, const Estimates& estimates);
-  void go_elsewhere();
+  void reset_after_seek();
   void finish();
   void restart_estimator(const std::string& reason);
   void publish(Estimates& estimates);
@@ -76,7 +76,7 @@ class EstimationLoop {
   Timestamp safe_time_ = Timestamp::min();  // of the collected frames
   std::optional<Timestamp> mark_;           // last mark
   bool is_carry_due_ = false;
-  std::atomic<bool> hurried_ = false;
+  std::atomic<bool> is_cancelled_ = false;
   mutable std::mutex mutex_;
   EstimationCounters counters_;  // guarded by mutex_
   std::string end_of_tracks_;    // guarded by mutex_; reason; empty: tracks do not end

@@ -153,14 +153,14 @@ FrameMailbox::Taken FrameMailbox::take_locked() {
     }
   }
   if (taken.moved) {
-    begin_elsewhere();
+    reset_after_seek();
   }
   taken_.notify_all();
   return taken;
 }
 
 // REQUIRES: the mutex is held.
-void FrameMailbox::begin_elsewhere() {
+void FrameMailbox::reset_after_seek() {
   last_safe_time_ = Timestamp::min();
   for (Queue& queue : queues_) {
     queue.safe_time = Timestamp::min();

@@ -78,7 +78,7 @@ class FrameMailbox {
   bool all_moved() const;
   bool advanced() const;
   Taken take_locked();
-  void begin_elsewhere();
+  void reset_after_seek();
   void insert(Queue& queue, CsiFrame&& frame);
 
   const std::size_t capacity_;

@@ -37,7 +37,7 @@ Pipeline::Pipeline(const PipelineOptions& options,
 }
 
 Pipeline::~Pipeline() {
-  hurry();
+  cancel_pending();
   stop();
 }
 
@@ -74,8 +74,8 @@ std::vector<std::unique_ptr<DatagramSource>> Pipeline::release_sources() {
   return sources;
 }
 
-void Pipeline::hurry() {
-  loop_->hurry();
+void Pipeline::cancel_pending() {
+  loop_->cancel_pending();
   mailbox_.close();
 }
 

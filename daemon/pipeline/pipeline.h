@@ -140,7 +140,7 @@ class Pipeline {
   // their ports. REQUIRES: stop() has returned.
   std::vector<std::unique_ptr<DatagramSource>> release_sources();
   // Makes a stop() in another thread return soon: waiting bursts are not processed.
-  void hurry();
+  void cancel_pending();
   // Waits for the sources to end by themselves (recordings).
   void wait();
 

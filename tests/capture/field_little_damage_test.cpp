@@ -51,12 +51,12 @@ void expect_only_damaged(const Stamps& stamps, std::size_t first, std::size_t re
   EXPECT_TRUE(times.jumps.empty());
   RecordClock clock(times);
   for (std::size_t i = 0; i < stamps.size(); ++i) {
-    const auto told = clock.event_time(i + 1, at(stamps[i]));
+    const auto time = clock.event_time(i + 1, at(stamps[i]));
     if (i >= first && i < first + records) {
-      EXPECT_FALSE(told) << i;
+      EXPECT_FALSE(time) << i;
     } else {
-      ASSERT_TRUE(told) << i;
-      ASSERT_EQ(*told, at(stamps[i])) << i;
+      ASSERT_TRUE(time) << i;
+      ASSERT_EQ(*time, at(stamps[i])) << i;
     }
   }
 }

@@ -115,7 +115,7 @@ Given read_files(const std::vector<std::string>& files, const PcapFileOptions& o
     return given;
   }
   Given given = read_all(**source);
-  given.words = words_of((*source)->plan());
+  given.words = describe((*source)->plan());
   const auto warnings = (*source)->warnings();
   given.words.insert(given.words.end(), warnings.begin(), warnings.end());
   return given;

@@ -41,12 +41,12 @@ TEST(RecordingGap, IsNothingElse) {
                                   "x" + good}) {
     EXPECT_FALSE(recording_gap(gap_mark(text, at(1)))) << text;
   }
-  Datagram elsewhere = gap_mark(good, at(1));
-  elsewhere.address.destination_port = 5500;
-  EXPECT_FALSE(recording_gap(elsewhere));
-  Datagram from_elsewhere = gap_mark(good, at(1));
-  from_elsewhere.address.source_ip = 0x0a0a0a0a;
-  EXPECT_FALSE(recording_gap(from_elsewhere)) << "nobody else can put one into a recording";
+  Datagram other_port = gap_mark(good, at(1));
+  other_port.address.destination_port = 5500;
+  EXPECT_FALSE(recording_gap(other_port));
+  Datagram other_source = gap_mark(good, at(1));
+  other_source.address.source_ip = 0x0a0a0a0a;
+  EXPECT_FALSE(recording_gap(other_source)) << "nobody else can put one into a recording";
 }
 
 TEST(RecordingGap, TheReaderCountsItAndGivesTheRest) {

@@ -39,22 +39,22 @@ class Bundles : public ::testing::Test {
     std::ofstream(plan_ / "walk.pcap") << "a recording";
   }
 
-  struct Said {
+  struct Outcome {
     int status = -1;
     std::string text;
   };
-  Said rayloc(std::vector<std::string> words) const {
+  Outcome rayloc(std::vector<std::string> words) const {
     Process process(folder_.path(), "rayloc", "rayloc", words);
     const int status = process.wait(kPatience).value_or(-1);
     return {status, read_text(process.out()) + process.errors()};
   }
-  Said apply(const std::string& name = "hall") const {
+  Outcome apply(const std::string& name = "hall") const {
     return rayloc({"cluster", "apply", plan_.string(), "--name", name, "--server", server_.url()});
   }
-  Said remove(const std::string& name) const {
+  Outcome remove(const std::string& name) const {
     return rayloc({"cluster", "remove", name, "--server", server_.url()});
   }
-  std::vector<std::string> fetch_words() const {
+  std::vector<std::string> fetch_arguments() const {
     return {"cluster", "fetch", (folder_.path() / "sites").string(), "--server", server_.url()};
   }
   // Configuration of a worker with all applied sites.
@@ -77,10 +77,10 @@ class Bundles : public ::testing::Test {
 
 // Generations begin at the creation time of the stream of claims, so their numbers vary.
 int times_owned(const Process& worker) {
-  const std::string said = worker.errors();
+  const std::string log = worker.errors();
   const std::string owned = "site 'hall' is owned, generation ";
   int times = 0;
-  for (std::size_t at = said.find(owned); at != std::string::npos; at = said.find(owned, at + 1)) {
+  for (std::size_t at = log.find(owned); at != std::string::npos; at = log.find(owned, at + 1)) {
     ++times;
   }
   return times;
@@ -88,25 +88,25 @@ int times_owned(const Process& worker) {
 
 TEST_F(Bundles, ReachWorkersOnceTheyCheckAndGoWhenTheyAreRemoved) {
   ASSERT_EQ(apply("attic").status, 0);  // stays
-  const Said applied = apply();
+  const Outcome applied = apply();
   ASSERT_EQ(applied.status, 0) << applied.text;
   EXPECT_THAT(applied.text, HasSubstr("site hall: "));
-  const Said fetched = rayloc(fetch_words());
+  const Outcome fetched = rayloc(fetch_arguments());
   ASSERT_EQ(fetched.status, 0) << fetched.text;
   EXPECT_THAT(fetched.text, HasSubstr("site 'hall' is there"));
   const fs::path hall = folder_.path() / "sites" / "hall";
   EXPECT_EQ(read_text(hall / "site.toml"), read_text(plan_ / "site.toml"));
   EXPECT_FALSE(fs::exists(hall / "walk.pcap"));
-  EXPECT_THAT(rayloc(fetch_words()).text, Not(HasSubstr("is there")));  // nothing has changed
+  EXPECT_THAT(rayloc(fetch_arguments()).text, Not(HasSubstr("is there")));  // nothing has changed
 
   Process worker(folder_.path(), "worker", "raylocd", {"--config", configuration().string()});
   ASSERT_TRUE(eventually(kPatience, [&] { return times_owned(worker) == 1; })) << worker.errors();
-  std::vector<std::string> follow = fetch_words();
+  std::vector<std::string> follow = fetch_arguments();
   follow.insert(follow.end(),
                 {"--follow", "--command", "kill -HUP " + std::to_string(worker.pid())});
   Process follower(folder_.path(), "follow", "rayloc", follow);
   std::ofstream(plan_ / "site.toml", std::ios::app) << "# another one\n";
-  const Said again = apply();
+  const Outcome again = apply();
   ASSERT_EQ(again.status, 0) << again.text;
   EXPECT_TRUE(eventually(kPatience, [&] { return times_owned(worker) == 2; }))
       << worker.errors() << follower.errors();
@@ -115,7 +115,7 @@ TEST_F(Bundles, ReachWorkersOnceTheyCheckAndGoWhenTheyAreRemoved) {
 
   // An invalid site is not applied; if it is stored all the same, `fetch` does not take it.
   std::ofstream(plan_ / "site.toml", std::ios::app) << "[bounds]\n";
-  const Said refused = apply();
+  const Outcome refused = apply();
   EXPECT_EQ(refused.status, 78) << refused.text;
   EXPECT_THAT(refused.text, HasSubstr("not applied, what workers have goes on: "));
   const auto broker = *open_broker({{server_.url()}, "test"});
@@ -128,17 +128,17 @@ TEST_F(Bundles, ReachWorkersOnceTheyCheckAndGoWhenTheyAreRemoved) {
   })) << follower.errors();
   EXPECT_EQ(read_text(hall / "site.toml"), good);
 
-  const Said removed = remove("hall");
+  const Outcome removed = remove("hall");
   EXPECT_EQ(removed.status, 0) << removed.text << worker.errors() << follower.errors();
   EXPECT_THAT(follower.errors(), HasSubstr("site 'hall' is taken out"));
   EXPECT_FALSE(fs::exists(hall));
   EXPECT_THAT(worker.errors(), HasSubstr("site 'hall' is not owned any more"));
-  const Said left = rayloc({"cluster", "sites", "--server", server_.url()});
+  const Outcome left = rayloc({"cluster", "sites", "--server", server_.url()});
   EXPECT_THAT(left.text, HasSubstr("attic: worker w1"));
   EXPECT_THAT(left.text, Not(HasSubstr("hall")));
   EXPECT_FALSE(broker->stream_state("CSI_hall"));
   EXPECT_TRUE(broker->stream_state("CSI_attic"));
-  const Said unknown = remove("hall");
+  const Outcome unknown = remove("hall");
   EXPECT_EQ(unknown.status, 69) << unknown.text;
   EXPECT_THAT(unknown.text, HasSubstr("no site 'hall' was applied or claimed"));
   // A site that is applied again under this name has an owner again.

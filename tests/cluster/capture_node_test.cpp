@@ -112,7 +112,7 @@ TEST(CaptureNode, EveryDatagramIsInTheStreamOrInAMarkAndAllAreRecorded) {
   ASSERT_TRUE(eventually(kPatience, [&] { return number(capture().at("sent")) > before + 50; }));
   first.end();
   second.end();
-  const auto all_told = [&] {
+  const auto all_counted = [&] {
     const nlohmann::json now = capture();
     for (const nlohmann::json& one : now.at("access_points")) {
       const std::uint64_t sent = (one.at("access_point") == "ap1" ? first : second).sent();
@@ -122,7 +122,7 @@ TEST(CaptureNode, EveryDatagramIsInTheStreamOrInAMarkAndAllAreRecorded) {
     }
     return true;
   };
-  ASSERT_TRUE(eventually(kPatience, all_told)) << capture().dump();
+  ASSERT_TRUE(eventually(kPatience, all_counted)) << capture().dump();
   const nlohmann::json last = capture();
   for (const nlohmann::json& one : last.at("access_points")) {
     EXPECT_EQ(number(one.at("captured")),

@@ -28,7 +28,7 @@ namespace {
 constexpr std::chrono::seconds kFrozen{3};  // longer than a lease
 constexpr std::array kMachines = {"worker", "node", "gateway", "broker"};
 constexpr std::chrono::seconds kAbsent{4};  // longer than a batch waits for the broker
-constexpr std::array kWays = {"kill -9", "SIGSTOP", "restart", "absent"};
+constexpr std::array kKinds = {"kill -9", "SIGSTOP", "restart", "absent"};
 
 std::size_t faults() {
   const char* const stated = std::getenv("RAYLOC_CLUSTER_FAULTS");
@@ -37,28 +37,28 @@ std::size_t faults() {
 
 struct Fault {
   std::string machine;
-  std::string way;  // "absent": killed, and begun again later
+  std::string kind;  // "absent": killed, and begun again later
 };
 
 std::chrono::seconds lasts(const Fault& fault) {
-  return fault.way == "SIGSTOP"  ? kFrozen
-         : fault.way == "absent" ? kAbsent
+  return fault.kind == "SIGSTOP"  ? kFrozen
+         : fault.kind == "absent" ? kAbsent
                                  : std::chrono::seconds(0);
 }
 
-std::string words(const Fault& fault) { return fault.machine + " " + fault.way; }
+std::string words(const Fault& fault) { return fault.machine + " " + fault.kind; }
 
 // One machine, or in a soak, every third time, two at once.
 std::vector<Fault> nth(std::size_t i) {
   constexpr std::size_t kPair = 3;
   const std::size_t machine = i % kMachines.size();
   const std::size_t round = i / kMachines.size();
-  std::vector<Fault> all = {{kMachines[machine], kWays[(i + round) % kWays.size()]}};
+  std::vector<Fault> all = {{kMachines[machine], kKinds[(i + round) % kKinds.size()]}};
   if (faults() > kMachines.size() && i % kPair == kPair - 1) {
     // Each machine with each other one within eight pairs.
     const std::size_t next = i / kPair / kMachines.size() % (kMachines.size() - 1);
     const std::size_t other = (machine + 1 + next) % kMachines.size();
-    all.push_back({kMachines[other], kWays[(i + 2 * round + 1) % kWays.size()]});
+    all.push_back({kMachines[other], kKinds[(i + 2 * round + 1) % kKinds.size()]});
   }
   return all;
 }
@@ -73,24 +73,24 @@ class Faults : public OneSite {
 
   void begin(const std::string& name, const Fault& fault) {
     if (name == "broker") {
-      fault.way == "SIGSTOP"   ? server_.freeze()
-      : fault.way == "restart" ? server_.stop()
+      fault.kind == "SIGSTOP"   ? server_.freeze()
+      : fault.kind == "restart" ? server_.stop()
                                : server_.kill();
-    } else if (fault.way == "SIGSTOP") {
+    } else if (fault.kind == "SIGSTOP") {
       machines_.at(name)->signal(SIGSTOP);
     } else {
-      const int status = machines_.at(name)->end(fault.way == "restart" ? SIGTERM : SIGKILL);
-      EXPECT_TRUE(fault.way != "restart" || status == 0) << machines_.at(name)->errors();
+      const int status = machines_.at(name)->end(fault.kind == "restart" ? SIGTERM : SIGKILL);
+      EXPECT_TRUE(fault.kind != "restart" || status == 0) << machines_.at(name)->errors();
     }
   }
   void end(const std::string& name, const Fault& fault) {
     if (name == "broker") {
-      if (fault.way == "SIGSTOP") {
+      if (fault.kind == "SIGSTOP") {
         server_.thaw();
       } else {
         EXPECT_TRUE(server_.start());
       }
-    } else if (fault.way == "SIGSTOP") {
+    } else if (fault.kind == "SIGSTOP") {
       machines_.at(name)->signal(SIGCONT);
     } else {
       machines_.at(name)->begin();
@@ -167,7 +167,7 @@ TEST_F(Faults, LoseNothingButWhatMarksStandForAndSayNothingTwice) {
   end_machines();
   expect_one_story();
   expect_every_datagram();
-  const std::vector<nlohmann::json> again = expect_what_was_said();
+  const std::vector<nlohmann::json> again = expect_published();
   // Batches behind gap marks arrived later; a replay with --fill locates their device.
   const std::vector<nlohmann::json> history = replay({"--fill"});
   EXPECT_FALSE(history.empty());
@@ -181,7 +181,7 @@ TEST_F(Faults, LoseNothingButWhatMarksStandForAndSayNothingTwice) {
 
 // The hot standby takes over at once. RAYLOC_CLUSTER_FAULTS: number of owners that are killed.
 TEST_F(HotFaults, OfTheOwnerAreOverAtOnce) {
-  std::vector<double> spoken;
+  std::vector<double> resumed;
   std::vector<double> whole;
   for (std::size_t i = 0; i < faults(); ++i) {
     ASSERT_TRUE(stands_by()) << machines_.at("w1")->errors() << machines_.at("w2")->errors();
@@ -196,21 +196,21 @@ TEST_F(HotFaults, OfTheOwnerAreOverAtOnce) {
       const v1::OutputRecord last = last_record();
       return last.generation() > generation && last.has_output();
     }));
-    spoken.push_back(passed());
+    resumed.push_back(passed());
     ASSERT_TRUE(eventually(kPatience, [&, now = us_of(system_now())] {
       return last_record().output().done_us() > now;
     }));
     whole.push_back(passed());
     machines_.at(gone)->begin();
   }
-  const auto tell = [](const std::string& what, std::vector<double> seconds) {
+  const auto print = [](const std::string& what, std::vector<double> seconds) {
     std::sort(seconds.begin(), seconds.end());
     std::cout << "hot: the next one " << what << " after " << seconds.front() << " to "
               << seconds.back() << " s, median " << seconds[seconds.size() / 2] << " s, of "
               << seconds.size() << '\n';
   };
-  tell("spoke", spoken);
-  tell("had said everything", whole);
+  print("spoke", resumed);
+  print("had said everything", whole);
   std::cout << windows_ << " windows compared, " << differing_ << " differ\n";
   EXPECT_EQ(differing_, 0U);
   EXPECT_TRUE(stands_by());  // the last one that was killed has restarted

@@ -54,7 +54,7 @@ std::string device_of(const std::string& site) {
 }
 
 // A location `second` seconds after some instant.
-v1::SiteOutput said(const std::string& site, int second) {
+v1::SiteOutput output_at(const std::string& site, int second) {
   v1::SiteOutput output;
   output.set_done_us(1'700'000'000'000'000 + 1'000'000LL * (second + 1));
   v1::Location& location = *output.add_items()->mutable_location();
@@ -84,27 +84,27 @@ TEST(Gateway, SaysWhatOwnersSayOnceAndNothingOfThoseThatWereReplaced) {
   auto first = begun(broker, "hall", 1);
   auto other = begun(broker, "attic", 4);
   // 1,700,000,000 is the 20th second of its minute.
-  ASSERT_EQ(first->say(said("hall", 1)), OwnerLog::Said::kStored);
-  ASSERT_EQ(other->say(said("attic", 2)), OwnerLog::Said::kStored);
-  ASSERT_EQ(other->say(said("attic", 3)), OwnerLog::Said::kStored);
+  ASSERT_EQ(first->append(output_at("hall", 1)), OwnerLog::Outcome::kStored);
+  ASSERT_EQ(other->append(output_at("attic", 2)), OwnerLog::Outcome::kStored);
+  ASSERT_EQ(other->append(output_at("attic", 3)), OwnerLog::Outcome::kStored);
   {
     std::filesystem::create_directories(folder.path() / "one");
     LiveDaemon daemon(folder.path() / "one", gateway(server));
     ASSERT_TRUE(daemon.ready()) << daemon.errors() << daemon.log();
     ASSERT_TRUE(eventually(kPatience, [&] {
-      return first->say(said("hall", 5)) == OwnerLog::Said::kStored &&
+      return first->append(output_at("hall", 5)) == OwnerLog::Outcome::kStored &&
              !seconds(daemon, "hall").empty();
     })) << daemon.log();
     const auto second = begun(broker, "hall", 2);
-    ASSERT_EQ(second->say(said("hall", 7)), OwnerLog::Said::kStored);
+    ASSERT_EQ(second->append(output_at("hall", 7)), OwnerLog::Outcome::kStored);
     // A record of a replaced owner, without a check of its predecessor.
     v1::OutputRecord stale;
     stale.set_generation(1);
     stale.set_number(99);
-    *stale.mutable_output() = said("hall", 30);
+    *stale.mutable_output() = output_at("hall", 30);
     ASSERT_TRUE(broker->publish(output_subject("hall"), seal(stale)));
     ASSERT_TRUE(eventually(
-        kPatience, [&] { return second->say(said("hall", 8)) == OwnerLog::Said::kStored; }));
+        kPatience, [&] { return second->append(output_at("hall", 8)) == OwnerLog::Outcome::kStored; }));
     EXPECT_TRUE(eventually(kPatience, [&] {
       const std::vector<int> now = seconds(daemon, "hall");
       return !now.empty() && now.back() == 28;
@@ -118,7 +118,7 @@ TEST(Gateway, SaysWhatOwnersSayOnceAndNothingOfThoseThatWereReplaced) {
   LiveDaemon again(folder.path() / "two", gateway(server));
   ASSERT_TRUE(again.ready()) << again.errors();
   const auto third = begun(broker, "hall", 3);
-  ASSERT_EQ(third->say(said("hall", 11)), OwnerLog::Said::kStored);
+  ASSERT_EQ(third->append(output_at("hall", 11)), OwnerLog::Outcome::kStored);
   EXPECT_TRUE(eventually(kPatience, [&] {
     const std::vector<int> now = seconds(again, "hall");
     return !now.empty() && now.back() == 31;
@@ -168,7 +168,7 @@ TEST(Gateway, SaysWhatOwnersSayAfterTheBrokerHasLostItsStore) {
     Owner first(broker, "w1");
     before = first.generation;
     for (int i = 0; i < 10; ++i) {
-      ASSERT_EQ(first.log->say(said("hall", i)), OwnerLog::Said::kStored);
+      ASSERT_EQ(first.log->append(output_at("hall", i)), OwnerLog::Outcome::kStored);
     }
     EXPECT_TRUE(eventually(kPatience, [&] { return seconds(daemon, "hall").size() == 10; }));
   }
@@ -178,7 +178,7 @@ TEST(Gateway, SaysWhatOwnersSayAfterTheBrokerHasLostItsStore) {
   ASSERT_TRUE(eventually(kPatience, [&] { return broker->connections() > 1; }));
   const Owner second(broker, "w2");  // has no record of the first owner
   EXPECT_GT(second.generation, before);
-  ASSERT_EQ(second.log->say(said("hall", 12)), OwnerLog::Said::kStored);
+  ASSERT_EQ(second.log->append(output_at("hall", 12)), OwnerLog::Outcome::kStored);
   EXPECT_TRUE(eventually(kPatience, [&] { return seconds(daemon, "hall").size() == 11; }));
   EXPECT_EQ(seconds(daemon, "hall").back(), 32);
   EXPECT_EQ(daemon.stop(), 0) << daemon.errors();

@@ -58,12 +58,12 @@ bool NatsServer::is_installed() { return ::access(program().c_str(), X_OK) == 0;
 
 std::pair<int, int> NatsServer::version() {
   std::pair<int, int> version{0, 0};
-  FILE* const said = ::popen((program() + " --version").c_str(), "re");
-  if (said != nullptr) {
-    if (std::fscanf(said, "nats-server: v%d.%d", &version.first, &version.second) != 2) {
+  FILE* const pipe = ::popen((program() + " --version").c_str(), "re");
+  if (pipe != nullptr) {
+    if (std::fscanf(pipe, "nats-server: v%d.%d", &version.first, &version.second) != 2) {
       version = {0, 0};
     }
-    ::pclose(said);
+    ::pclose(pipe);
   }
   return version;
 }

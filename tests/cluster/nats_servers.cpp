@@ -219,13 +219,13 @@ std::string NatsServers::monitor(std::size_t server, const std::string& path) co
 std::vector<std::string> NatsServers::stored() const {
   std::vector<std::string> all;
   for (std::size_t i = 0; i < kCount; ++i) {
-    const auto said =
+    const auto reply =
         nlohmann::json::parse(monitor(i, "/jsz?accounts=true&streams=true"), nullptr, false);
-    if (said.is_discarded()) {
+    if (reply.is_discarded()) {
       return {};
     }
     std::map<std::string, std::string> streams;
-    for (const auto& account : said.value("account_details", nlohmann::json::array())) {
+    for (const auto& account : reply.value("account_details", nlohmann::json::array())) {
       for (const auto& stream : account.value("stream_detail", nlohmann::json::array())) {
         nlohmann::json state = stream.at("state");
         state.erase("consumer_count");

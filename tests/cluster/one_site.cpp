@@ -243,7 +243,7 @@ void OneSite::note_captured() {
   }));
 }
 
-std::vector<nlohmann::json> OneSite::expect_what_was_said() {
+std::vector<nlohmann::json> OneSite::expect_published() {
   const std::vector<nlohmann::json> again = replay({});
   // A gateway that connects late publishes no results from before that.
   const std::vector<nlohmann::json> begun = received("witness");
@@ -255,10 +255,10 @@ std::vector<nlohmann::json> OneSite::expect_what_was_said() {
   EXPECT_TRUE(eventually(kPatience, [&] { return received("witness").size() >= expected.size(); }));
   EXPECT_EQ(received("witness"), expected);
   // The other gateway was absent at times.
-  std::set<std::string> said;
+  std::set<std::string> seen;
   for (const nlohmann::json& location : received("gateway")) {
     EXPECT_NE(std::find(again.begin(), again.end(), location), again.end()) << location.dump();
-    EXPECT_TRUE(said.insert(location.dump()).second) << location.dump();
+    EXPECT_TRUE(seen.insert(location.dump()).second) << location.dump();
   }
   return again;
 }

@@ -70,7 +70,7 @@ class OneSite : public ::testing::Test {
   void expect_one_story();
   // The witness received the results of a replay, from its first one on, and the other gateway only
   // results of the replay, each once. Returns the results of the replay.
-  std::vector<nlohmann::json> expect_what_was_said();
+  std::vector<nlohmann::json> expect_published();
   std::vector<nlohmann::json> replay(const std::vector<std::string>& more);
 
   e2e::TemporaryFolder folder_;

@@ -148,8 +148,8 @@ TEST_F(Secured, EachForbiddenThingIsRefused) {
   ASSERT_TRUE(worker->ensure_stream(output_stream(stream)));
   ASSERT_TRUE(worker->ensure_stream(site_stream("hall", stream)));
   ASSERT_TRUE(worker->ensure_stream(site_stream("office", stream)));
-  const auto said = worker->publish_behind(claim_subject("hall"), "mine", 0);
-  ASSERT_TRUE(said && said->is_last);
+  const auto result = worker->publish_behind(claim_subject("hall"), "mine", 0);
+  ASSERT_TRUE(result && result->is_last);
   const auto received = worker->last_of(std::string(kClaimStream), claim_subject("hall"));
   ASSERT_TRUE(received && *received);
   EXPECT_EQ((*received)->data, "mine");
@@ -197,9 +197,9 @@ TEST_F(Secured, EachForbiddenThingIsRefused) {
 }
 
 TEST_F(Secured, NobodyIsLetInWithoutAKeyOrByAnotherAuthority) {
-  BrokerOptions nobody = options_of("w1");
-  nobody.nkey_seed_file.clear();
-  const auto unnamed = *open_broker(nobody);
+  BrokerOptions anonymous = options_of("w1");
+  anonymous.nkey_seed_file.clear();
+  const auto unnamed = *open_broker(anonymous);
   EXPECT_TRUE(eventually(kPatience, [&] { return !unnamed->refusal().empty(); }));
   BrokerOptions stranger = options_of("w1");
   const fs::path seed = folder_.path() / "stranger.nkey";
@@ -244,7 +244,7 @@ TEST_F(Secured, EachRoleHasWhatItNeeds) {
                        "200",
                        "--duration",
                        "600"});
-  const auto tell = [&](const std::string& user, std::vector<std::string> words) {
+  const auto run_as = [&](const std::string& user, std::vector<std::string> words) {
     words.insert(
         words.end(),
         {"--tls-ca", options_of(user).ca_file, "--nkey", seed_of(user).string(), "--inbox", user});
@@ -255,7 +255,7 @@ TEST_F(Secured, EachRoleHasWhatItNeeds) {
   const auto ask = [&](const std::string& user, std::vector<std::string> words) {
     words.insert(words.begin(), "cluster");
     words.insert(words.end(), {"--server", url()});
-    return tell(user, std::move(words));
+    return run_as(user, std::move(words));
   };
   std::string sites;
   EXPECT_TRUE(eventually(kPatience,
@@ -287,7 +287,7 @@ TEST_F(Secured, EachRoleHasWhatItNeeds) {
   EXPECT_EQ(node.stop(), 0) << node.errors();
   const std::vector<std::string> again = {
       "replay", site_.string(), "--stream", url(), "--stream-site", "hall"};
-  const std::string replayed = tell("operator", again);
+  const std::string replayed = run_as("operator", again);
   EXPECT_EQ(replayed.front(), '0') << replayed;
   EXPECT_THAT(replayed, HasSubstr("LOCATION_KIND_"));
   EXPECT_THAT(replayed, HasSubstr(" results of 1 owners, 0 other than published"));
@@ -306,10 +306,10 @@ TEST(WithoutTheModule, ARoleIsRefusedInWords) {
   fs::create_directories(folder.path() / "bin");
   const fs::path program = folder.path() / "bin" / "rayloc";
   fs::copy_file(test::program_path("rayloc"), program);
-  const std::string said = (folder.path() / "said").string();
-  const std::string command = program.string() + " cluster status 2>" + said;
+  const std::string result = (folder.path() / "said").string();
+  const std::string command = program.string() + " cluster status 2>" + result;
   EXPECT_NE(std::system(command.c_str()), 0);  // NOLINT(concurrency-mt-unsafe): one thread
-  EXPECT_THAT(e2e::read_text(said), HasSubstr("install the package raylocd-cluster"));
+  EXPECT_THAT(e2e::read_text(result), HasSubstr("install the package raylocd-cluster"));
 }
 
 }  // namespace

@@ -65,7 +65,7 @@ class HotStandby : public ::testing::Test {
       v1::WorkerState state;
       if (unseal(message.data, state)) {
         const std::lock_guard lock(mutex_);
-        said_[state.worker()] = std::move(state);
+        last_states_[state.worker()] = std::move(state);
       }
     });
   }
@@ -79,9 +79,9 @@ class HotStandby : public ::testing::Test {
   // Standby state of a worker; empty if it is no standby.
   v1::StandbyState standby(const std::string& worker) const {
     const std::lock_guard lock(mutex_);
-    const auto said = said_.find(worker);
-    return said == said_.end() || said->second.stands_by().empty() ? v1::StandbyState()
-                                                                   : said->second.stands_by(0);
+    const auto found = last_states_.find(worker);
+    return found == last_states_.end() || found->second.stands_by().empty() ? v1::StandbyState()
+                                                                   : found->second.stands_by(0);
   }
   std::string owner() const {
     const auto message = broker_->last_of(std::string(kClaimStream), claim_subject("hall"));
@@ -101,7 +101,7 @@ class HotStandby : public ::testing::Test {
   NatsServer server_{folder_.path()};
   std::shared_ptr<Broker> broker_;
   mutable std::mutex mutex_;
-  std::map<std::string, v1::WorkerState> said_;  // guarded by mutex_; the last of each worker
+  std::map<std::string, v1::WorkerState> last_states_;  // guarded by mutex_; the last of each worker
   std::unique_ptr<Broker::Subscription> states_;
 };
 
@@ -189,32 +189,32 @@ TEST_F(HotStandby, TellsOfAnOwnerThatSaysSomethingElse) {
     }
     return generation > 0;
   }));
-  OwnerLog::Options speaking;
-  speaking.site = "hall";
-  speaking.generation = generation;
-  speaking.worker = "owner";
+  OwnerLog::Options options;
+  options.site = "hall";
+  options.generation = generation;
+  options.worker = "owner";
   StreamOptions stream;
   stream.in_memory = false;
-  speaking.stream = output_stream(stream);
-  const auto log = *OwnerLog::begin(broker_, speaking);
+  options.stream = output_stream(stream);
+  const auto log = *OwnerLog::begin(broker_, options);
   const auto worker = begun("worker", "w1", false);
   v1::SiteOutput output;
-  const auto say = [&] {
+  const auto append = [&] {
     output.set_done_us(us_of(system_now() - std::chrono::milliseconds(500)));
-    EXPECT_EQ(log->say(output), OwnerLog::Said::kStored);
+    EXPECT_EQ(log->append(output), OwnerLog::Outcome::kStored);
   };
   ASSERT_TRUE(eventually(kPatience, [&] {
-    say();
+    append();
     return standby("w1").windows() > 2;
   })) << worker->log();
   EXPECT_EQ(standby("w1").differing(), 0U) << worker->log();
   v1::Location& location = *output.add_items()->mutable_location();
   location.set_event_id("forged");
   location.mutable_time()->set_seconds(us_of(system_now()) / 1'000'000);
-  say();
+  append();
   output.clear_items();
   EXPECT_TRUE(eventually(kPatience, [&] {
-    say();
+    append();
     return standby("w1").differing() == 1;
   })) << worker->log();
   EXPECT_THAT(worker->log(),

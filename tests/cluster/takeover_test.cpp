@@ -80,7 +80,7 @@ class TakeOver : public ::testing::Test {
       words.insert(words.end(), {"--to", node_->address(i)});
     }
     sender_ = std::make_unique<e2e::Process>(folder_.path(), "send", "rayloc", words);
-    ASSERT_TRUE(eventually(kPatience, [&] { return all_are_told(); })) << workers_["w1"]->log();
+    ASSERT_TRUE(eventually(kPatience, [&] { return all_have_output(); })) << workers_["w1"]->log();
   }
 
   std::vector<v1::OutputRecord> records(const std::string& site) const {
@@ -116,7 +116,7 @@ class TakeOver : public ::testing::Test {
     }
     return claim.worker();
   }
-  bool all_are_told() const {
+  bool all_have_output() const {
     return std::all_of(kSites.begin(), kSites.end(), [&](const std::string& site) {
       return last_record(site).output().done_us() > 0;
     });
@@ -143,13 +143,13 @@ class TakeOver : public ::testing::Test {
     }
     return sites;
   }
-  struct Said {
+  struct Outcome {
     int status = -1;
     std::string text;
     std::string errors;
   };
   // Output of `rayloc cluster` about this cluster.
-  Said rayloc_cluster(std::vector<std::string> words) const {
+  Outcome rayloc_cluster(std::vector<std::string> words) const {
     words.insert(words.begin(), "cluster");
     words.insert(words.end(), {"--server", server_.url()});
     e2e::Process process(folder_.path(), "cluster", "rayloc", words);
@@ -221,7 +221,7 @@ TEST_F(TakeOver, OfAWorkerThatIsKilled) {
     EXPECT_TRUE(last_record(site).output().released());
     EXPECT_EQ(owner_of(site), "");
   }
-  const Said status = rayloc_cluster({"status"});
+  const Outcome status = rayloc_cluster({"status"});
   EXPECT_EQ(status.status, 1) << status.errors;
   EXPECT_THAT(status.text, HasSubstr("0 workers, 3 sites, 3 without a worker"));
   EXPECT_THAT(rayloc_cluster({"sites"}).text, HasSubstr("a: no worker has it"));
@@ -249,20 +249,20 @@ TEST_F(TakeOver, OfAWorkerThatSleepsAndIsRefusedWhenItWakes) {
 TEST_F(TakeOver, OfAWorkerThatIsAskedToLeave) {
   const std::string leaving = owner_of("a");
   const auto before = sites_of(leaving);
-  const Said status = rayloc_cluster({"status"});
+  const Outcome status = rayloc_cluster({"status"});
   EXPECT_EQ(status.status, 0) << status.errors;
   EXPECT_THAT(
       status.text,
       HasSubstr("worker " + leaving + ": " + std::to_string(before.size()) + " sites, load "));
   EXPECT_THAT(status.text, HasSubstr("2 workers, 3 sites, 0 without a worker"));
-  const Said sites = rayloc_cluster({"sites"});
+  const Outcome sites = rayloc_cluster({"sites"});
   EXPECT_EQ(sites.status, 0) << sites.errors;
   EXPECT_THAT(sites.text, HasSubstr("a: worker " + leaving + ", generation "));
   EXPECT_THAT(sites.text, HasSubstr("results complete up to "));
-  const Said nobody = rayloc_cluster({"drain", "w3"});
-  EXPECT_EQ(nobody.status, 69);
-  EXPECT_THAT(nobody.errors, HasSubstr("worker 'w3' does not report"));
-  const Said drained = rayloc_cluster({"drain", leaving});
+  const Outcome absent = rayloc_cluster({"drain", "w3"});
+  EXPECT_EQ(absent.status, 69);
+  EXPECT_THAT(absent.errors, HasSubstr("worker 'w3' does not report"));
+  const Outcome drained = rayloc_cluster({"drain", leaving});
   EXPECT_EQ(drained.status, 0) << drained.errors;
   EXPECT_THAT(drained.text, HasSubstr("worker " + leaving + " has given back its sites"));
   wait_for_others(before);

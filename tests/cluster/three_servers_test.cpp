@@ -27,25 +27,25 @@ namespace {
 
 // Longer than the servers need to elect another leader, which is 4 to 9 s.
 constexpr std::chrono::seconds kLasts{12};
-constexpr std::array kWays = {"killed", "hangs", "begun again", "cut from servers", "cut from all"};
+constexpr std::array kKinds = {"killed", "hangs", "begun again", "cut from servers", "cut from all"};
 constexpr std::array kMachines = {"worker", "node", "gateway"};
 
 std::size_t faults() {
   const char* const stated = std::getenv("RAYLOC_SERVER_FAULTS");
-  return stated == nullptr ? kWays.size() : std::stoul(stated);
+  return stated == nullptr ? kKinds.size() : std::stoul(stated);
 }
 
 struct Fault {
-  std::string way;
+  std::string kind;
   bool of_two = false;       // servers: the third one is alone
   std::string machine = {};  // killed at the same time
 };
 
 Fault nth(std::size_t i) {
   constexpr std::size_t kOthers = 3;
-  Fault fault{kWays[i % kWays.size()]};
-  const std::size_t round = i / kWays.size();
-  if (faults() > kWays.size()) {
+  Fault fault{kKinds[i % kKinds.size()]};
+  const std::size_t round = i / kKinds.size();
+  if (faults() > kKinds.size()) {
     fault.of_two = round % kOthers == 1;
     fault.machine = round % kOthers == 2 ? kMachines[i % kMachines.size()] : "";
   }
@@ -53,7 +53,7 @@ Fault nth(std::size_t i) {
 }
 
 std::string words(const Fault& fault) {
-  return (fault.of_two ? "two servers " : "a server ") + fault.way +
+  return (fault.of_two ? "two servers " : "a server ") + fault.kind +
          (fault.machine.empty() ? "" : ", " + fault.machine + " killed");
 }
 
@@ -70,8 +70,8 @@ class ThreeServers : public OneSite {
 
   // The leader of the stream of results; nothing if there is none.
   std::optional<std::size_t> leader() {
-    const auto said = broker_->ask("$JS.API.STREAM.INFO." + std::string(kOutputStream), "");
-    const auto info = nlohmann::json::parse(said.value_or(""), nullptr, false);
+    const auto reply = broker_->ask("$JS.API.STREAM.INFO." + std::string(kOutputStream), "");
+    const auto info = nlohmann::json::parse(reply.value_or(""), nullptr, false);
     if (info.is_discarded() || !info.contains("cluster")) {
       return std::nullopt;
     }
@@ -79,28 +79,28 @@ class ThreeServers : public OneSite {
     return name.empty() ? std::nullopt : std::optional<std::size_t>(name.at(1) - '1');
   }
 
-  void begin(std::size_t server, const std::string& way) {
+  void begin(std::size_t server, const std::string& kind) {
     NatsServer& one = servers_of_hall_->at(server);
-    if (way == "killed") {
+    if (kind == "killed") {
       one.kill();
-    } else if (way == "begun again") {
+    } else if (kind == "begun again") {
       one.stop();
       EXPECT_TRUE(one.start());
-    } else if (way == "hangs") {
+    } else if (kind == "hangs") {
       one.freeze();
     } else {
       servers_of_hall_->cut(
           server,
-          way == "cut from all" ? NatsServers::Cut::kFromAll : NatsServers::Cut::kFromServers);
+          kind == "cut from all" ? NatsServers::Cut::kFromAll : NatsServers::Cut::kFromServers);
     }
   }
-  void end(std::size_t server, const std::string& way) {
+  void end(std::size_t server, const std::string& kind) {
     NatsServer& one = servers_of_hall_->at(server);
-    if (way == "killed") {
+    if (kind == "killed") {
       EXPECT_TRUE(one.start());
-    } else if (way == "hangs") {
+    } else if (kind == "hangs") {
       one.thaw();
-    } else if (way != "begun again") {
+    } else if (kind != "begun again") {
       servers_of_hall_->join(server);
     }
   }
@@ -113,17 +113,17 @@ class ThreeServers : public OneSite {
     }
     const std::string machine = fault.machine == "worker" ? owner() : fault.machine;
     for (const std::size_t server : servers) {
-      begin(server, fault.way);
+      begin(server, fault.kind);
     }
     if (!machine.empty()) {
       machines_.at(machine)->end(SIGKILL);
       machines_.at(machine)->begin();
     }
-    if (fault.way != "begun again") {
+    if (fault.kind != "begun again") {
       std::this_thread::sleep_for(kLasts);
     }
     for (const std::size_t server : servers) {
-      end(server, fault.way);
+      end(server, fault.kind);
     }
   }
   // All three servers store the same.
@@ -165,7 +165,7 @@ TEST_F(ThreeServers, LoseNothingThatTheyHaveAcknowledged) {
   expect_same_stores();
   expect_one_story();
   expect_every_datagram();
-  EXPECT_FALSE(expect_what_was_said().empty());
+  EXPECT_FALSE(expect_published().empty());
 }
 
 }  // namespace

@@ -136,7 +136,7 @@ TEST(Field, RaylocdKeepsDescriptorsFreeWhenConnectionsAreTooMany) {
 struct Start {
   bool ready = false;
   std::optional<int> status;
-  std::string said;
+  std::string errors;
 };
 
 Start start_under(const std::string& limit) {
@@ -160,7 +160,7 @@ Start start_under(const std::string& limit) {
   start.ready = is_ready();
   daemon.signal(SIGTERM);
   start.status = daemon.wait(kPatience);
-  start.said = daemon.errors();
+  start.errors = daemon.errors();
   return start;
 }
 
@@ -171,12 +171,12 @@ TEST(Field, RaylocdStartsUnderALimitOfMemoryOrNamesIt) {
     const Start start = start_under("--as=" + std::to_string(mib << 20U));
     if (start.ready) {
       any_ready = true;
-      EXPECT_EQ(start.status, 0) << mib << " MiB\n" << start.said;
+      EXPECT_EQ(start.status, 0) << mib << " MiB\n" << start.errors;
       continue;
     }
     any_named = true;
-    EXPECT_EQ(start.status, 69) << mib << " MiB\n" << start.said;
-    EXPECT_THAT(start.said, HasSubstr("ulimit -v")) << mib << " MiB";
+    EXPECT_EQ(start.status, 69) << mib << " MiB\n" << start.errors;
+    EXPECT_THAT(start.errors, HasSubstr("ulimit -v")) << mib << " MiB";
   }
   EXPECT_TRUE(any_ready);
   EXPECT_TRUE(any_named);
@@ -186,12 +186,12 @@ TEST(Field, RaylocdNamesTheLimitOfDescriptorsThatIsTooLow) {
   for (const int descriptors : {20, 30, 40}) {
     const Start start = start_under("--nofile=" + std::to_string(descriptors));
     EXPECT_FALSE(start.ready);
-    EXPECT_EQ(start.status, 69) << descriptors << "\n" << start.said;
-    EXPECT_THAT(start.said, HasSubstr("ulimit -n")) << descriptors;
+    EXPECT_EQ(start.status, 69) << descriptors << "\n" << start.errors;
+    EXPECT_THAT(start.errors, HasSubstr("ulimit -n")) << descriptors;
   }
   const Start enough = start_under("--nofile=80");
-  EXPECT_TRUE(enough.ready) << enough.said;
-  EXPECT_EQ(enough.status, 0) << enough.said;
+  EXPECT_TRUE(enough.ready) << enough.errors;
+  EXPECT_EQ(enough.status, 0) << enough.errors;
 }
 
 }  // namespace

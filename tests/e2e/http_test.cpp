@@ -136,7 +136,7 @@ TEST(Http, TheVerbsAskAndReport) {
 }
 
 // The output and the messages of `rayloc VERB`.
-std::string said(const std::filesystem::path& folder, const std::vector<std::string>& words) {
+std::string run_verb(const std::filesystem::path& folder, const std::vector<std::string>& words) {
   Process process(folder, "said", "rayloc", words);
   EXPECT_TRUE(process.wait(kPatience)) << words.front();
   return read_text(process.out()) + process.errors();
@@ -163,13 +163,13 @@ TEST(Field, ASiteThatCannotLocateSaysSoEverywhere) {
   EXPECT_THAT(http_get(daemon.http_port(), "/map/sources.js"), HasSubstr("heartbeat.warnings"));
 
   const std::string address = "127.0.0.1:" + std::to_string(daemon.http_port());
-  EXPECT_THAT(said(folder.path(), {"status", "--http", address}), HasSubstr("\n  " + cannot));
-  const std::string doctor = said(folder.path(), {"doctor", daemon.configuration().string()});
+  EXPECT_THAT(run_verb(folder.path(), {"status", "--http", address}), HasSubstr("\n  " + cannot));
+  const std::string doctor = run_verb(folder.path(), {"doctor", daemon.configuration().string()});
   EXPECT_THAT(doctor, HasSubstr("problem  " + cannot));
   EXPECT_THAT(doctor, HasSubstr("warning  " + no_people));
   EXPECT_EQ(doctor.find(no_people), doctor.rfind(no_people)) << "once";
   const std::string checked =
-      said(folder.path(), {"check-config", daemon.configuration().string()});
+      run_verb(folder.path(), {"check-config", daemon.configuration().string()});
   EXPECT_THAT(checked, HasSubstr("site.toml: " + cannot));
   EXPECT_EQ(daemon.stop(), 0) << daemon.errors();
 }
@@ -197,7 +197,7 @@ TEST(Field, OverloadIsSaidEverywhere) {
     return daemon.log().find(overload) != std::string::npos;
   })) << daemon.log();
   const std::string status =
-      said(folder.path(), {"status", "--http", "127.0.0.1:" + std::to_string(daemon.http_port())});
+      run_verb(folder.path(), {"status", "--http", "127.0.0.1:" + std::to_string(daemon.http_port())});
   EXPECT_THAT(status, HasSubstr("  warning: " + overload));
   EXPECT_THAT(status, ::testing::ContainsRegex("; [1-9][0-9]* bursts gave way to newer ones,"));
   EXPECT_TRUE(eventually(kPatience, [&] {
@@ -232,7 +232,7 @@ TEST(Field, TheLogSaysReadyWhenTheStatusDoes) {
                   "5"});
   EXPECT_TRUE(logs("info ready: every access point is received")) << daemon.log();
   const std::string status =
-      said(folder.path(), {"status", "--http", "127.0.0.1:" + std::to_string(daemon.http_port())});
+      run_verb(folder.path(), {"status", "--http", "127.0.0.1:" + std::to_string(daemon.http_port())});
   EXPECT_THAT(status, HasSubstr(": ready\n"));
   EXPECT_THAT(status,
               ::testing::ContainsRegex("ap2 .* frames \\([0-9]+ partial\\) .* [0-9.]+ s ago\n"));
@@ -250,7 +250,7 @@ TEST(Field, TheStatusOfARecordingDoesNotSayThatNothingCame) {
   const std::string address = "127.0.0.1:" + std::to_string(daemon.http_port());
   std::string status;
   EXPECT_TRUE(eventually(kPatience, [&] {
-    status = said(folder.path(), {"status", "--http", address});
+    status = run_verb(folder.path(), {"status", "--http", address});
     return status.find("from a recording\n") != std::string::npos;
   })) << status;
   EXPECT_EQ(status.find("no datagram yet"), std::string::npos) << status;
@@ -272,7 +272,7 @@ TEST(Field, TheDoctorBesideADaemonThatIsStartingBlamesNobody) {
   })) << daemon.errors();
   std::string doctor;
   EXPECT_TRUE(eventually(kPatience, [&] {
-    doctor = said(folder.path(), {"doctor", daemon.configuration().string()});
+    doctor = run_verb(folder.path(), {"doctor", daemon.configuration().string()});
     return doctor.find("is in use, raylocd runs") != std::string::npos;
   })) << doctor;
   EXPECT_THAT(doctor,

@@ -183,12 +183,12 @@ TEST(LifeCycle, AReloadAppliesWhatItMayNamesTheRestAndRefusesABrokenFile) {
   LiveDaemon daemon(folder.path(), one_access_point({manager.variable()}, "heartbeat_s = 3\n"));
   ASSERT_TRUE(daemon.ready()) << daemon.errors();
   const std::string good = read_text(daemon.configuration());
-  const auto reload = [&](const std::string& text, const std::string& said, int times) {
+  const auto reload = [&](const std::string& text, const std::string& message, int times) {
     std::ofstream(daemon.configuration()) << text;
     daemon.signal(SIGHUP);
     EXPECT_TRUE(manager.wait_for("RELOADING=1", kPatience, times));
     EXPECT_TRUE(manager.wait_for("READY=1", kPatience, times + 1));
-    EXPECT_THAT(daemon.log(), HasSubstr(said));
+    EXPECT_THAT(daemon.log(), HasSubstr(message));
   };
   reload(good + "[log]\nlevel = \"verbose\"\n[engine]\nburst_s = 0.5\n",
          "reload: nothing has changed, the configuration is wrong:\n" +

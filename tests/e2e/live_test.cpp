@@ -131,7 +131,7 @@ TEST(Live, TellsTheLivesOfTracksAndAccountsForEveryMoment) {
       {.site = calibrated_site(folder.path()), .setting = {.environment = clock.environment()}});
   ASSERT_TRUE(daemon.ready()) << daemon.errors();
   // Meanwhile the machine's clock is set: no track is affected.
-  std::thread somebody([&] {
+  std::thread clock_setter([&] {
     EXPECT_TRUE(eventually(kPatience, [&] { return !daemon.bodies("track").empty(); }));
     std::uint64_t steps = 0;
     for (const int hours : {1, -1, 0}) {
@@ -141,7 +141,7 @@ TEST(Live, TellsTheLivesOfTracksAndAccountsForEveryMoment) {
     }
   });
   const bool sent = send_recordings(folder.path(), daemon, kSpeed);
-  somebody.join();
+  clock_setter.join();
   ASSERT_TRUE(sent);
   ASSERT_EQ(daemon.stop(), 0) << daemon.errors();
 

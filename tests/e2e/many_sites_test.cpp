@@ -86,7 +86,7 @@ bool logs(const LiveDaemon& daemon, const std::string& words) {
 }
 
 // The output of a verb about the daemon.
-std::string said_by(const std::filesystem::path& folder, const std::vector<std::string>& words) {
+std::string run_verb(const std::filesystem::path& folder, const std::vector<std::string>& words) {
   Process verb(folder, words.front(), "rayloc", words);
   EXPECT_EQ(verb.wait(kPatience), 0) << verb.errors();
   return read_text(verb.out());
@@ -133,15 +133,15 @@ TEST(ManySites, EachHasTopicsPathsMetricsAndRecordingsOfItsOwn) {
               HasSubstr("site 'office': source ap2: nothing has come yet"));
 
   const std::string http = "127.0.0.1:" + std::to_string(port);
-  const std::string all = said_by(folder.path(), {"status", "--http", http});
+  const std::string all = run_verb(folder.path(), {"status", "--http", http});
   for (const std::string name : {"site office\n", "site lab 2\n", "site hall\n"}) {
     EXPECT_THAT(all, HasSubstr(name));
   }
-  const std::string one = said_by(folder.path(), {"status", "--http", http, "--site", "lab 2"});
+  const std::string one = run_verb(folder.path(), {"status", "--http", http, "--site", "lab 2"});
   EXPECT_THAT(one, HasSubstr("300 datagrams"));
   EXPECT_THAT(one, Not(HasSubstr("office")));
   const std::string top =
-      said_by(folder.path(),
+      run_verb(folder.path(),
               {"top", "--once", "--endpoint", daemon.endpoint(), "--snapshot", daemon.snapshot()});
   EXPECT_THAT(top, HasSubstr("site hall"));
   EXPECT_THAT(top, HasSubstr("site lab 2"));
@@ -296,7 +296,7 @@ TEST(ManySites, OneThatNeverBeganIsNotReady) {
   EXPECT_THAT(http_get(port, "/metrics"), HasSubstr("rayloc_site_running{site=\"lab\"} 0"));
   EXPECT_THAT(http_get(port, "/metrics"), HasSubstr("rayloc_site_running{site=\"office\"} 1"));
   const std::string http = "127.0.0.1:" + std::to_string(port);
-  EXPECT_THAT(said_by(folder.path(), {"status", "--http", http}),
+  EXPECT_THAT(run_verb(folder.path(), {"status", "--http", http}),
               HasSubstr("site lab\nnot ready: it has not begun: "));
 
   std::ofstream(lab / "site.toml") << good;

@@ -44,7 +44,7 @@ constexpr double kMaxKeptKib = 10 * 1024;
 constexpr int kBacklogs = 2;
 // Memory has settled when it has not risen by this for so many looks, one each half second.
 constexpr double kSettledKib = 1024;
-constexpr int kSettledLooks = 4;
+constexpr int kSettledSamples = 4;
 
 struct Sample {
   double seconds = 0.0;
@@ -335,20 +335,20 @@ TEST(Endurance, MemoryAndDescriptorsStayAsTheyAre) {
 // data for a moment.
 double settled_kib(const LiveDaemon& daemon) {
   const auto end = std::chrono::steady_clock::now() + test::patient(kPatience);
-  std::vector<double> looks;
+  std::vector<double> samples;
   while (std::chrono::steady_clock::now() < end) {
     std::this_thread::sleep_for(std::chrono::milliseconds(500));
-    looks.push_back(daemon.resident_kib());
-    if (looks.size() > 2 * kSettledLooks) {
-      const auto half = looks.end() - kSettledLooks;
-      const double earlier = *std::min_element(half - kSettledLooks, half);
-      const double later = *std::min_element(half, looks.end());
+    samples.push_back(daemon.resident_kib());
+    if (samples.size() > 2 * kSettledSamples) {
+      const auto half = samples.end() - kSettledSamples;
+      const double earlier = *std::min_element(half - kSettledSamples, half);
+      const double later = *std::min_element(half, samples.end());
       if (later < earlier + kSettledKib) {
         return later;
       }
     }
   }
-  return looks.back();
+  return samples.back();
 }
 
 // The least that is resident, in KiB, until it is below a bound. A machine that is busy works a

@@ -71,7 +71,7 @@ std::uint64_t receive_for_a_while(int receiver, int sender, std::atomic<std::uin
   return received;
 }
 
-bool all_told(const std::deque<CsiReader>& readers, std::uint64_t published) {
+bool all_counted(const std::deque<CsiReader>& readers, std::uint64_t published) {
   return std::all_of(readers.begin(), readers.end(), [&](const CsiReader& reader) {
     return reader.messages() + reader.lost() >= published;
   });
@@ -129,7 +129,7 @@ void print_xpub_alone(int high_water_mark) {
   // Queued messages are still delivered; the goodbye reports the loss of the last ones.
   EXPECT_TRUE(eventually(kPatience, [&] {
     publisher->publish(v1::Goodbye{}, Timestamp{});
-    return all_told(readers, published);
+    return all_counted(readers, published);
   }));
   const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
   std::uint64_t delivered = 0;

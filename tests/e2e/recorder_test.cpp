@@ -203,7 +203,7 @@ TEST(Recorder, SurvivesAFullDiskAndSaysWhatIsMissing) {
 // It locates, and reports the same as if the fault had come later; after the fault it records.
 void expect_to_locate_and_to_wait_for(LiveDaemon& daemon,
                                       const std::filesystem::path& folder,
-                                      const std::string& said,
+                                      const std::string& message,
                                       const std::function<void()>& mend) {
   ASSERT_TRUE(daemon.ready()) << daemon.errors();
   ASSERT_EQ(send_for_a_second(folder, daemon), 0);
@@ -213,7 +213,7 @@ void expect_to_locate_and_to_wait_for(LiveDaemon& daemon,
               HasSubstr("recording: "));
   EXPECT_TRUE(eventually(kPatience, [&] { return recorded(daemon, "dropped") > 0; }));
   EXPECT_EQ(recorded(daemon, "written"), 0U);
-  EXPECT_THAT(daemon.log(), HasSubstr(said));
+  EXPECT_THAT(daemon.log(), HasSubstr(message));
   mend();
   EXPECT_TRUE(eventually(kPatience, [&] {
     return daemon.log().find("no longer: recording: ") != std::string::npos;
@@ -226,12 +226,12 @@ void expect_to_locate_and_to_wait_for(LiveDaemon& daemon,
 
 TEST(Field, RecordingThatCannotBeginStopsNoDaemon) {
   const TemporaryFolder folder;
-  const std::filesystem::path in_the_way = folder.path() / "in_the_way";
-  std::ofstream(in_the_way) << "a file";
-  LiveDaemon daemon(folder.path(), recording_to(in_the_way / "rec"));
+  const std::filesystem::path obstacle = folder.path() / "in_the_way";
+  std::ofstream(obstacle) << "a file";
+  LiveDaemon daemon(folder.path(), recording_to(obstacle / "rec"));
   expect_to_locate_and_to_wait_for(
       daemon, folder.path(), "rec: cannot be made: Not a directory", [&] {
-        std::filesystem::remove(in_the_way);
+        std::filesystem::remove(obstacle);
       });
 }
 

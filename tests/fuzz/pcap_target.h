@@ -95,7 +95,7 @@ inline void judge_stamps(const std::vector<Timestamp>& stamps, bool as_stamped) 
   if (refused != damaged || stamps.empty() != times.busy.empty()) {
     std::abort();
   }
-  if (words_of(times, "file", limits.gap).size() > 10) {
+  if (describe(times, "file", limits.gap).size() > 10) {
     std::abort();  // too many lines for a reader
   }
 }
@@ -108,11 +108,11 @@ inline void judge_stream(const std::vector<Timestamp>& stamps) {
   std::size_t dropped = 0;
   bool held = false;
   for (const Timestamp stamp : stamps) {
-    Ruling ruling = clock.look(stamp);
+    Ruling ruling = clock.scan(stamp);
     if (ruling == Ruling::kGiveHeld) {
       given += held ? 1U : 0U;
       held = false;
-      ruling = clock.look(stamp);
+      ruling = clock.scan(stamp);
     }
     if (ruling == Ruling::kDropHeld) {
       dropped += held ? 1U : 0U;

@@ -38,7 +38,7 @@ inline RecordingAnswer answer_of(const std::string& path) {
     }
   }
   answer.counters = (*source)->counters();
-  answer.words = words_of((*source)->plan());
+  answer.words = describe((*source)->plan());
   const auto warnings = (*source)->warnings();
   answer.words.insert(answer.words.end(), warnings.begin(), warnings.end());
   return answer;

@@ -136,11 +136,11 @@ int main(int argc, char** argv) {
   try {
     rayloc::bound_spare_memory();
     rayloc::quiet_protobuf();
-    rayloc::say_last_words_of_threads();
+    rayloc::report_uncaught_exceptions();
     return rayloc::run(argc, argv);
   } catch (const std::exception& error) {
-    const rayloc::LastWords words = rayloc::last_words(error);
-    std::fprintf(stderr, "raylocd: %s\n", words.text.c_str());
-    return words.exit_status;
+    const rayloc::FatalMessage message = rayloc::fatal_message(error);
+    std::fprintf(stderr, "raylocd: %s\n", message.text.c_str());
+    return message.exit_status;
   }
 }

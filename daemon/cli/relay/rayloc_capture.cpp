@@ -80,18 +80,18 @@ void print(const char* when, const SourceCounters& source, const SinkCounters& s
 // Reports losses: at once, then every half minute while they continue.
 class LossLog {
  public:
-  void look(const SourceCounters& source, const SinkCounters& sink) {
+  void check(const SourceCounters& source, const SinkCounters& sink) {
     const std::uint64_t lost = sink.lost() + source.kernel_drops;
     const auto now = Clock::now();
-    if (lost > said_ && (said_ == 0 || now - when_ > kLogPeriod)) {
-      said_ = lost;
+    if (lost > reported_ && (reported_ == 0 || now - when_ > kLogPeriod)) {
+      reported_ = lost;
       when_ = now;
       print("losing", source, sink);
     }
   }
 
  private:
-  std::uint64_t said_ = 0;
+  std::uint64_t reported_ = 0;
   Clock::time_point when_;
 };
 
@@ -106,7 +106,7 @@ Expected<void> forward(DatagramSource& source, DatagramSink& sink, const StopSig
     if (auto written = sink.write(batch); !written) {
       return written;
     }
-    losses.look(source.counters(), sink.counters());
+    losses.check(source.counters(), sink.counters());
   }
   return {};
 }

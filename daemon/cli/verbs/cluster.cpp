@@ -28,7 +28,7 @@ constexpr milliseconds kDrainPatience{60000};  // longest lease
 
 Expected<ClusterView> read_cluster(const BrokerOptions& server) {
   const auto broker = connect(server);
-  return broker ? look_at_cluster(**broker) : tl::make_unexpected(broker.error());
+  return broker ? inspect_cluster(**broker) : tl::make_unexpected(broker.error());
 }
 
 Expected<int> run_status(const BrokerOptions& server) {
@@ -126,7 +126,7 @@ Expected<int> run_drain(const BrokerOptions& server, const std::string& worker) 
   if (!broker) {
     return tl::make_unexpected(broker.error());
   }
-  const auto view = look_at_cluster(**broker);
+  const auto view = inspect_cluster(**broker);
   if (!view) {
     return tl::make_unexpected(view.error());
   }

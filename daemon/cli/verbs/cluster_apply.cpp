@@ -30,7 +30,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::chrono::seconds kLookAgain{10};  // notices may be lost
+constexpr std::chrono::seconds kRecheckInterval{10};  // notices may be lost
 constexpr std::chrono::milliseconds kApplyStep{200};
 
 // A folder that is removed at the end of its scope.
@@ -239,12 +239,12 @@ Expected<void> run_cluster_fetch(const BrokerOptions& options, const FetchArgume
     return tl::make_unexpected(broker.error());
   }
   std::mutex mutex;
-  std::condition_variable news;
-  bool is_told = false;
-  const auto subscription = (*broker)->subscribe(bundle_news(), [&](const BrokerMessage&) {
+  std::condition_variable wake;
+  bool is_notified = false;
+  const auto subscription = (*broker)->subscribe(bundle_notices(), [&](const BrokerMessage&) {
     const std::lock_guard lock(mutex);
-    is_told = true;
-    news.notify_one();
+    is_notified = true;
+    wake.notify_one();
   });
   if (!subscription) {
     return tl::make_unexpected(subscription.error());
@@ -260,11 +260,11 @@ Expected<void> run_cluster_fetch(const BrokerOptions& options, const FetchArgume
     }
     std::unique_lock lock(mutex);
     for (auto waited = kApplyStep;
-         arguments.keep_on && !is_told && waited < kLookAgain && !StopSignal::requested();
+         arguments.keep_on && !is_notified && waited < kRecheckInterval && !StopSignal::requested();
          waited += kApplyStep) {
-      news.wait_for(lock, kApplyStep);
+      wake.wait_for(lock, kApplyStep);
     }
-    is_told = false;
+    is_notified = false;
   } while (arguments.keep_on && !StopSignal::requested());
   return {};
 }

@@ -164,8 +164,8 @@ void check_node(Broker& broker,
     findings.push_back({Kind::kOk, what + " sends", ""});
   }
   for (const v1::ApPart& part : batch.parts()) {
-    const Timestamp told{std::chrono::microseconds(part.watermark_us())};
-    if (const double ahead = to_seconds(told - **stored); ahead > kClocksApart) {
+    const Timestamp watermark{std::chrono::microseconds(part.watermark_us())};
+    if (const double ahead = to_seconds(watermark - **stored); ahead > kClocksApart) {
       findings.push_back({Kind::kProblem,
                           fmt::format("{}: its clock is {:.2f} s before the server's", what, ahead),
                           "set both by NTP"});
@@ -195,8 +195,8 @@ void check_worker(const ClusterView::Worker& worker, Findings& findings) {
   const v1::WorkerState& state = worker.state;
   const std::string what =
       fmt::format("worker {}: {} sites", printable(state.worker()), state.sites_size());
-  const Timestamp said{std::chrono::microseconds(state.now_us())};
-  const double apart = to_seconds(worker.received - said);
+  const Timestamp reported{std::chrono::microseconds(state.now_us())};
+  const double apart = to_seconds(worker.received - reported);
   if (state.now_us() != 0 && std::abs(apart) > kClocksApart) {
     findings.push_back({Kind::kWarning,
                         fmt::format("{}: its clock is {:.2f} s {} ours",
@@ -270,7 +270,7 @@ Expected<void> inspect_broker(Broker& broker, bool servers_are_several, Findings
                *streams,
                servers_are_several,
                findings);
-  const auto view = look_at_cluster(broker);
+  const auto view = inspect_cluster(broker);
   if (!view) {
     return tl::make_unexpected(view.error());
   }
@@ -293,10 +293,10 @@ Expected<void> run_cluster_doctor(const BrokerOptions& options) {
     servers_are_several = check_server(server, findings) || servers_are_several;
   }
   const auto broker = connect(options);
-  const Expected<void> looked = broker ? inspect_broker(**broker, servers_are_several, findings)
+  const Expected<void> inspected = broker ? inspect_broker(**broker, servers_are_several, findings)
                                        : tl::make_unexpected(broker.error());
-  if (!looked) {
-    findings.push_back({Kind::kProblem, looked.error().message, ""});
+  if (!inspected) {
+    findings.push_back({Kind::kProblem, inspected.error().message, ""});
   }
   return print_findings(findings);
 }

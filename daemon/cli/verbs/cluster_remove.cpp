@@ -42,7 +42,7 @@ Expected<bool> retract(Broker& broker, const std::string& site) {
 Expected<std::optional<v1::SiteClaim>> last_claim(Broker& broker, const std::string& site) {
   const auto deadline = std::chrono::steady_clock::now() + kRemovalTimeout;
   for (;;) {
-    const auto view = look_at_cluster(broker);
+    const auto view = inspect_cluster(broker);
     if (!view) {
       return tl::make_unexpected(view.error());
     }
@@ -75,8 +75,8 @@ Expected<bool> close_claim(Broker& broker, const std::string& site, std::uint64_
   v1::SiteClaim removed;
   removed.set_generation(generation);
   removed.set_removed(true);
-  const auto said = broker.publish_behind(claim_subject(site), seal(removed), (*last)->sequence);
-  return said ? Expected<bool>(said->is_last) : tl::make_unexpected(said.error());
+  const auto sent = broker.publish_behind(claim_subject(site), seal(removed), (*last)->sequence);
+  return sent ? Expected<bool>(sent->is_last) : tl::make_unexpected(sent.error());
 }
 
 }  // namespace
@@ -91,10 +91,10 @@ Expected<void> reopen_claim(Broker& broker, const std::string& site) {
   if (!last || !*last || !unseal((*last)->data, claim) || !claim.removed()) {
     return last ? Expected<void>() : tl::make_unexpected(last.error());
   }
-  v1::SiteClaim nobody;
-  nobody.set_generation(claim.generation());
-  const auto said = broker.publish_behind(claim_subject(site), seal(nobody), (*last)->sequence);
-  return said ? Expected<void>() : tl::make_unexpected(said.error());
+  v1::SiteClaim no_owner;
+  no_owner.set_generation(claim.generation());
+  const auto sent = broker.publish_behind(claim_subject(site), seal(no_owner), (*last)->sequence);
+  return sent ? Expected<void>() : tl::make_unexpected(sent.error());
 }
 
 Expected<void> run_cluster_remove(const BrokerOptions& options, const std::string& site) {

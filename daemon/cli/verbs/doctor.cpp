@@ -65,7 +65,7 @@ void check_site_setup(const SiteSetup& setup, std::vector<Finding>& findings) {
 }
 
 // Adds the entries of a /readyz list, except those that have been found here as well.
-void add_said(const nlohmann::json& list,
+void add_reported(const nlohmann::json& list,
               Finding::Kind kind,
               const std::function<bool(const std::string&)>& is_known,
               std::vector<Finding>& findings) {
@@ -90,16 +90,16 @@ void ask_daemon(const HttpQuery& query,
   if (!ready) {
     return;
   }
-  const bool sources_told = !has_site_list && ask_for_sources(query, site, findings);
+  const bool has_sources = !has_site_list && ask_for_sources(query, site, findings);
   const nlohmann::json none = nlohmann::json::array();
   const auto is_of_source = [&](const std::string& words) {
-    return sources_told && words.rfind("source ", 0) == 0;
+    return has_sources && words.rfind("source ", 0) == 0;
   };
-  add_said(ready->json.value("reasons", none), Finding::Kind::kProblem, is_of_source, findings);
+  add_reported(ready->json.value("reasons", none), Finding::Kind::kProblem, is_of_source, findings);
   const auto is_of_clock = [](const std::string& words) {
     return words.rfind("the clock ", 0) == 0;
   };
-  add_said(ready->json.value("warnings", none), Finding::Kind::kWarning, is_of_clock, findings);
+  add_reported(ready->json.value("warnings", none), Finding::Kind::kWarning, is_of_clock, findings);
 }
 
 // Finding for a daemon that runs and does not answer.
@@ -117,9 +117,9 @@ Finding silent_daemon(pid_t process, bool has_http) {
 // unreadable token is a finding of check_machine() and does not end the verb.
 Expected<HttpQuery> query_of(HttpOptions options, const HttpConfig& config) {
   if (options.address.empty()) {
-    const bool everywhere = config.host == "0.0.0.0";
+    const bool is_any_address = config.host == "0.0.0.0";
     options.address =
-        (everywhere ? std::string("127.0.0.1") : config.host) + ":" + std::to_string(config.port);
+        (is_any_address ? std::string("127.0.0.1") : config.host) + ":" + std::to_string(config.port);
   }
   if (options.token_file.empty() && access(config.token_file.c_str(), R_OK) == 0) {
     options.token_file = config.token_file.string();

@@ -252,7 +252,7 @@ Expected<void> run_recording(const RecordingArgument& recording,
     frames.clear();
   }
   summary.add((*source)->counters(), receiver.counters());
-  for (const auto& words : {words_of((*source)->plan()),
+  for (const auto& words : {describe((*source)->plan()),
                             (*source)->warnings(),
                             rejection_words(receiver.counters().rejected,
                                             receiver.counters().received,

@@ -66,15 +66,15 @@ Expected<Vec3d> read_start(const std::string& text, const Method& method) {
 
 Expected<MethodOptions> method_options(const MethodArguments& options) {
   const Method& method = *find_method(options.name);
-  MethodOptions told;
-  told.seed = options.seed;
-  told.is_exhaustive = options.exhaustive;
+  MethodOptions settings;
+  settings.seed = options.seed;
+  settings.is_exhaustive = options.exhaustive;
   if (!options.start.empty()) {
     auto start = read_start(options.start, method);
     if (!start) {
       return tl::make_unexpected(std::move(start.error()));
     }
-    told.start = *start;
+    settings.start = *start;
   }
   if (options.starts > 1 || !options.paper.empty()) {
     if (!method.has_setting("multi_start")) {
@@ -83,21 +83,21 @@ Expected<MethodOptions> method_options(const MethodArguments& options) {
           ErrorKind::kUsage,
           option + " is of method paper, not of " + options.name + "; use --method paper");
     }
-    told.values.insert_or_assign("multi_start", static_cast<double>(options.starts));
+    settings.values.insert_or_assign("multi_start", static_cast<double>(options.starts));
   }
   for (const std::string& text : options.paper) {
     const auto assignment = read_paper_assignment(text);
     if (!assignment) {
       return make_error(ErrorKind::kUsage, "--paper " + assignment.error().message);
     }
-    told.values.insert_or_assign(std::string(assignment->setting->key), assignment->value);
+    settings.values.insert_or_assign(std::string(assignment->setting->key), assignment->value);
   }
   for (const std::string& text : options.baseline) {
     if (method.baseline_settings.empty()) {
       return make_error(ErrorKind::kUsage,
                         "--baseline: method " + options.name + " has no such settings");
     }
-    if (auto read = read_baseline_value(text, method.name, method.baseline_settings, told.values);
+    if (auto read = read_baseline_value(text, method.name, method.baseline_settings, settings.values);
         !read) {
       return make_error(ErrorKind::kUsage, "--baseline " + read.error().message);
     }
@@ -108,9 +108,9 @@ Expected<MethodOptions> method_options(const MethodArguments& options) {
                         "--likelihood: method " + options.name +
                             " has a loss of its own; leave --likelihood out");
     }
-    told.values.insert_or_assign("likelihood", options.likelihood);
+    settings.values.insert_or_assign("likelihood", options.likelihood);
   }
-  return told;
+  return settings;
 }
 
 void add_method_options(OptionParser& app, MethodArguments& options) {

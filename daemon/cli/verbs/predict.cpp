@@ -23,7 +23,7 @@
 namespace rayloc::cli {
 namespace {
 
-constexpr std::size_t kMaxLookAlikes = 5;  // count, chosen: as many as a person reads
+constexpr std::size_t kMaxConfused = 5;  // count, chosen: as many as a person reads
 constexpr double kMinSpotStep = 0.4;        // [m], chosen: a finer grid adds no information
 constexpr double kUsualPlaces = 60.0;       // count, chosen: 180 bursts, so shares to 4 %
 constexpr double kCentimetre = 0.01;        // [m]
@@ -107,7 +107,7 @@ void print_prediction(const Prediction& prediction, const PredictArguments& argu
              100.0 * prediction.another_place);
   fmt::print(
       "a device of {} is received in {:.0f} % of bursts\n", arguments.devices, 100.0 * received);
-  for (const LookAlike& one : look_alikes(prediction, kMaxLookAlikes)) {
+  for (const ConfusedPlace& one : confused_places(prediction, kMaxConfused)) {
     fmt::print("looks alike: {} is taken for {} in {} of {} bursts\n",
                place_text(one.place),
                place_text(one.taken_for),

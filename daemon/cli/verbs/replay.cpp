@@ -253,7 +253,7 @@ PipelineOptions pipeline_options(const Method& method, Duration burst) {
 // Replays the owners of a site one after the other, each with estimators of its own.
 Expected<void> run_stream(const Options& options,
                           const Site& site,
-                          const MethodOptions& told,
+                          const MethodOptions& settings,
                           Duration burst) {
   const Method& method = *find_method(options.method.name);
   Expected<OutputFile> out = OutputFile::open(options.out);
@@ -265,7 +265,7 @@ Expected<void> run_stream(const Options& options,
   replay.site = site.name;
   replay.uninterrupted = options.uninterrupted;
   replay.access_points = access_point_ids(site);
-  replay.say = [&](const v1::OutputItem& item) {
+  replay.on_result = [&](const v1::OutputItem& item) {
     if (item.has_location()) {
       write(item.location(), options.format, *out);
     } else if (item.has_zone() && *events) {
@@ -275,7 +275,7 @@ Expected<void> run_stream(const Options& options,
   replay.run = [&](const SiteStart& start,
                    std::vector<std::unique_ptr<DatagramSource>> sources,
                    LocationSink& sink) -> Expected<void> {
-    auto estimators = make_estimators(options, site, method, told, start.carried);
+    auto estimators = make_estimators(options, site, method, settings, start.carried);
     if (!estimators) {
       return tl::make_unexpected(estimators.error());
     }
@@ -324,7 +324,7 @@ void report_chains(const Options& options, const Estimators& estimators) {
   if (options.quiet || !estimators.devices) {
     return;
   }
-  for (const std::string& line : estimators.devices->chain_news()) {
+  for (const std::string& line : estimators.devices->chain_notices()) {
     std::fprintf(stderr, "rayloc replay: %s\n", line.c_str());
   }
   if (const std::string progress = estimators.devices->chain_progress(); !progress.empty()) {
@@ -343,9 +343,9 @@ Expected<void> run_replay(const Options& options) {
   if (auto checked = check_targets(method, options.kind); !checked) {
     return checked;
   }
-  auto told = method_options(options.method);
-  if (!told) {
-    return tl::make_unexpected(std::move(told.error()));
+  auto settings = method_options(options.method);
+  if (!settings) {
+    return tl::make_unexpected(std::move(settings.error()));
   }
   const Expected<Duration> burst = parse_burst_argument(options.burst);
   if (!burst) {
@@ -361,7 +361,7 @@ Expected<void> run_replay(const Options& options) {
       static_cast<std::size_t>(options.threads > 0 ? options.threads
                                                    : oneapi::tbb::info::default_concurrency()));
   if (!options.stream.empty()) {
-    return run_stream(options, *site, *told, *burst);
+    return run_stream(options, *site, *settings, *burst);
   }
   const auto start = warm_start_of(options.warm);
   if (!start) {
@@ -371,7 +371,7 @@ Expected<void> run_replay(const Options& options) {
   if (!recordings) {
     return tl::make_unexpected(recordings.error());
   }
-  auto estimators = make_estimators(options, *site, method, *told, start->carried);
+  auto estimators = make_estimators(options, *site, method, *settings, start->carried);
   if (!estimators) {
     return tl::make_unexpected(estimators.error());
   }

@@ -45,7 +45,7 @@ Expected<std::shared_ptr<TargetNames>> target_names(const EstimatorArguments& op
 Expected<Estimators> make_estimators(const EstimatorArguments& options,
                                      const Site& site,
                                      const Method& method,
-                                     const MethodOptions& told,
+                                     const MethodOptions& settings,
                                      const std::shared_ptr<const Carried>& carried) {
   Estimators estimators;
   if (options.kind != "person" && method.create_device != nullptr) {
@@ -56,7 +56,7 @@ Expected<Estimators> make_estimators(const EstimatorArguments& options,
     }
     estimation.names = *std::move(names);
     estimation.method = &method;
-    estimation.settings = told;
+    estimation.settings = settings;
     estimation.settings.path_grids = path_grids(options);
     estimation.chains = options.chains;
     estimation.snapshots =
@@ -74,7 +74,7 @@ Expected<Estimators> make_estimators(const EstimatorArguments& options,
       (options.kind == "all" && method.create_person != nullptr && site.reference_file)) {
     PersonEstimator::Options estimation;
     estimation.method = &method;
-    estimation.settings = told;
+    estimation.settings = settings;
     estimation.before = carried;
     auto people = PersonEstimator::create(site, estimation);
     if (!people) {

@@ -33,7 +33,7 @@ struct Estimators {
 Expected<Estimators> make_estimators(const EstimatorArguments& options,
                                      const Site& site,
                                      const Method& method,
-                                     const MethodOptions& told,
+                                     const MethodOptions& settings,
                                      const std::shared_ptr<const Carried>& carried);
 
 }  // namespace rayloc::cli

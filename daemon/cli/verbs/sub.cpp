@@ -145,7 +145,7 @@ class Subscription {
   }
 
   void report_left_out() const {
-    const auto say = [](std::uint64_t count, const char* what) {
+    const auto report = [](std::uint64_t count, const char* what) {
       if (count > 0) {
         std::fprintf(stderr,
                      "rayloc sub: %llu messages %s\n",
@@ -153,8 +153,8 @@ class Subscription {
                      what);
       }
     };
-    say(writer_.without_form(), "have no form in this format and were left out");
-    say(writer_.dropped(), "were dropped while no heartbeat came");
+    report(writer_.without_form(), "have no form in this format and were left out");
+    report(writer_.dropped(), "were dropped while no heartbeat came");
   }
 
   const SubArguments& arguments_;

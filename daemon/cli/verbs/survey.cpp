@@ -61,18 +61,18 @@ Expected<SiteSetup> configured_site(const SurveyVerbArguments& arguments, const 
   if (!setup) {
     return tl::make_unexpected(setup.error());
   }
-  std::vector<std::function<bool(const SiteSetup&)>> ways;
+  std::vector<std::function<bool(const SiteSetup&)>> criteria;
   if (arguments.name.empty()) {
-    ways = {[&](const SiteSetup&) { return setup->sites.size() == 1; },
+    criteria = {[&](const SiteSetup&) { return setup->sites.size() == 1; },
             [&](const SiteSetup& one) {
               std::error_code ignored;
               return std::filesystem::equivalent(one.directory, arguments.site, ignored);
             },
             [&](const SiteSetup& one) { return one.site.name == site.name; }};
   } else {
-    ways = {[&](const SiteSetup& one) { return one.site.name == arguments.name; }};
+    criteria = {[&](const SiteSetup& one) { return one.site.name == arguments.name; }};
   }
-  for (const auto& is_meant : ways) {
+  for (const auto& is_meant : criteria) {
     const auto found = std::find_if(setup->sites.begin(), setup->sites.end(), is_meant);
     if (found != setup->sites.end() &&
         std::none_of(std::next(found), setup->sites.end(), is_meant)) {
@@ -244,7 +244,7 @@ class Survey {
   }
 
   // An empty line ends a point early; other lines are answers to the next prompt.
-  bool told_to_go_on() {
+  bool is_ended_early() {
     input_.poll();
     const bool empty = input_.front() != nullptr && input_.front()->empty();
     if (empty) {
@@ -272,7 +272,7 @@ class Survey {
         return {};
       }
     } while (*std::min_element(counts.begin(), counts.end()) < arguments_.frames &&
-             !told_to_go_on() && std::chrono::steady_clock::now() < deadline);
+             !is_ended_early() && std::chrono::steady_clock::now() < deadline);
     std::fprintf(stderr,
                  "%s%s: %s\n",
                  terminal ? "\r" : "",

@@ -76,11 +76,11 @@ class Train {
   Expected<LocationEstimate> locate(const std::vector<CsiFrame>& frames) const;
   Expected<void> check_held_out();
   Expected<void> write() const;
-  void say() const;
+  void print() const;
 
   const TrainOptions& options_;
   const Method& method_;
-  MethodOptions told_;
+  MethodOptions settings_;
   Site site_;
   std::shared_ptr<const RoomModel> room_;
   TrainSurvey survey_;
@@ -96,12 +96,12 @@ Expected<void> Train::read() {
   }
   for (const std::string& text : options_.baseline) {
     if (auto read =
-            read_baseline_value(text, method_.name, method_.baseline_settings, told_.values);
+            read_baseline_value(text, method_.name, method_.baseline_settings, settings_.values);
         !read) {
       return make_error(ErrorKind::kUsage, "--baseline " + read.error().message);
     }
   }
-  told_.seed = options_.seed;
+  settings_.seed = options_.seed;
   auto site = load_calibrated_site(options_.site,
                                    ", and methods learn in a calibrated room: run "
                                    "`rayloc calibrate` first",
@@ -158,7 +158,7 @@ std::string Train::inputs_hash() const {
 TrainingInput Train::input_of(CalibrationProgressLine& line) const {
   TrainingInput input;
   input.room = room_;
-  input.values = told_.values;
+  input.values = settings_.values;
   input.seed = options_.seed;
   input.empty = survey_.empty;
   input.transmitter = survey_.transmitter;
@@ -216,7 +216,7 @@ Expected<void> Train::learn() {
 // Locates with the method and the trained values.
 Expected<LocationEstimate> Train::locate(const std::vector<CsiFrame>& frames) const {
   if (method_.create_device != nullptr) {
-    DeviceMethodInput input{room_, told_};
+    DeviceMethodInput input{room_, settings_};
     input.training = training_;
     auto made = method_.create_device(std::move(input));
     return made ? Expected<LocationEstimate>((*made)->locate(frames, 0))
@@ -224,7 +224,7 @@ Expected<LocationEstimate> Train::locate(const std::vector<CsiFrame>& frames) co
   }
   PersonReference reference{};
   reference.mac = survey_.transmitter.value_or(MacAddress{});
-  PersonMethodInput input{room_, std::move(reference), told_};
+  PersonMethodInput input{room_, std::move(reference), settings_};
   input.training = training_;
   auto made = method_.create_person(std::move(input));
   return made ? Expected<LocationEstimate>((*made)->locate(frames, 0).front())
@@ -288,7 +288,7 @@ Expected<void> Train::write() const {
   return write_file(out / "training" / (options_.method + "-report.json"), report.dump(1) + "\n");
 }
 
-void Train::say() const {
+void Train::print() const {
   std::fprintf(stderr, "%s was trained in %.1f s:\n", options_.method.c_str(), seconds_);
   for (const AccessPointTraining& ap : training_->access_points) {
     if (training_->network) {
@@ -338,7 +338,7 @@ Expected<void> Train::run() {
     for (const std::string& note : survey_.notes) {
       std::fprintf(stderr, "%s\n", note.c_str());
     }
-    say();
+    print();
   }
   return {};
 }

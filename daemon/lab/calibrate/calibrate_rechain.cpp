@@ -248,8 +248,8 @@ Expected<void> Rechain::read() {
   }
   received_ = *std::move(received);
   if (arguments_.points.empty()) {
-    std::vector<std::string> told_before;
-    auto states = learn_chains(site_, room_, *captures, told_before);
+    std::vector<std::string> repeated_notices;
+    auto states = learn_chains(site_, room_, *captures, repeated_notices);
     if (!states) {
       return tl::make_unexpected(std::move(states.error()));
     }

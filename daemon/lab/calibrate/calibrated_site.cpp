@@ -52,23 +52,23 @@ std::vector<CalibratedAccessPoint> calibrated_access_points(
   for (const AccessPointResult& result : results) {
     const RoomAccessPoint& before = surveyed.access_points[result.index];
     const RoomAccessPoint& after = calibrated.room.access_points[result.index];
-    const Pose& stood = before.array.pose;
-    const Pose& stands = after.array.pose;
+    const Pose& old_pose = before.array.pose;
+    const Pose& new_pose = after.array.pose;
     CalibratedAccessPoint ap;
     ap.id = after.id;
     ap.points = result.fit.samples_used;
     const auto changed = [&](double change, Quantity quantity) {
       return stated(change, {after.id, quantity}, calibrated.parameters);
     };
-    ap.position_x = changed(stands.position.x - stood.position.x, Quantity::kPositionX);
-    ap.position_y = changed(stands.position.y - stood.position.y, Quantity::kPositionY);
-    ap.position_z = changed(stands.position.z - stood.position.z, Quantity::kPositionZ);
-    ap.yaw_offset = changed(stands.orientation.yaw - stood.orientation.yaw, Quantity::kYaw);
+    ap.position_x = changed(new_pose.position.x - old_pose.position.x, Quantity::kPositionX);
+    ap.position_y = changed(new_pose.position.y - old_pose.position.y, Quantity::kPositionY);
+    ap.position_z = changed(new_pose.position.z - old_pose.position.z, Quantity::kPositionZ);
+    ap.yaw_offset = changed(new_pose.orientation.yaw - old_pose.orientation.yaw, Quantity::kYaw);
     ap.yaw_offset.value += result.fit.yaw_offset.value;
     // If the yaw was held in this stage, the preceding room fit has estimated it.
     ap.yaw_offset.sigma = std::max(ap.yaw_offset.sigma, result.fit.yaw_offset.sigma);
-    ap.pitch_offset = changed(stands.orientation.pitch - stood.orientation.pitch, Quantity::kPitch);
-    ap.roll_offset = changed(stands.orientation.roll - stood.orientation.roll, Quantity::kRoll);
+    ap.pitch_offset = changed(new_pose.orientation.pitch - old_pose.orientation.pitch, Quantity::kPitch);
+    ap.roll_offset = changed(new_pose.orientation.roll - old_pose.orientation.roll, Quantity::kRoll);
     ap.plan_tolerance = result.fit.error.plan_tolerance;
     ap.diffuse = result.fit.error.diffuse;
     ap.diffuse_exponent = result.fit.error.diffuse_exponent;

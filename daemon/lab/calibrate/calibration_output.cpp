@@ -115,7 +115,7 @@ Expected<void> Calibration::write_reports(const CalibrationReport& report) const
   return write_file(out / kHtmlReport, to_html(report));
 }
 
-void Calibration::say_verdict() const {
+void Calibration::print_verdict() const {
   std::fprintf(stderr, "rayloc: %s: %s", options_.site.c_str(), to_text(verdict_).c_str());
 }
 
@@ -130,7 +130,7 @@ Expected<CalibrationOutcome> Calibration::write_refusal(const CalibrationReport&
   if (auto written = write_reports(report); !written) {
     return tl::make_unexpected(std::move(written.error()));
   }
-  say_verdict();
+  print_verdict();
   std::fprintf(
       stderr,
       "rayloc: no site was written, for this calibration is no success; %s has its report. "
@@ -157,7 +157,7 @@ Expected<void> Calibration::write_site_and_reports(
     return write_refusal(report).map([](CalibrationOutcome) {});
   }
   if (!verdict_.is_success()) {
-    say_verdict();
+    print_verdict();
   }
   const std::map<std::string, std::string> scene =
       first.method == "gains-only" ? std::map<std::string, std::string>()

@@ -105,7 +105,7 @@ Expected<void> Calibration::check_inputs() {
   }
   if (!verdict_.is_success() && options_.force) {
     line_.clear();
-    say_verdict();
+    print_verdict();
   }
   refuse_misfits(check);
   return {};
@@ -182,8 +182,8 @@ Expected<RoomCalibration> Calibration::jointly(const CalibrationObserver& observ
 }
 
 bool Calibration::go_on() {
-  if (options_.stops() && !told_to_stop_) {
-    told_to_stop_ = true;
+  if (options_.stops() && !is_stopping_) {
+    is_stopping_ = true;
     line_.clear();
     if (!options_.quiet) {
       std::fputs("interrupted: finishing with the last good state; once more ends at once\n",
@@ -191,7 +191,7 @@ bool Calibration::go_on() {
     }
     line_.begin("finishing");
   }
-  return !told_to_stop_;
+  return !is_stopping_;
 }
 
 CalibrationMethodResult Calibration::gains_only() const {

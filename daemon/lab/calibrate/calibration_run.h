@@ -57,7 +57,7 @@ class Calibration {
   Expected<void> write_site_and_reports(const std::vector<CalibrationMethodResult>& methods);
   Expected<void> write_reports(const CalibrationReport& report) const;
   Expected<CalibrationOutcome> write_refusal(const CalibrationReport& report) const;
-  void say_verdict() const;
+  void print_verdict() const;
 
   // "points.csv:17"
   std::string place_of(std::size_t point) const {
@@ -84,7 +84,7 @@ class Calibration {
   std::string id_;  // hash of all inputs
   CalibrationProgressLine line_{options_.quiet, options_.progress};
   bool unkept_ = false;        // last state could not be written
-  bool told_to_stop_ = false;  // and that was reported
+  bool is_stopping_ = false;  // and that was reported
 };
 
 }  // namespace rayloc::cli

@@ -32,7 +32,7 @@ std::vector<HeldOutSpot> at_height(std::span<const HeldOutSpot> spots, double he
 
 struct Tried {
   HeldOutFixes outcome;
-  TemperingExponent judged;
+  TemperingExponent evaluated;
 };
 
 Tried fixes_with(const Localizer& localizer,
@@ -63,10 +63,10 @@ Tried fixes_with(const Localizer& localizer,
   }
   result.sigma_floor = room.sigma_floor;
   if (!estimates.empty()) {
-    tried.judged = evaluate_exponent(likelihood_exponent, estimates, room.sigma_floor, known, sigmas);
-    result.sigma_floor = tried.judged.sigma_floor;
-    result.log_score = tried.judged.score;
-    result.dishonesty = tried.judged.dishonesty;
+    tried.evaluated = evaluate_exponent(likelihood_exponent, estimates, room.sigma_floor, known, sigmas);
+    result.sigma_floor = tried.evaluated.sigma_floor;
+    result.log_score = tried.evaluated.score;
+    result.dishonesty = tried.evaluated.dishonesty;
   }
   if (!errors.empty()) {
     result.median_error_m = percentile(std::move(errors), 0.5);
@@ -92,26 +92,26 @@ Expected<std::vector<HeldOutFixes>> fit_certainty_of(std::shared_ptr<const RoomM
         fixes_with(*localizer, spots, usual, usual_sigma, survey_sigma).outcome};
   }
   std::vector<HeldOutFixes> outcomes;
-  std::vector<TemperingExponent> judged;
+  std::vector<TemperingExponent> evaluated;
   std::size_t top = 0;
   for (const double exponent : kExponents) {
     if (exponent > most) {
       continue;
     }
-    auto [outcome, judgement] = fixes_with(*localizer, spots, exponent, kMinSigmas, survey_sigma);
+    auto [outcome, evaluation] = fixes_with(*localizer, spots, exponent, kMinSigmas, survey_sigma);
     outcomes.push_back(outcome);
-    judged.push_back(std::move(judgement));
+    evaluated.push_back(std::move(evaluation));
     if (outcome.fixes < kMinFixes) {
       return std::vector<HeldOutFixes>{
           fixes_with(*localizer, spots, usual, usual_sigma, survey_sigma).outcome};
     }
-    if (judged.back().score > judged[top].score) {
-      top = judged.size() - 1;
-    } else if (judged.size() - 1 - top >= kFalls) {
+    if (evaluated.back().score > evaluated[top].score) {
+      top = evaluated.size() - 1;
+    } else if (evaluated.size() - 1 - top >= kFalls) {
       break;
     }
   }
-  const auto best = outcomes.begin() + static_cast<std::ptrdiff_t>(best_exponent(judged));
+  const auto best = outcomes.begin() + static_cast<std::ptrdiff_t>(best_exponent(evaluated));
   std::rotate(best, best + 1, outcomes.end());
   return outcomes;
 }

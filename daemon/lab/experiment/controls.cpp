@@ -30,7 +30,7 @@ LocationEstimate at(const Vec3d& place) {
   return estimate;
 }
 
-LocationEstimate nowhere(std::string reason) {
+LocationEstimate no_position(std::string reason) {
   LocationEstimate estimate;
   estimate.reason = std::move(reason);
   return estimate;
@@ -54,7 +54,7 @@ Expected<Locate> nearest(const RoomModel& room, const StudyLayout& layout) {
   }
   return [map](const StudySpot& spot, std::size_t) {
     const auto place = map->nearest(spot.frames);
-    return place ? at(*place) : nowhere("no frame was received");
+    return place ? at(*place) : no_position("no frame was received");
   };
 }
 
@@ -119,7 +119,7 @@ Expected<Locate> oracle(std::shared_ptr<const RoomModel> room,
     const auto path =
         find_direct_path(*room, 0, spot.frames, {*comb, {}, seed + repeat}, estimate.warnings);
     if (!path) {
-      return nowhere("no bearing");
+      return no_position("no bearing");
     }
     const AntennaArray& array = room->access_points[0].array;
     const Vec3d& from = array.pose.position;

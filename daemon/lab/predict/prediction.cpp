@@ -98,12 +98,12 @@ void summarise(Prediction& prediction) {
   };
   prediction.median_m = at(0.5);
   prediction.p90_m = at(0.9);
-  prediction.another_place = share_elsewhere(errors);
+  prediction.another_place = misplaced_share(errors);
 }
 
 }  // namespace
 
-double share_elsewhere(std::span<const double> errors) {
+double misplaced_share(std::span<const double> errors) {
   const auto far = std::count_if(
       errors.begin(), errors.end(), [](double error) { return error > kAnotherPlace; });
   return static_cast<double>(far) / static_cast<double>(errors.size());
@@ -133,12 +133,12 @@ std::vector<Vec3d> predicted_places(const RoomModel& room, double step) {
 Expected<Prediction> predict(const std::shared_ptr<const RoomModel>& room,
                              const std::vector<Vec3d>& places,
                              const PredictionOptions& options) {
-  const auto say = [&](double share) {
+  const auto report = [&](double share) {
     if (options.progress) {
       options.progress(share);
     }
   };
-  say(0.0);
+  report(0.0);
   LocalizerOptions localizer_options;
   localizer_options.path_grids = options.path_grids;
   const auto localizer = Localizer::create(room, localizer_options);
@@ -152,7 +152,7 @@ Expected<Prediction> predict(const std::shared_ptr<const RoomModel>& room,
   Prediction prediction;
   std::size_t number = 0;
   for (const Vec3d& position : places) {
-    say(kMaking + (1.0 - kMaking) * static_cast<double>(prediction.places.size()) /
+    report(kMaking + (1.0 - kMaking) * static_cast<double>(prediction.places.size()) /
                       static_cast<double>(places.size()));
     PredictedPlace place{position, {}, {}};
     for (std::size_t draw = 0; draw < options.draws; ++draw) {
@@ -165,12 +165,12 @@ Expected<Prediction> predict(const std::shared_ptr<const RoomModel>& room,
     prediction.places.push_back(std::move(place));
   }
   summarise(prediction);
-  say(1.0);
+  report(1.0);
   return prediction;
 }
 
-std::vector<LookAlike> look_alikes(const Prediction& prediction, std::size_t most) {
-  std::vector<LookAlike> found;
+std::vector<ConfusedPlace> confused_places(const Prediction& prediction, std::size_t most) {
+  std::vector<ConfusedPlace> found;
   for (const PredictedPlace& place : prediction.places) {
     const std::size_t first = found.size();
     for (std::size_t i = 0; i < place.error.size(); ++i) {
@@ -188,7 +188,7 @@ std::vector<LookAlike> look_alikes(const Prediction& prediction, std::size_t mos
       }
     }
   }
-  std::stable_sort(found.begin(), found.end(), [](const LookAlike& a, const LookAlike& b) {
+  std::stable_sort(found.begin(), found.end(), [](const ConfusedPlace& a, const ConfusedPlace& b) {
     return a.count > b.count;
   });
   found.resize(std::min(found.size(), most));

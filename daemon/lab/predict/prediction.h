@@ -46,7 +46,7 @@ struct Prediction {
 };
 
 // The share of these errors above kAnotherPlace. REQUIRES: not empty.
-double share_elsewhere(std::span<const double> errors);
+double misplaced_share(std::span<const double> errors);
 
 // Places of the lattice inside the room, at the height of the device, and outside solids.
 std::vector<Vec3d> predicted_places(const RoomModel& room, double step);
@@ -57,13 +57,13 @@ Expected<Prediction> predict(const std::shared_ptr<const RoomModel>& room,
                              const PredictionOptions& options);
 
 // Places that are confused: located at `taken_for` in `count` of `draws`.
-struct LookAlike {
+struct ConfusedPlace {
   Vec3d place;
   Vec3d taken_for;
   std::size_t count = 0;
   std::size_t draws = 0;
 };
 // The most frequent first, at most `most`.
-std::vector<LookAlike> look_alikes(const Prediction& prediction, std::size_t most);
+std::vector<ConfusedPlace> confused_places(const Prediction& prediction, std::size_t most);
 
 }  // namespace rayloc

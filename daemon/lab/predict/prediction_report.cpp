@@ -21,7 +21,7 @@ void add(const Vec3d& v, std::vector<double>& into) { into.insert(into.end(), {v
 
 double median_error(const PredictedPlace& place) { return median(place.error); }
 
-double another_place_share(const PredictedPlace& place) { return share_elsewhere(place.error); }
+double another_place_share(const PredictedPlace& place) { return misplaced_share(place.error); }
 
 draw::Drawing prediction_picture(const Prediction& prediction, const RoomModel& room) {
   draw::RoomMap map;

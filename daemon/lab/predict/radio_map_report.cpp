@@ -51,12 +51,12 @@ std::optional<double> value_of(const RadioMaps& maps, std::size_t cell, RadioMap
   return std::nullopt;
 }
 
-struct Words {
+struct Captions {
   const char* title;
   const char* value_name;
 };
 
-Words words_of(RadioMapQuantity quantity) {
+Captions captions_of(RadioMapQuantity quantity) {
   switch (quantity) {
     case RadioMapQuantity::kPathGain:
       return {"path gain", "path gain [dB]"};
@@ -103,16 +103,16 @@ draw::Drawing radio_map_picture(const RadioMaps& maps,
                                 const Scene& scene,
                                 RadioMapQuantity quantity) {
   RAYLOC_CHECK(!maps.maps.empty() && maps.maps.size() == maps.arrays.size());
-  const Words words = words_of(quantity);
+  const Captions captions = captions_of(quantity);
   draw::RoomMap map;
   map.scene = &scene;
   const bool is_of_loudest = maps.maps.size() > 1 && quantity != RadioMapQuantity::kStrongest;
   map.title = fmt::format("{}: {} at a height of {:.2f} m{}",
                           maps.title,
-                          words.title,
+                          captions.title,
                           maps.grid.first.z,
                           is_of_loudest ? ", of the loudest access point" : "");
-  map.value_name = words.value_name;
+  map.value_name = captions.value_name;
   std::vector<double> values;
   for (std::size_t cell = 0; cell < maps.strongest.size(); ++cell) {
     if (const auto value = value_of(maps, cell, quantity)) {

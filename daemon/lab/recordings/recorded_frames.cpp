@@ -117,7 +117,7 @@ void note_recording(const RecordedSource& source,
                     const std::string& access_point,
                     std::vector<std::string>& notes) {
   const std::string whose = access_point.empty() ? "" : access_point + ": ";
-  for (const std::vector<std::string>& words : {words_of(source.plan()), source.warnings()}) {
+  for (const std::vector<std::string>& words : {describe(source.plan()), source.warnings()}) {
     for (const std::string& line : words) {
       notes.push_back(whose + line);
     }

@@ -13,7 +13,7 @@ namespace rayloc {
 namespace {
 
 constexpr auto kSenderFinishTimeout = std::chrono::seconds(1);
-constexpr auto kStreamLookInterval = std::chrono::seconds(1);  // for a missing stream
+constexpr auto kStreamCheckInterval = std::chrono::seconds(1);  // for a missing stream
 constexpr auto kFlush = std::chrono::milliseconds(10);
 constexpr std::size_t kMaxConcurrent = 64;  // messages, before new batches are checked
 
@@ -108,7 +108,7 @@ void BatchSender::seal(Time now) {
   Batch batch;
   batch.clock_synchronised = options_.clock_synchronised && options_.clock_synchronised();
   for (Open& open : open_) {
-    if (open.part.datagrams.entries.empty() && open.part.watermark == open.told) {
+    if (open.part.datagrams.entries.empty() && open.part.watermark == open.last_watermark) {
       continue;
     }
     // Before the first watermark, the time of the first datagram is a valid lower bound.
@@ -117,7 +117,7 @@ void BatchSender::seal(Time now) {
                                     : open.part.watermark;
     batch.parts.push_back(
         {open.part.access_point, watermark, std::exchange(open.part.datagrams, {})});
-    open.told = open.part.watermark;
+    open.last_watermark = open.part.watermark;
   }
   open_datagrams_ = 0;
   open_bytes_ = 0;
@@ -131,7 +131,7 @@ void BatchSender::note_acknowledged(std::uint64_t number, const std::string& tro
     trouble_ = trouble.empty() ? "" : subject_ + ": " + trouble;
     if (!trouble.empty()) {  // sent again when not acknowledged for long enough
       ++refused_;
-      stream_in_doubt_ = true;
+      is_stream_suspect_ = true;
       return;
     }
     ring_.acknowledged(number);
@@ -193,23 +193,23 @@ BatchSender::Time BatchSender::due() const {
 // A server restart deletes a stream in memory. A node without the right to create it finds it.
 void BatchSender::see_to_stream() {
   const Time now = std::chrono::steady_clock::now();
-  if (!broker_->connected() || now - looked_ < kStreamLookInterval) {
+  if (!broker_->connected() || now - checked_ < kStreamCheckInterval) {
     return;
   }
   {
     const std::lock_guard lock(mutex_);
-    if (!stream_in_doubt_ && broker_->connections() == connections_) {
+    if (!is_stream_suspect_ && broker_->connections() == connections_) {
       return;
     }
-    stream_in_doubt_ = false;
+    is_stream_suspect_ = false;
   }
   connections_ = broker_->connections();
   const Expected<void> there = broker_->ensure_stream(options_.stream);
-  looked_ = std::chrono::steady_clock::now();  // batches are sent before the next check
+  checked_ = std::chrono::steady_clock::now();  // batches are sent before the next check
   if (!there) {
     const std::lock_guard lock(mutex_);
     trouble_ = there.error().message;
-    stream_in_doubt_ = true;
+    is_stream_suspect_ = true;
   }
 }
 
@@ -274,7 +274,7 @@ void BatchSender::flush_all() {
     const std::lock_guard lock(mutex_);
     seal(std::chrono::steady_clock::now());
   }
-  if (looked_ == Time{}) {  // it ends before its first round
+  if (checked_ == Time{}) {  // it ends before its first round
     see_to_stream();
   }
   while (std::chrono::steady_clock::now() < deadline && broker_->connected()) {

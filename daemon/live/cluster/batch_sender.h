@@ -77,7 +77,7 @@ class BatchSender {
   using Time = std::chrono::steady_clock::time_point;
   struct Open {
     BatchPart part;
-    Timestamp told = Timestamp::min();  // the last watermark in a batch
+    Timestamp last_watermark = Timestamp::min();  // the last watermark in a batch
   };
 
   void take(std::size_t access_point, std::span<const Datagram> datagrams);
@@ -101,7 +101,7 @@ class BatchSender {
   std::deque<Tap> taps_;
   StageProgress progress_;
   std::uint64_t connections_ = 0;  // used by the thread alone: at the last check of the stream
-  Time looked_;                    // used by the thread alone; end of that check
+  Time checked_;                    // used by the thread alone; end of that check
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   std::vector<Open> open_;          // guarded by mutex_; by access point
@@ -114,7 +114,7 @@ class BatchSender {
   FillQueue fill_;                  // guarded by mutex_
   std::uint64_t refused_ = 0;       // guarded by mutex_
   std::string trouble_;             // guarded by mutex_
-  bool stream_in_doubt_ = true;     // guarded by mutex_
+  bool is_stream_suspect_ = true;     // guarded by mutex_
   bool awake_ = false;              // guarded by mutex_: work is pending
   bool finishing_ = false;          // guarded by mutex_
   std::unique_ptr<Broker::AckedPublisher> publisher_;

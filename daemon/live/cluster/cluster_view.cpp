@@ -15,7 +15,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr milliseconds kLook{20};
+constexpr milliseconds kViewPollInterval{20};
 constexpr milliseconds kUsualLease{2000};  // the preset, used when none is stated
 
 // Each claim is the last message of its subject.
@@ -79,12 +79,12 @@ bool ClusterView::has_owner(const v1::SiteClaim& claim) const {
 bool wait_for_broker(const Broker& broker, milliseconds patience) {
   const auto deadline = std::chrono::steady_clock::now() + patience;
   while (!broker.connected() && std::chrono::steady_clock::now() < deadline) {
-    std::this_thread::sleep_for(kLook);
+    std::this_thread::sleep_for(kViewPollInterval);
   }
   return broker.connected();
 }
 
-Expected<ClusterView> look_at_cluster(Broker& broker) {
+Expected<ClusterView> inspect_cluster(Broker& broker) {
   ClusterView view;
   std::map<std::string, ClusterView::Worker> received;
   std::mutex mutex;
@@ -104,7 +104,7 @@ Expected<ClusterView> look_at_cluster(Broker& broker) {
     return tl::make_unexpected(read.error());
   }
   for (bool enough = false; !enough;) {
-    std::this_thread::sleep_for(kLook);
+    std::this_thread::sleep_for(kViewPollInterval);
     {
       const std::lock_guard lock(mutex);
       view.workers = received;

@@ -29,7 +29,7 @@ struct ClusterView {
 
 // Listens to workers until each owner of a site has reported and half a lease has passed, a
 // lease at most: they report four times within it. An Error where the broker does not answer.
-Expected<ClusterView> look_at_cluster(Broker& broker);
+Expected<ClusterView> inspect_cluster(Broker& broker);
 // Returns true if it connects within `patience`.
 bool wait_for_broker(const Broker& broker, std::chrono::milliseconds patience);
 

@@ -33,9 +33,9 @@ Expected<std::unique_ptr<GatewayRole>> GatewayRole::open(std::shared_ptr<Broker>
 
 GatewayRole::~GatewayRole() { finish(); }
 
-void GatewayRole::add(const std::string& site, Say say) {
+void GatewayRole::add(const std::string& site, Deliver deliver) {
   const std::lock_guard lock(mutex_);
-  sites_[output_subject(site)] = {std::move(say), {}, 0};
+  sites_[output_subject(site)] = {std::move(deliver), {}, 0};
 }
 
 void GatewayRole::remove(const std::string& site) {
@@ -138,7 +138,7 @@ void GatewayRole::take(const BrokerMessage& message) {
   ++counters_.records;
   for (v1::OutputItem& item : *record.mutable_output()->mutable_items()) {
     ++counters_.items;
-    site->second.say(std::move(item));
+    site->second.deliver(std::move(item));
   }
 }
 

@@ -35,7 +35,7 @@ class OutputOrder {
 
 class GatewayRole {
  public:
-  using Say = std::function<void(v1::OutputItem&& item)>;
+  using Deliver = std::function<void(v1::OutputItem&& item)>;
 
   static Expected<std::unique_ptr<GatewayRole>> open(std::shared_ptr<Broker> broker,
                                                      StreamOptions stream);
@@ -44,7 +44,7 @@ class GatewayRole {
   GatewayRole& operator=(const GatewayRole&) = delete;
 
   // `say`: called from a thread of the role, in the order of the results.
-  void add(const std::string& site, Say say);
+  void add(const std::string& site, Deliver deliver);
   void remove(const std::string& site);
   void start();
   void finish();
@@ -60,7 +60,7 @@ class GatewayRole {
 
  private:
   struct Site {
-    Say say;
+    Deliver deliver;
     OutputOrder order;
     std::uint64_t from = 0;  // last record when the reader began, which is skipped
   };

@@ -94,9 +94,9 @@ void NumberedRing::forget(Entries::iterator at) {
 }
 
 std::optional<NumberedRing::Ready> NumberedRing::next(Time now) {
-  if (!on_their_way_.empty() && now - on_their_way_.begin()->first >= limits_.patience) {
+  if (!in_flight_.empty() && now - in_flight_.begin()->first >= limits_.patience) {
     ++counters_.repeated;
-    return send(entries_.find(on_their_way_.begin()->second), now);
+    return send(entries_.find(in_flight_.begin()->second), now);
   }
   if (!asked_.empty()) {
     const auto entry = entries_.find(*asked_.begin());
@@ -124,8 +124,8 @@ NumberedRing::Ready NumberedRing::send(Entries::iterator at, Time now) {
     entry.gaps = std::move(batch.gaps);
     batch = {};
   }
-  if (entry.state == State::kOnItsWay) {
-    on_their_way_.erase({entry.sent, at->first});
+  if (entry.state == State::kInFlight) {
+    in_flight_.erase({entry.sent, at->first});
   } else {
     window_ += entry.bytes->size();
     if (entry.state == State::kAcknowledged) {
@@ -133,9 +133,9 @@ NumberedRing::Ready NumberedRing::send(Entries::iterator at, Time now) {
     }
   }
   unsent_.erase(at->first);
-  entry.state = State::kOnItsWay;
+  entry.state = State::kInFlight;
   entry.sent = now;
-  on_their_way_.insert({now, at->first});
+  in_flight_.insert({now, at->first});
   ++counters_.sent;
   return {at->first, entry.repeat, entry.bytes};
 }
@@ -143,22 +143,22 @@ NumberedRing::Ready NumberedRing::send(Entries::iterator at, Time now) {
 // Its number is used and may have reached the broker, so it stays unchanged.
 void NumberedRing::not_sent(std::uint64_t number) {
   const auto at = entries_.find(number);
-  if (at == entries_.end() || at->second.state != State::kOnItsWay) {
+  if (at == entries_.end() || at->second.state != State::kInFlight) {
     return;
   }
   --counters_.sent;
-  on_their_way_.erase({at->second.sent, number});
+  in_flight_.erase({at->second.sent, number});
   at->second.sent = at->second.added;
-  on_their_way_.insert({at->second.sent, number});
+  in_flight_.insert({at->second.sent, number});
 }
 
 void NumberedRing::acknowledged(std::uint64_t number) {
   const auto at = entries_.find(number);
-  if (at == entries_.end() || at->second.state != State::kOnItsWay) {
+  if (at == entries_.end() || at->second.state != State::kInFlight) {
     return;
   }
   Entry& entry = at->second;
-  on_their_way_.erase({entry.sent, number});
+  in_flight_.erase({entry.sent, number});
   window_ -= entry.bytes->size();
   entry.state = State::kAcknowledged;
   move(entry.counts, counters_.waiting, counters_.live);
@@ -179,9 +179,9 @@ void NumberedRing::consumed(std::uint64_t number) {
 }
 
 bool NumberedRing::is_marked(std::uint64_t number) const {
-  const auto tells = [number](const auto& batch) { return covers(batch.second.gaps, number); };
-  return covers(marks_, number) || std::any_of(entries_.begin(), entries_.end(), tells) ||
-         std::any_of(remembered_.begin(), remembered_.end(), tells);
+  const auto has_number = [number](const auto& batch) { return covers(batch.second.gaps, number); };
+  return covers(marks_, number) || std::any_of(entries_.begin(), entries_.end(), has_number) ||
+         std::any_of(remembered_.begin(), remembered_.end(), has_number);
 }
 
 void NumberedRing::ask(std::uint64_t from, std::uint64_t to) {
@@ -235,7 +235,7 @@ void NumberedRing::add_mark(BatchGap gap) {
 
 NumberedRing::Counters NumberedRing::counters() const {
   Counters counters = counters_;
-  counters.unacknowledged = unsent_.size() + on_their_way_.size();
+  counters.unacknowledged = unsent_.size() + in_flight_.size();
   counters.kept = entries_.size() - unsent_.size();
   counters.kept_bytes = kept_bytes_;
   return counters;

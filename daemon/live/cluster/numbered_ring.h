@@ -73,7 +73,7 @@ class NumberedRing {
   void ask(std::uint64_t from, std::uint64_t to);
 
   // Returns true if anything has not been acknowledged yet.
-  bool owes() const { return !marks_.empty() || !unsent_.empty() || !on_their_way_.empty(); }
+  bool owes() const { return !marks_.empty() || !unsent_.empty() || !in_flight_.empty(); }
 
   struct Counters {
     Counts added, live, marked, waiting;
@@ -89,7 +89,7 @@ class NumberedRing {
   Counters counters() const;
 
  private:
-  enum class State : std::uint8_t { kWaiting, kOnItsWay, kAcknowledged };
+  enum class State : std::uint8_t { kWaiting, kInFlight, kAcknowledged };
   struct Entry {
     State state = State::kWaiting;
     Time added;
@@ -119,11 +119,11 @@ class NumberedRing {
   Entries entries_;         // by number
   std::map<std::uint64_t, Remembered> remembered_;
   std::set<std::uint64_t> unsent_;  // kWaiting
-  std::set<std::pair<Time, std::uint64_t>> on_their_way_;
+  std::set<std::pair<Time, std::uint64_t>> in_flight_;
   std::set<std::uint64_t> asked_;  // to be sent again
   std::vector<BatchGap> marks_;    // for the next batch; ascending
   std::vector<Batch> left_out_;
-  std::size_t window_ = 0;      // bytes of kOnItsWay
+  std::size_t window_ = 0;      // bytes of kInFlight
   std::size_t kept_bytes_ = 0;  // of all `bytes`
   Counters counters_;
 };

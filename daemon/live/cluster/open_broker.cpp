@@ -20,8 +20,8 @@ OpenNats find_module(std::string& why) {
   const std::filesystem::path file = (program.parent_path() / kNatsModule).lexically_normal();
   void* const module = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
   if (module == nullptr) {
-    const char* const said = ::dlerror();
-    why = said != nullptr ? said : file.string();
+    const char* const message = ::dlerror();
+    why = message != nullptr ? message : file.string();
     return nullptr;
   }
   return reinterpret_cast<OpenNats>(::dlsym(module, kOpenNats));

@@ -199,7 +199,7 @@ void SiteFeed::finish() {
 
 void SiteFeed::run() {
   pthread_setname_np(pthread_self(), "site feed");  // for top -H
-  Time looked{};
+  Time tended{};
   bool is_over = false;
   while (!ending_ && !is_over) {
     progress_.beat();
@@ -209,8 +209,8 @@ void SiteFeed::run() {
       note_place();
     }
     const Time now = std::chrono::steady_clock::now();
-    if (now - looked >= kFeedRound) {
-      looked = now;
+    if (now - tended >= kFeedRound) {
+      tended = now;
       tend(now);
     }
     is_over = options_.until && reader_->place().sequence >= *options_.until;
@@ -227,8 +227,8 @@ void SiteFeed::run() {
 void SiteFeed::tend(Time now) {
   if (!only_listens_) {
     ask_for_holes(now);
-    tell_silent_nodes(now);
-    tell_what_is_shed(now);
+    report_silent_nodes(now);
+    report_shedding(now);
   }
   note();
 }
@@ -354,16 +354,16 @@ void SiteFeed::ask_for_holes(Time now) {
   holes_ = std::move(holes);
 }
 
-void SiteFeed::tell_silent_nodes(Time now) {
-  const bool anybody = std::any_of(nodes_.begin(), nodes_.end(), [&](const auto& node) {
+void SiteFeed::report_silent_nodes(Time now) {
+  const bool any_node = std::any_of(nodes_.begin(), nodes_.end(), [&](const auto& node) {
     return now - node.second.last_received < options_.silent_after / 2;
   });
   for (auto& [name, node] : nodes_) {
-    if (!anybody || node.silent || now - node.last_received < options_.silent_after ||
-        now - node.told < kAgain) {
+    if (!any_node || node.silent || now - node.last_received < options_.silent_after ||
+        now - node.reported < kAgain) {
       continue;
     }
-    node.told = now;
+    node.reported = now;
     const Sequencer::Positions positions = sequencer_.positions();
     const auto at = positions.find(name);
     if (at == positions.end()) {
@@ -379,7 +379,7 @@ void SiteFeed::tell_silent_nodes(Time now) {
 
 // The level is applied when the record is read from the stream. The promised watermark bounds
 // what could be explained by now: a node with a wrong clock delays others, and that is no load.
-void SiteFeed::tell_what_is_shed(Time now) {
+void SiteFeed::report_shedding(Time now) {
   const auto level =
       shed_rule_.next_level(promised().value_or(Timestamp::min()), done_, shed_level_, now);
   if (!level) {

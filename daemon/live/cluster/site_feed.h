@@ -86,7 +86,7 @@ class SiteFeed {
   // `time` or later. No caller requests an earlier `time` afterwards.
   SiteResume resume_for(Timestamp time);
   // This worker owns the site from now on.
-  void speak() { only_listens_ = false; }
+  void take_over() { only_listens_ = false; }
   // All instants before `time` are explained.
   void note_done(Timestamp time) { done_ = time; }
 
@@ -95,7 +95,7 @@ class SiteFeed {
   class Source;
   struct Node {
     Time received;           // by our clock
-    Time told;            // last report of its silence
+    Time reported;            // last report of its silence
     bool silent = false;  // according to the stream
   };
   struct Checkpoint {
@@ -114,8 +114,8 @@ class SiteFeed {
   std::optional<Timestamp> promised() const;
   void promise_for_silent_ones();
   void ask_for_holes(Time now);
-  void tell_silent_nodes(Time now);
-  void tell_what_is_shed(Time now);
+  void report_silent_nodes(Time now);
+  void report_shedding(Time now);
   void wait_for_room();
   void note();
   void note_place();

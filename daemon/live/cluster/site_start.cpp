@@ -25,12 +25,12 @@ namespace {
 // `told`: the carried state; null: none.
 Expected<SiteStart> start_with(const v1::StreamPosition& resume,
                                std::int64_t from_us,
-                               const v1::Carried* told) {
+                               const v1::Carried* state) {
   SiteStart start;
   start.resume = resume_of(resume);
   start.from = time_of_us(from_us);
-  if (told != nullptr) {
-    auto carried = carried_of(*told);
+  if (state != nullptr) {
+    auto carried = carried_of(*state);
     if (!carried) {
       return tl::make_unexpected(carried.error());
     }
@@ -41,12 +41,12 @@ Expected<SiteStart> start_with(const v1::StreamPosition& resume,
 
 Expected<SiteStart> start_with(const v1::StreamPosition& resume,
                                std::int64_t from_us,
-                               const std::string& told) {
+                               const std::string& state) {
   v1::Carried carried;
-  if (!carried.ParseFromString(told)) {
+  if (!carried.ParseFromString(state)) {
     return bad_input("the carried state in its Begin cannot be read");
   }
-  return start_with(resume, from_us, told.empty() ? nullptr : &carried);
+  return start_with(resume, from_us, state.empty() ? nullptr : &carried);
 }
 
 }  // namespace

@@ -9,7 +9,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr milliseconds kReaderLookInterval{500};  // for a missing stream
+constexpr milliseconds kReaderCheckInterval{500};  // for a missing stream
 constexpr milliseconds kPause{20};                // while the broker is away or does not answer
 // For a message that is reported missing although later ones exist.
 constexpr std::chrono::seconds kGonePatience{2};
@@ -42,8 +42,8 @@ void StreamReader::take(BrokerMessage&& message) {
   {
     const std::lock_guard lock(mutex_);
     // A stream republishes each once and in order; otherwise it is another stream of that name.
-    in_doubt_ = in_doubt_ || message.sequence <= last_told_;
-    last_told_ = message.sequence;
+    is_suspect_ = is_suspect_ || message.sequence <= last_sequence_;
+    last_sequence_ = message.sequence;
     if (waiting_bytes_ + message.data.size() > options_.max_waiting_bytes) {
       return;
     }
@@ -56,7 +56,7 @@ void StreamReader::take(BrokerMessage&& message) {
 std::optional<BrokerMessage> StreamReader::next(milliseconds timeout) {
   const Time deadline = std::chrono::steady_clock::now() + timeout;
   do {
-    if (!broker_->connected() || !look_at_stream()) {
+    if (!broker_->connected() || !check_stream()) {
       std::this_thread::sleep_for(std::min(timeout, kPause));
       continue;
     }
@@ -74,19 +74,19 @@ std::optional<BrokerMessage> StreamReader::next(milliseconds timeout) {
 }
 
 // Once per connection: the stream may be another one by then. False: its state is unavailable.
-bool StreamReader::look_at_stream() {
+bool StreamReader::check_stream() {
   const std::uint64_t connections = broker_->connections();
   {
     const std::lock_guard lock(mutex_);
-    if (connections == connections_ && !in_doubt_) {
+    if (connections == connections_ && !is_suspect_) {
       return true;
     }
   }
   const Time now = std::chrono::steady_clock::now();
-  if (connections_ == 0 && now - looked_ < kReaderLookInterval) {
+  if (connections_ == 0 && now - checked_ < kReaderCheckInterval) {
     return false;
   }
-  looked_ = now;
+  checked_ = now;
   const Expected<StreamState> state = broker_->stream_state(options_.stream);
   const std::lock_guard lock(mutex_);
   connections_ = state ? connections : 0;
@@ -98,7 +98,7 @@ bool StreamReader::look_at_stream() {
     connections_ = 0;
     return false;
   }
-  in_doubt_ = false;
+  is_suspect_ = false;
   received_ = {};  // messages missed while disconnected are requested at once
   const bool any = place_.created == Timestamp{};
   if ((!any && place_.created != state->created) || place_.sequence > state->last) {
@@ -117,7 +117,7 @@ bool StreamReader::look_at_stream() {
 
 // REQUIRES: the mutex is held. True: the same stream, but cut short, perhaps by a stale leader.
 bool StreamReader::seems_shorter(const StreamState& state, Time now) {
-  if (in_doubt_ || place_.created != state.created || place_.sequence <= state.last) {
+  if (is_suspect_ || place_.created != state.created || place_.sequence <= state.last) {
     shorter_.reset();
     return false;
   }

@@ -63,7 +63,7 @@ class StreamReader {
 
   StreamReader(std::shared_ptr<Broker> broker, Options options);
   void take(BrokerMessage&& message);
-  bool look_at_stream();
+  bool check_stream();
   std::optional<BrokerMessage> waiting_one(Time until, bool& hole);
   std::optional<BrokerMessage> ask_for_next(bool hole);
   bool seems_shorter(const StreamState& state, Time now);
@@ -74,7 +74,7 @@ class StreamReader {
   const Options options_;
   Place place_;
   std::uint64_t connections_ = 0;  // at the last check of the stream; 0: it did not exist
-  Time looked_;
+  Time checked_;
   Time received_;                   // or last requested
   std::optional<Time> missing_;  // since when the next message is missing while later ones exist
   std::optional<Time> shorter_;  // since when the stream ends before the last message read
@@ -82,8 +82,8 @@ class StreamReader {
   std::condition_variable wake_;
   std::deque<BrokerMessage> waiting_;  // guarded by mutex_; ascending
   std::size_t waiting_bytes_ = 0;      // guarded by mutex_
-  std::uint64_t last_told_ = 0;        // guarded by mutex_
-  bool in_doubt_ = false;              // guarded by mutex_: the stream may be another one
+  std::uint64_t last_sequence_ = 0;        // guarded by mutex_
+  bool is_suspect_ = false;              // guarded by mutex_: the stream may be another one
   Counters counters_;                  // guarded by mutex_
   std::string trouble_;                // guarded by mutex_
   std::unique_ptr<Broker::Subscription> subscription_;  // last: ends before the members it uses

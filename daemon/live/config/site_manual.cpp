@@ -50,8 +50,8 @@ std::string limits(const NumberRange& range) {
 }
 
 std::string with_limits(std::string text, const SiteKey& key) {
-  const std::string told = limits(key.range);
-  return text + (told.empty() ? "" : ", " + told);
+  const std::string bounds = limits(key.range);
+  return text + (bounds.empty() ? "" : ", " + bounds);
 }
 
 std::string choices_text(const SiteKey& key) {

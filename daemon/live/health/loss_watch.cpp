@@ -21,11 +21,11 @@ void LossWatch::compare(const Loss& loss, std::uint64_t count) {
   }
   event.message = label_ + event.message;
   event.fields.push_back({"total", std::to_string(count)});
-  log_->say(site, std::move(event), count - seen);
+  log_->add(site, std::move(event), count - seen);
   seen = count;
 }
 
-void LossWatch::look_at(const v1::SourceReport& source) {
+void LossWatch::check_source(const v1::SourceReport& source) {
   const std::string& name = source.access_point();
   const v1::SourceCounters& counters = source.counters();
   compare({"kernel_drops", "datagrams lost before we read them: see `rayloc doctor`", name},
@@ -48,9 +48,9 @@ void LossWatch::look_at(const v1::SourceReport& source) {
   }
 }
 
-void LossWatch::look(const v1::Heartbeat& heartbeat) {
+void LossWatch::check(const v1::Heartbeat& heartbeat) {
   for (const v1::SourceReport& source : heartbeat.sources()) {
-    look_at(source);
+    check_source(source);
   }
   compare({"frames_refused", "frames of transmitters beyond [limits] max_targets refused"},
           heartbeat.estimation().frames_refused());
@@ -75,7 +75,7 @@ void LossWatch::look(const v1::Heartbeat& heartbeat) {
           heartbeat.ring_snapshots().failed());
 }
 
-void LossWatch::look_at_shared(const v1::Heartbeat& shared, std::uint64_t log_dropped) {
+void LossWatch::check_shared(const v1::Heartbeat& shared, std::uint64_t log_dropped) {
   compare({"slow_episodes", "a subscriber reads too slowly and loses messages"},
           shared.publisher().slow_episodes());
   compare({"handshakes_failed", "connections that speak no ZeroMQ, have a wrong key or none"},

@@ -20,9 +20,9 @@ class LossWatch {
       : log_(std::move(log)), label_(std::move(label)) {}
 
   // For a site; to be called about every second with the current counters.
-  void look(const v1::Heartbeat& heartbeat);
+  void check(const v1::Heartbeat& heartbeat);
   // The same for the counters that all sites share (shared_counters() in status.h), and the log's.
-  void look_at_shared(const v1::Heartbeat& shared, std::uint64_t log_dropped);
+  void check_shared(const v1::Heartbeat& shared, std::uint64_t log_dropped);
 
  private:
   struct Loss {
@@ -31,7 +31,7 @@ class LossWatch {
     std::string source = {};
   };
   void compare(const Loss& loss, std::uint64_t count);
-  void look_at(const v1::SourceReport& source);
+  void check_source(const v1::SourceReport& source);
 
   const std::shared_ptr<LimitedLog> log_;
   const std::string label_;

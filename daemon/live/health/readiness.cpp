@@ -68,7 +68,7 @@ SiteLacks lacks_of(const SiteSetup& setup, const RoomModel& room) {
   return site_lacks(setup.site, room, received);
 }
 
-std::vector<std::string> warnings_for_everybody(const ServiceHealth& health) {
+std::vector<std::string> public_warnings(const ServiceHealth& health) {
   std::vector<std::string> all = health.lacks.all();
   for (const auto* some : {&health.saturated, &health.overloaded}) {
     all.insert(all.end(), some->begin(), some->end());
@@ -123,9 +123,9 @@ ClockState clock_state() {
   return clock_state(synchronized_by_kernel(), access(kMark, F_OK) == 0);
 }
 
-ClockState clock_state(std::optional<bool> kernel_says, bool marked) {
-  if (kernel_says) {
-    return *kernel_says ? ClockState::kSynchronized : ClockState::kNotSynchronized;
+ClockState clock_state(std::optional<bool> by_kernel, bool marked) {
+  if (by_kernel) {
+    return *by_kernel ? ClockState::kSynchronized : ClockState::kNotSynchronized;
   }
   return marked ? ClockState::kSynchronized : ClockState::kUnknown;
 }

@@ -38,7 +38,7 @@ struct ServiceHealth {
 };
 
 // The part of these that is not published in another message: Heartbeat.warnings.
-std::vector<std::string> warnings_for_everybody(const ServiceHealth& health);
+std::vector<std::string> public_warnings(const ServiceHealth& health);
 
 // Sources that are silent, have failed or count wrongly; and the content of `health`.
 Readiness readiness(const StatusMessages& status, const ServiceHealth& health);
@@ -50,7 +50,7 @@ std::string to_json(const Readiness& readiness);
 // From the kernel's state (adjtimex(2)), which a service with ProtectClock= cannot read; then from
 // the mark that systemd-timesyncd leaves. Others leave none: without it the state is unknown.
 ClockState clock_state();
-// `kernel_says`: synchronised according to the kernel; empty if it gives no answer.
-ClockState clock_state(std::optional<bool> kernel_says, bool marked);
+// `by_kernel`: synchronised according to the kernel; empty if it gives no answer.
+ClockState clock_state(std::optional<bool> by_kernel, bool marked);
 
 }  // namespace rayloc

@@ -18,7 +18,7 @@ void Saturation::compare(const std::string& reason, std::uint64_t lost, Time now
   queue.lately = queue.lately && now - queue.last_loss < kLately;
 }
 
-void Saturation::look(const v1::Heartbeat& heartbeat, Time now) {
+void Saturation::check(const v1::Heartbeat& heartbeat, Time now) {
   const auto seconds = kLately.count();
   for (const v1::SourceReport& source : heartbeat.sources()) {
     const std::string& name = source.access_point();
@@ -67,16 +67,16 @@ void Saturation::look(const v1::Heartbeat& heartbeat, Time now) {
           now,
           bursts_);
   const v1::EstimationCounters& counters = heartbeat.estimation();
-  looks_.push_back({now, counters.bursts(), counters.bursts_merged() + counters.bursts_dropped()});
-  while (looks_.size() > 2 && now - looks_[1].time >= kLately) {
-    looks_.pop_front();
+  samples_.push_back({now, counters.bursts(), counters.bursts_merged() + counters.bursts_dropped()});
+  while (samples_.size() > 2 && now - samples_[1].time >= kLately) {
+    samples_.pop_front();
   }
 }
 
 // Share of the recently ended bursts.
 double Saturation::explained_share() const {
-  const std::uint64_t explained = looks_.back().explained - looks_.front().explained;
-  const std::uint64_t all = explained + looks_.back().lost - looks_.front().lost;
+  const std::uint64_t explained = samples_.back().explained - samples_.front().explained;
+  const std::uint64_t all = explained + samples_.back().lost - samples_.front().lost;
   return all > 0 ? static_cast<double>(explained) / static_cast<double>(all) : 1.0;
 }
 

@@ -26,7 +26,7 @@ class Saturation {
   static constexpr std::chrono::seconds kLately{10};
 
   // To be called about every second with the current counters.
-  void look(const v1::Heartbeat& heartbeat, Time now);
+  void check(const v1::Heartbeat& heartbeat, Time now);
   // "source ap1: frames were dropped in the last 10 s: ..."; as of the last call of look().
   std::vector<std::string> reasons() const;
   // The same for bursts: the consequence, the share of bursts, and the remedy.
@@ -52,7 +52,7 @@ class Saturation {
 
   Queues queues_;
   Queues bursts_;
-  std::deque<Bursts> looks_;  // of the last kLately, and one before
+  std::deque<Bursts> samples_;  // of the last kLately, and one before
 };
 
 }  // namespace rayloc

@@ -30,7 +30,7 @@ using PollEvents = decltype(pollfd::events);
 
 constexpr std::string_view kEndOfHead = "\r\n\r\n";
 // Delay before accept() is retried after it failed for lack of descriptors or memory.
-constexpr std::chrono::milliseconds kRest{100};
+constexpr std::chrono::milliseconds kAcceptPause{100};
 
 }  // namespace
 
@@ -48,7 +48,7 @@ struct HttpConnection {
   // The feed of a viewer.
   std::shared_ptr<EventFeed> events;  // null: none
   EventCursor cursor;
-  Clock::time_point next_look;
+  Clock::time_point next_check;
   Clock::time_point next_word;  // time of the next write, a comment if there are no events
 
   bool writing() const { return !answer.empty() && !finished; }
@@ -123,7 +123,7 @@ class HttpServer::Impl {
  private:
   void run();
   void accept_all();
-  bool somebody_waits() const;
+  bool has_waiting_client() const;
   bool make_room(bool received);
   // Returns false when the connection is over.
   bool advance(HttpConnection& connection, PollEvents events);
@@ -161,16 +161,16 @@ void HttpServer::Impl::run() {
     if (on_round_) {
       on_round_();
     }
-    const bool rests = Clock::now() < accepts_again_;
+    const bool paused = Clock::now() < accepts_again_;
     std::vector<pollfd> waiting{{wake_.get(), POLLIN, 0},
-                                {rests ? -1 : listener_.get(), POLLIN, 0}};
+                                {paused ? -1 : listener_.get(), POLLIN, 0}};
     for (const HttpConnection& connection : connections_) {
       const int reading = connection.events || !connection.writing() ? POLLIN : 0;
       const int writing = connection.writing() ? POLLOUT : 0;
       waiting.push_back({connection.socket.get(), static_cast<PollEvents>(reading | writing), 0});
     }
     // Deadlines and viewers are checked ten times a second while there are connections.
-    poll(waiting.data(), waiting.size(), connections_.empty() && !rests ? kIdleMs : 100);
+    poll(waiting.data(), waiting.size(), connections_.empty() && !paused ? kIdleMs : 100);
     if (waiting[0].revents != 0) {
       return;
     }
@@ -196,17 +196,17 @@ void HttpServer::Impl::run() {
 }
 
 void HttpServer::Impl::accept_all() {
-  for (bool received = true; somebody_waits(); received = false) {
+  for (bool received = true; has_waiting_client(); received = false) {
     if (!make_room(received)) {
       // New connections are read first; if that frees no place, accepting pauses.
-      accepts_again_ = received ? Clock::now() + kRest : accepts_again_;
+      accepts_again_ = received ? Clock::now() + kAcceptPause : accepts_again_;
       return;
     }
     const int fd = accept4(listener_.get(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
     if (fd < 0) {
       // Waiting clients keep waiting, and poll() would report them again at once.
       const bool lacks = errno == EMFILE || errno == ENFILE || errno == ENOBUFS || errno == ENOMEM;
-      accepts_again_ = lacks ? Clock::now() + kRest : accepts_again_;
+      accepts_again_ = lacks ? Clock::now() + kAcceptPause : accepts_again_;
       return;
     }
     const Clock::time_point now = Clock::now();
@@ -226,7 +226,7 @@ void HttpServer::Impl::accept_all() {
   }
 }
 
-bool HttpServer::Impl::somebody_waits() const {
+bool HttpServer::Impl::has_waiting_client() const {
   pollfd listener{listener_.get(), POLLIN, 0};
   return poll(&listener, 1, 0) > 0;
 }
@@ -331,7 +331,7 @@ void HttpServer::Impl::make_viewer(HttpConnection& connection, HttpAnswer answer
   connection.answer = std::move(answer.bytes);
   connection.events = std::move(answer.events);
   connection.cursor.last_event_id = std::move(answer.last_event_id);
-  connection.next_look = Clock::now();
+  connection.next_check = Clock::now();
   connection.next_word = Clock::now() + limits_.event_silence;
   connection.deadline = Clock::now() + limits_.event_patience;
   // The kernel's buffer for a viewer that has disconnected is also bounded, in bytes and in time.
@@ -344,11 +344,11 @@ void HttpServer::Impl::make_viewer(HttpConnection& connection, HttpAnswer answer
 // Queries the feed for each viewer that has read all data sent to it.
 void HttpServer::Impl::show_viewers(Clock::time_point now) {
   for (auto connection = connections_.begin(); connection != connections_.end();) {
-    if (!connection->events || connection->writing() || now < connection->next_look) {
+    if (!connection->events || connection->writing() || now < connection->next_check) {
       ++connection;
       continue;
     }
-    connection->next_look = now + limits_.event_interval;
+    connection->next_check = now + limits_.event_interval;
     EventBatch batch = connection->events->take(connection->cursor);
     count([&](HttpCounters& counters) {
       counters.messages_coalesced += batch.coalesced;

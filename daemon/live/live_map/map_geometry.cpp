@@ -167,14 +167,14 @@ Json calibration_json(const Site& site, const RoomModel& room) {
   if (report.value("calibration_id", "") != room.calibration_id) {
     return unavailable("the report beside the calibration is of another one");
   }
-  Json told = {{"available", true}};
+  Json selected = {{"available", true}};
   for (const char* key :
        {"method", "calibration_id", "points", "heldout_is", "heldout", "moved", "fits"}) {
     if (report.contains(key)) {
-      told[key] = report[key];
+      selected[key] = report[key];
     }
   }
-  return told;
+  return selected;
 }
 
 }  // namespace

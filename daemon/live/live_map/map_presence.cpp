@@ -13,11 +13,11 @@ std::string map_presence_json(const MessageBoard& board, Timestamp now) {
   for (const Presence::Cell& one : presence.cells) {
     cells.push_back({one.x, one.y, std::round(10.0 * one.seconds) / 10.0});
   }
-  const nlohmann::ordered_json told = {{"cell_m", Presence::kCell},
+  const nlohmann::ordered_json json = {{"cell_m", Presence::kCell},
                                        {"kept_s", to_seconds(presence.kept)},
                                        {"left_out", presence.left_out},
                                        {"cells", std::move(cells)}};
-  return told.dump() + "\n";
+  return json.dump() + "\n";
 }
 
 }  // namespace rayloc

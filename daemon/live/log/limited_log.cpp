@@ -4,7 +4,7 @@
 
 namespace rayloc {
 
-void LimitedLog::say(const std::string& site, LogEvent event, std::uint64_t times, Time now) {
+void LimitedLog::add(const std::string& site, LogEvent event, std::uint64_t times, Time now) {
   const std::lock_guard lock(mutex_);
   const auto found = sites_.find(site);
   if (found == sites_.end()) {
@@ -14,7 +14,7 @@ void LimitedLog::say(const std::string& site, LogEvent event, std::uint64_t time
   }
   found->second.held_back += times;
   found->second.latest = std::move(event);
-  if (now - found->second.said >= period_) {
+  if (now - found->second.logged >= period_) {
     write(found->second, now);
   }
 }
@@ -22,7 +22,7 @@ void LimitedLog::say(const std::string& site, LogEvent event, std::uint64_t time
 void LimitedLog::flush(Time now) {
   const std::lock_guard lock(mutex_);
   for (auto& [name, site] : sites_) {
-    if (site.held_back > 0 && now - site.said >= period_) {
+    if (site.held_back > 0 && now - site.logged >= period_) {
       write(site, now);
     }
   }
@@ -32,7 +32,7 @@ void LimitedLog::finish() {
   const std::lock_guard lock(mutex_);
   for (auto& [name, site] : sites_) {
     if (site.held_back > 0) {
-      write(site, site.said);
+      write(site, site.logged);
     }
   }
 }
@@ -41,7 +41,7 @@ void LimitedLog::write(Site& site, Time now) {
   LogEvent event = site.latest;
   event.fields.push_back({"times", std::to_string(site.held_back)});
   write_(event);
-  site.said = now;
+  site.logged = now;
   site.held_back = 0;
 }
 

@@ -27,7 +27,7 @@ class LimitedLog {
       : write_(std::move(write)), period_(period) {}
 
   // `site`: counter key, "denied", "kernel_drops ap1". `times`: number of occurrences.
-  void say(const std::string& site,
+  void add(const std::string& site,
            LogEvent event,
            std::uint64_t times = 1,
            Time now = std::chrono::steady_clock::now());
@@ -38,7 +38,7 @@ class LimitedLog {
 
  private:
   struct Site {
-    Time said;
+    Time logged;
     std::uint64_t held_back = 0;
     LogEvent latest;
   };

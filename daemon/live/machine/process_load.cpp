@@ -27,18 +27,18 @@ double processors() {
 
 }  // namespace
 
-ProcessLoad::ProcessLoad() : looked_(std::chrono::steady_clock::now()), used_(used_time()) {}
+ProcessLoad::ProcessLoad() : measured_(std::chrono::steady_clock::now()), used_(used_time()) {}
 
-double ProcessLoad::look() {
+double ProcessLoad::measure() {
   const Time now = std::chrono::steady_clock::now();
-  if (now - looked_ < kEvery) {
+  if (now - measured_ < kEvery) {
     return load_;
   }
   const std::chrono::microseconds used = used_time();
   const std::chrono::duration<double> busy = used - used_;
-  const std::chrono::duration<double> passed = now - looked_;
+  const std::chrono::duration<double> passed = now - measured_;
   load_ = std::clamp(busy / passed / processors(), 0.0, 1.0);
-  looked_ = now;
+  measured_ = now;
   used_ = used;
   return load_;
 }

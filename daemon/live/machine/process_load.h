@@ -12,13 +12,13 @@ class ProcessLoad {
   ProcessLoad();
 
   // Since the last call, 0 to 1; a call within kEvery of it returns the same value.
-  double look();
+  double measure();
   static constexpr std::chrono::seconds kEvery{5};  // chosen: longer than a burst of work
 
  private:
   using Time = std::chrono::steady_clock::time_point;
 
-  Time looked_;
+  Time measured_;
   std::chrono::microseconds used_;
   double load_ = 0.0;
 };

@@ -68,13 +68,13 @@ class Hints {
   }
 
   void silence() {
-    const std::string look =
+    const std::string hint =
         "see that the access point is on, extracts CSI on the site's channel, sends it to "
         "this machine and port, and that no firewall is in between (tcpdump -n udp)";
     if (source_.status() == v1::SOURCE_STATUS_WAITING && source_.counters().received() == 0) {
-      add(Kind::kProblem, "nothing has come yet at " + source_.description(), look);
+      add(Kind::kProblem, "nothing has come yet at " + source_.description(), hint);
     } else if (source_.status() == v1::SOURCE_STATUS_STALLED) {
-      add(Kind::kProblem, fmt::format("silent for {} s", source_.age().seconds()), look);
+      add(Kind::kProblem, fmt::format("silent for {} s", source_.age().seconds()), hint);
     } else if (source_.status() == v1::SOURCE_STATUS_FAILED) {
       add(Kind::kProblem, source_.detail(), "");
     }

@@ -112,7 +112,7 @@ std::size_t affordable_connections(std::size_t most) {
   return std::clamp<std::size_t>(descriptors.rlim_cur / 4, 1, most);
 }
 
-LastWords last_words(const std::exception& error) {
+FatalMessage fatal_message(const std::exception& error) {
   if (dynamic_cast<const std::bad_alloc*>(&error) != nullptr) {
     return {std::string("out of memory") + kMemoryAdvice, exit_status(ErrorKind::kUnavailable)};
   }
@@ -130,16 +130,16 @@ LastWords last_words(const std::exception& error) {
   return {std::string("internal error: ") + error.what(), kExitInternal};
 }
 
-void say_last_words_of_threads() {
+void report_uncaught_exceptions() {
   std::set_terminate([] {
     if (const std::exception_ptr thrown = std::current_exception()) {
       try {
         std::rethrow_exception(thrown);
       } catch (const std::exception& error) {
-        const LastWords words = last_words(error);
-        std::fprintf(stderr, "raylocd: %s\n", words.text.c_str());
-        if (words.exit_status != kExitInternal) {
-          std::_Exit(words.exit_status);
+        const FatalMessage message = fatal_message(error);
+        std::fprintf(stderr, "raylocd: %s\n", message.text.c_str());
+        if (message.exit_status != kExitInternal) {
+          std::_Exit(message.exit_status);
         }
       } catch (...) {
         std::fprintf(stderr, "raylocd: internal error: an unknown exception\n");

@@ -20,13 +20,13 @@ std::size_t affordable_connections(std::size_t most);
 
 // Reason for the end of a program, as a message: a lack of memory, threads or descriptors names the
 // limit to raise. `exit_status`: that of a program that ends for this reason.
-struct LastWords {
+struct FatalMessage {
   std::string text;
   int exit_status = 0;
 };
-LastWords last_words(const std::exception& error);
+FatalMessage fatal_message(const std::exception& error);
 
 // An exception that is not caught on any thread ends raylocd with such a message, too.
-void say_last_words_of_threads();
+void report_uncaught_exceptions();
 
 }  // namespace rayloc

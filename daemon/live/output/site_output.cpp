@@ -58,7 +58,7 @@ void SiteOutput::keep(Event&& event) {
   wake_();
 }
 
-void SiteOutput::say(Message&& message) {
+void SiteOutput::relay(Message&& message) {
   {
     const std::lock_guard lock(mutex_);
     if (waiting_.messages.size() >= options_.max_waiting) {

@@ -74,7 +74,7 @@ class SiteOutput : public LocationSink, public FrameTap {
   void event(ZoneEvent&& event) override { keep(std::move(event)); }
   // For messages that were built by other code; as events, but in their order.
   using Message = std::variant<v1::Location, v1::TrackEvent, v1::ZoneEvent>;
-  void say(Message&& message);
+  void relay(Message&& message);
   // Frames that are to be published unchanged; from any thread.
   void tap(const std::string& access_point, std::span<const CsiFrame> frames) override;
 

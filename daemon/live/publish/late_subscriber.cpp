@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kHighWaterMark = 100'000;
 // Interval at which a wait checks for the arrival of the snapshot.
-constexpr std::chrono::milliseconds kLookInterval{50};
+constexpr std::chrono::milliseconds kJoinPollInterval{50};
 
 }  // namespace
 
@@ -104,7 +104,7 @@ Expected<void> LateSubscriber::wait_for_snapshot(const std::string& endpoint,
                         asked_ ? "no snapshot from " + snapshot + "; is raylocd running there?"
                                : "no heartbeat of a raylocd at " + endpoint);
     }
-    step(Clock::now() + kLookInterval);
+    step(Clock::now() + kJoinPollInterval);
   }
   return {};
 }
@@ -130,7 +130,7 @@ std::optional<PublishedMessage> LateSubscriber::receive(std::chrono::millisecond
 bool LateSubscriber::step(Clock::time_point deadline) {
   const auto left = std::max(std::chrono::milliseconds(0),
                              std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now()));
-  const auto wait = joining_ ? std::min(left, kLookInterval) : left;
+  const auto wait = joining_ ? std::min(left, kJoinPollInterval) : left;
   const auto until = Clock::now() + wait;
   std::optional<PublishedMessage> message = subscriber_.receive(wait);
   const bool interrupted = !message && Clock::now() + std::chrono::milliseconds(1) < until;
@@ -172,7 +172,7 @@ void LateSubscriber::take(PublishedMessage message) {
 // Another epoch is a restarted daemon: all of its messages are new.
 void LateSubscriber::begin_anew() {
   go_live();  // the ended daemon will send no snapshot
-  told_.clear();
+  in_snapshot_.clear();
   joining_ = true;
 }
 
@@ -184,7 +184,7 @@ void LateSubscriber::take_snapshot(const std::string& bytes) {
     return;
   }
   for (int i = 0; i < reply.topics_size(); ++i) {
-    told_[reply.topics(i)] = reply.envelopes(i).sequence();
+    in_snapshot_[reply.topics(i)] = reply.envelopes(i).sequence();
     if (wanted(reply.topics(i))) {
       ready_.push_back({reply.topics(i), reply.envelopes(i).SerializeAsString(), true});
     }
@@ -203,12 +203,12 @@ void LateSubscriber::go_live() {
 }
 
 void LateSubscriber::accept(PublishedMessage message, std::uint64_t sequence) {
-  if (const auto told = told_.find(message.topic); told != told_.end()) {
-    if (sequence <= told->second) {
+  if (const auto known = in_snapshot_.find(message.topic); known != in_snapshot_.end()) {
+    if (sequence <= known->second) {
       return;
     }
     if (message.topic.starts_with(kHeartbeatTopics)) {
-      told_.clear();  // sent after the snapshot was made, as are all later ones
+      in_snapshot_.clear();  // sent after the snapshot was made, as are all later ones
     }
   }
   if (wanted(message.topic)) {

@@ -44,7 +44,7 @@ class LateSubscriber {
   std::uint64_t malformed() const { return subscriber_.malformed(); }
   // Number of topics whose sequence in the snapshot is still stored: none after a heartbeat that
   // was sent after the snapshot.
-  std::size_t remembered() const { return told_.size(); }
+  std::size_t remembered() const { return in_snapshot_.size(); }
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -75,7 +75,7 @@ class LateSubscriber {
   std::optional<std::uint64_t> epoch_;         // epoch received last
   bool joining_ = true;                        // the snapshot has not arrived yet
   std::optional<Clock::time_point> asked_;     // time of the first request for it
-  std::map<std::string, std::uint64_t> told_;  // sequence of each topic of the snapshot
+  std::map<std::string, std::uint64_t> in_snapshot_;  // sequence of each topic of the snapshot
   std::deque<Early> early_;                    // messages received before the snapshot
   std::deque<PublishedMessage> ready_;
 };

@@ -27,7 +27,7 @@ Expected<std::shared_ptr<ConnectionGuard>> open_curve_access(const CurveConfig& 
   options.secret_key = std::move(keys->secret_key);
   options.allow = config.allow;
   options.on_denied = [log = std::move(log)](const std::string& key, const std::string& address) {
-    log->say("denied",
+    log->add("denied",
              {LogLevel::kWarning,
               "turned away a client whose key is not in [curve] allow",
               {{"client_key", key}, {"address", address}}});

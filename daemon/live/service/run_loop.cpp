@@ -83,26 +83,26 @@ void RunLoop::tend_sites() {
 
 void RunLoop::tick() {
   // Before tend_sites(): sites ended by a reload are no longer among the stages then.
-  const bool wished = service_.take_reload_wish();
-  if (wished || (reload_again_ && !service_.preparing_sites())) {
+  const bool requested = service_.take_reload_request();
+  if (requested || (reload_again_ && !service_.preparing_sites())) {
     reload();
   }
   tend_sites();
   for (const std::string& error : service_.new_errors()) {
-    log_.say(error, {LogLevel::kError, error, {}});
+    log_.add(error, {LogLevel::kError, error, {}});
   }
   for (const std::string& error : service_.ended_errors()) {
-    log_.say("no longer: " + error, {LogLevel::kWarning, "no longer: " + error, {}});
+    log_.add("no longer: " + error, {LogLevel::kWarning, "no longer: " + error, {}});
   }
   log_.flush();
   for (const std::string& warning : service_.new_warnings()) {
     spdlog::warn("{}", printable(warning));
   }
-  for (const std::string& line : service_.news()) {
+  for (const std::string& line : service_.notices()) {
     spdlog::info("{}", printable(line));
   }
   service_.log_losses();
-  tell_readiness();
+  log_readiness();
   feed_watchdog();
   const auto now = std::chrono::steady_clock::now();
   if (now >= next_status_) {
@@ -116,16 +116,16 @@ void RunLoop::tick() {
 }
 
 // Logs the state of /readyz when it changes between ready and not ready.
-void RunLoop::tell_readiness() {
+void RunLoop::log_readiness() {
   const Readiness now = service_.readiness();
   if (ready_ == now.ready()) {
     return;
   }
   ready_ = now.ready();
   if (now.ready()) {
-    log_.say("ready", {LogLevel::kInfo, "ready: every access point is received", {}});
+    log_.add("ready", {LogLevel::kInfo, "ready: every access point is received", {}});
   } else {
-    log_.say("not ready", {LogLevel::kWarning, "not ready: " + joined(now.reasons, "; "), {}});
+    log_.add("not ready", {LogLevel::kWarning, "not ready: " + joined(now.reasons, "; "), {}});
   }
 }
 

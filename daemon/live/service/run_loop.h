@@ -34,7 +34,7 @@ class RunLoop {
  private:
   void tick();
   void tend_sites();
-  void tell_readiness();
+  void log_readiness();
   void reload();
   void snapshot(const std::string& reason);
   void feed_watchdog();

@@ -159,10 +159,10 @@ void add_labelled(const RunningSite& site,
 
 }  // namespace
 
-std::vector<std::string> Service::news() {
+std::vector<std::string> Service::notices() {
   std::vector<std::string> lines;
   for (const SiteSet::Site& site : sites_.all()) {
-    add_labelled(*site, site->runtime->news(), lines);
+    add_labelled(*site, site->runtime->notices(), lines);
   }
   return lines;
 }
@@ -223,9 +223,9 @@ std::vector<std::string> Service::new_warnings() {
 
 void Service::log_losses() {
   for (const SiteSet::Site& site : sites_.all()) {
-    site->runtime->look_for_losses();
+    site->runtime->check_losses();
   }
-  shared_losses_.look_at_shared(shared(), log_entries_dropped());
+  shared_losses_.check_shared(shared(), log_entries_dropped());
   limited_log_->flush();
 }
 
@@ -234,7 +234,7 @@ std::vector<std::string> Service::new_errors() {
   for (const SiteSet::Site& site : sites_.all()) {
     add_labelled(*site, site->runtime->errors(), errors);
   }
-  look_at_broker();
+  check_broker();
   if (!broker_trouble_.empty()) {
     errors.push_back(broker_trouble_);
   }
@@ -243,16 +243,16 @@ std::vector<std::string> Service::new_errors() {
     return std::find(all.begin(), all.end(), one) != all.end();
   };
   for (const std::string& error : errors) {
-    if (!holds(told_errors_, error) && !holds(fresh, error)) {
+    if (!holds(reported_errors_, error) && !holds(fresh, error)) {
       fresh.push_back(error);
     }
   }
-  for (const std::string& error : told_errors_) {
+  for (const std::string& error : reported_errors_) {
     if (!holds(errors, error)) {
       ended_errors_.push_back(error);
     }
   }
-  told_errors_ = std::move(errors);
+  reported_errors_ = std::move(errors);
   return fresh;
 }
 

@@ -66,7 +66,7 @@ class Service {
   void reload_sites(std::vector<SiteSetup> setups, const std::set<std::string>& changed);
   bool preparing_sites() const { return preparation_ != nullptr; }
   // True if the map's editor has written files of a site since the last call.
-  bool take_reload_wish() { return reload_wanted_.exchange(false); }
+  bool take_reload_request() { return reload_wanted_.exchange(false); }
   // Starts the sites that are prepared by now, and those that were claimed; true if stages() has
   // changed.
   bool tend_sites();
@@ -100,7 +100,7 @@ class Service {
   // Those of them that have ended since the last call.
   std::vector<std::string> ended_errors();
   // Completed and failed snapshots since the last call.
-  std::vector<std::string> news();
+  std::vector<std::string> notices();
   // Warnings about the calibration; the same warning once in ten minutes.
   std::vector<std::string> new_warnings();
   // Readiness of the daemon, over all sites.
@@ -113,7 +113,7 @@ class Service {
   explicit Service(DaemonSetup setup) : setup_(std::move(setup)) {}
   Expected<void> check_resources(bool estimators_ready) const;
   Expected<void> open_cluster();
-  void look_at_broker();
+  void check_broker();
   Expected<void> open_publishing(PassedSockets& sockets);
   Expected<void> open_http(PassedSockets& sockets);
   ServiceHealth health_of(const RunningSite& site) const;  // current state
@@ -142,10 +142,10 @@ class Service {
   void tend_standby(v1::WorkerState& condition);
   // Adds its load as well; a site that it is too slow for is offered to another worker.
   void tend_load(v1::WorkerState& condition);
-  void stand_by(const std::string& name);
+  void begin_standby(const std::string& name);
   Expected<SiteSet::Site> computing_along(SitePreparation::Prepared prepared, StandbyStart along);
   Expected<void> promote(const std::string& name, std::uint64_t generation);
-  void stand_by_no_more(const std::string& name, const std::string& why);
+  void end_standby(const std::string& name, const std::string& why);
   void note_audit(const RunningSite& site);
   std::vector<ExtraMetric> standby_metrics() const;
   void reload_worker(std::vector<SiteSetup> setups, const std::set<std::string>& changed);
@@ -181,12 +181,12 @@ class Service {
   std::map<std::string, SiteSet::Site> along_;
   using SteadyTime = std::chrono::steady_clock::time_point;
   std::map<std::string, SteadyTime> along_not_before_;  // by site
-  SteadyTime along_looked_{};
+  SteadyTime along_checked_{};
   // Comparison results of one site so far.
   struct Audit {
     StandbyAudit::Counters before;  // of runtimes that have ended
     StandbyAudit::Counters now;
-    bool is_told = false;  // a difference of the current runtime is logged
+    bool is_logged = false;  // a difference of the current runtime is logged
   };
   mutable std::mutex audit_mutex_;
   std::map<std::string, Audit> audits_;  // guarded by audit_mutex_; by site
@@ -221,7 +221,7 @@ class Service {
   bool reload_failed_ = false;             // guarded by health_mutex_; of the last reload
   Timestamp reloaded_{};                   // guarded by health_mutex_; time of the last reload
   std::unique_ptr<HttpServer> http_;       // last: its handlers use all the others
-  std::vector<std::string> told_errors_;
+  std::vector<std::string> reported_errors_;
   std::vector<std::string> ended_errors_;
 };
 

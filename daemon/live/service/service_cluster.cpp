@@ -47,7 +47,7 @@ Expected<void> Service::open_cluster() {
 
 // For workers and gateways; a capture node reports it for each site. The text stays while the
 // condition lasts, so that it is reported once.
-void Service::look_at_broker() {
+void Service::check_broker() {
   if (!broker_ || capture_ || broker_->connected()) {
     broker_trouble_.clear();
   } else if (broker_trouble_.empty()) {
@@ -61,11 +61,11 @@ void Service::look_at_broker() {
 void Service::listen_to_owner(const std::string& site, std::shared_ptr<SiteOutput> output) {
   gateway_->add(site, [output = std::move(output)](v1::OutputItem&& item) {
     if (item.has_location()) {
-      output->say(std::move(*item.mutable_location()));
+      output->relay(std::move(*item.mutable_location()));
     } else if (item.has_track()) {
-      output->say(std::move(*item.mutable_track()));
+      output->relay(std::move(*item.mutable_track()));
     } else if (item.has_zone()) {
-      output->say(std::move(*item.mutable_zone()));
+      output->relay(std::move(*item.mutable_zone()));
     }
   });
 }

@@ -137,7 +137,7 @@ void Service::end_sites(const std::vector<SiteSet::Site>& sites) {
   }
   for (const SiteSet::Site& site : sites) {
     if (!shutdown.wait_for(site->label() + "pipeline", begin + kDrain)) {
-      site->runtime->pipeline().hurry();
+      site->runtime->pipeline().cancel_pending();
     }
   }
   for (const SiteSet::Site& site : sites) {
@@ -199,12 +199,12 @@ void Service::note_trouble(const std::string& name, const std::string& trouble, 
     state = AfterReload::kAbsent;
   }
   stages_changed_ = true;
-  constexpr std::array kWords = {"is left as it was",
+  constexpr std::array kStateTexts = {"is left as it was",
                                  "has ended and does not begin, reload again",
                                  "does not begin, reload again"};
   log_line(
       LogLevel::kError,
-      "reload: site '" + name + "' " + kWords.at(static_cast<std::size_t>(state)) + ": " + trouble);
+      "reload: site '" + name + "' " + kStateTexts.at(static_cast<std::size_t>(state)) + ": " + trouble);
 }
 
 void Service::reload_sites(std::vector<SiteSetup> setups, const std::set<std::string>& changed) {

@@ -97,7 +97,7 @@ std::vector<Stage> Service::working_stages() const {
   }
   if (claims_) {
     stages.push_back({"claims", &claims_->progress()});
-    stages.push_back({"alive", &claims_->speaking()});
+    stages.push_back({"alive", &claims_->sending()});
   }
   if (gateway_) {
     stages.push_back({"gateway", &gateway_->progress()});
@@ -135,7 +135,7 @@ std::vector<std::string> Service::stop(const std::string& reason,
   }
   for (const SiteSet::Site& site : sites) {
     if (!shutdown.wait_for(site->label() + "pipeline", at(75))) {
-      site->runtime->pipeline().hurry();
+      site->runtime->pipeline().cancel_pending();
     }
   }
   for (const SiteSet::Site& site : sites) {

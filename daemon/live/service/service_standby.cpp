@@ -12,7 +12,7 @@ namespace {
 using std::chrono::seconds;
 
 // Chosen: between checks of the sites that it is next for.
-constexpr seconds kLook{1};
+constexpr seconds kStandbyInterval{1};
 // Chosen: between two tries for a site. Otherwise a site that cannot be followed would be started,
 // with a room that is prepared, again and again.
 constexpr seconds kTryAgain{60};
@@ -48,12 +48,12 @@ void Service::tend_standby(v1::WorkerState& condition) {
     }
   }
   for (const auto& [name, why] : troubles) {
-    stand_by_no_more(name, why);
+    end_standby(name, why);
   }
-  if (now - along_looked_ < kLook || claims_->is_leaving()) {
+  if (now - along_checked_ < kStandbyInterval || claims_->is_leaving()) {
     return;
   }
-  along_looked_ = now;
+  along_checked_ = now;
   const std::size_t most = setup_.config.cluster.capacity;
   if (most > 0 && sites_.all().size() + along_.size() >= most) {
     return;
@@ -63,11 +63,11 @@ void Service::tend_standby(v1::WorkerState& condition) {
     return now >= along_not_before_[one.first] && claims_->is_next(one.first);
   });
   if (next != standby_.end()) {
-    stand_by(std::string(next->first));
+    begin_standby(std::string(next->first));
   }
 }
 
-void Service::stand_by(const std::string& name) {
+void Service::begin_standby(const std::string& name) {
   // Other sites have priority while this one cannot be followed yet.
   along_not_before_[name] = std::chrono::steady_clock::now() + kNotYet;
   auto along = standby_start(*broker_, name);
@@ -95,8 +95,8 @@ void Service::stand_by(const std::string& name) {
 
 Expected<SiteSet::Site> Service::computing_along(SitePreparation::Prepared prepared,
                                                  StandbyStart along) {
-  if (const Expected<void> told = prepared.runtime->stand_by(std::move(along)); !told) {
-    return tl::make_unexpected(told.error());
+  if (const Expected<void> started = prepared.runtime->begin_standby(std::move(along)); !started) {
+    return tl::make_unexpected(started.error());
   }
   auto begun = begin_site(std::move(prepared.runtime), std::move(prepared.files));
   if (!begun) {
@@ -120,7 +120,7 @@ Expected<void> Service::promote(const std::string& name, std::uint64_t generatio
   along_.erase(name);
   show(*site);
   note_audit(*site);  // with the comparisons made during the claim
-  site->runtime->speak();
+  site->runtime->take_over();
   const std::lock_guard lock(audit_mutex_);
   Audit& audit = audits_[name];
   audit = {sum(audit.before, audit.now), {}, false};
@@ -131,7 +131,7 @@ Expected<void> Service::promote(const std::string& name, std::uint64_t generatio
 }
 
 // The site is prepared anew, because a fresh runtime must not use the state of the old one.
-void Service::stand_by_no_more(const std::string& name, const std::string& why) {
+void Service::end_standby(const std::string& name, const std::string& why) {
   const SiteSet::Site site = along_.extract(name).mapped();
   note_audit(*site);
   claims_->withdraw(name);
@@ -159,7 +159,7 @@ void Service::note_audit(const RunningSite& site) {
   const std::lock_guard lock(audit_mutex_);
   Audit& audit = audits_[site.name()];
   audit.now = standby->counters;
-  if (!standby->first_difference.empty() && !std::exchange(audit.is_told, true)) {
+  if (!standby->first_difference.empty() && !std::exchange(audit.is_logged, true)) {
     log_line(LogLevel::kError,
              "site '" + site.name() +
                  "': its owner published other results than this worker computes: " +

@@ -48,7 +48,7 @@ void Service::keep_ready(SitePreparation::Prepared prepared) {
     return;
   }
   if (along_.count(name) != 0) {
-    stand_by_no_more(name, "it was prepared anew");
+    end_standby(name, "it was prepared anew");
     std::erase_if(to_prepare_, [&](const SiteSetup& one) { return one.site.name == name; });
   }
   sites_.put_absent(name, "this worker does not own it");
@@ -100,7 +100,7 @@ void Service::tend_load(v1::WorkerState& condition) {
     levels[site->name()] = level;
     condition.set_shedding(condition.shedding() + (level > 0 ? 1 : 0));
   }
-  const double load = load_.look();
+  const double load = load_.measure();
   condition.set_load_permille(static_cast<std::uint32_t>(load / kPermille));
   const auto offered =
       overload_.site_to_offer(levels, load, claims_->calmest(), std::chrono::steady_clock::now());
@@ -115,7 +115,7 @@ void Service::own(const ClaimKeeper::Change& change) {
   if (along_.count(change.site) != 0) {
     if (const Expected<void> owned = promote(change.site, change.generation); !owned) {
       claims_->give_back(change.site, change.generation);
-      stand_by_no_more(change.site, owned.error().message);
+      end_standby(change.site, owned.error().message);
     }
     return;
   }
@@ -198,7 +198,7 @@ void Service::reload_worker(std::vector<SiteSetup> setups, const std::set<std::s
     claims_->withdraw(name);
     standby_.erase(name);
     if (along_.count(name) != 0) {
-      stand_by_no_more(name, why);
+      end_standby(name, why);
       std::erase_if(to_prepare_, [&](const SiteSetup& one) { return one.site.name == name; });
     }
     if (const SiteSet::Site running = sites_.find(name)) {

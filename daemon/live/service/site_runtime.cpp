@@ -107,7 +107,7 @@ void SiteRuntime::end() {
     feed_->finish();
   }
   if (pipeline_) {
-    pipeline_->hurry();
+    pipeline_->cancel_pending();
     pipeline_->stop();
   }
   if (estimators_) {
@@ -123,7 +123,7 @@ Expected<std::unique_ptr<SiteRuntime>> SiteRuntime::prepare(SiteSetup setup,
     return tl::make_unexpected(opened.error());
   }
   runtime->describe_room();
-  runtime->look_at_site();
+  runtime->check_site();
   return runtime;
 }
 
@@ -168,14 +168,14 @@ void SiteRuntime::describe_room() {
 }
 
 // Reports deficiencies of the site at the start, and as long as it runs.
-void SiteRuntime::look_at_site() {
+void SiteRuntime::check_site() {
   if (room() != nullptr) {
     lacks_ = lacks_of(setup_, *room());
   }
   for (const std::string& text : lacks_.all()) {
     log_event({LogLevel::kWarning, setup_.label() + text});
   }
-  status_.warnings = [this] { return warnings_for_everybody(health()); };
+  status_.warnings = [this] { return public_warnings(health()); };
 }
 
 SiteOutput::Options SiteRuntime::output_options(std::shared_ptr<MessageBoard> board) {
@@ -313,14 +313,14 @@ Expected<std::vector<std::string>> SiteRuntime::snapshot() {
   return snapshots_of_rings_->request();
 }
 
-std::vector<std::string> SiteRuntime::news() {
-  auto lines = snapshots_of_rings_ ? snapshots_of_rings_->news() : std::vector<std::string>();
+std::vector<std::string> SiteRuntime::notices() {
+  auto lines = snapshots_of_rings_ ? snapshots_of_rings_->notices() : std::vector<std::string>();
   if (estimator() != nullptr) {
-    const auto chains = estimator()->chain_news();
+    const auto chains = estimator()->chain_notices();
     lines.insert(lines.end(), chains.begin(), chains.end());
   }
   if (results_) {
-    const auto left_out = results_->news();
+    const auto left_out = results_->notices();
     lines.insert(lines.end(), left_out.begin(), left_out.end());
   }
   return lines;
@@ -403,14 +403,14 @@ std::vector<std::string> SiteRuntime::new_warnings() {
     return fresh;
   }
   for (const CalibrationWarning& warning : estimator()->calibration_warnings()) {
-    const auto told =
-        std::find_if(told_warnings_.begin(), told_warnings_.end(), [&](const ToldWarning& one) {
+    const auto reported =
+        std::find_if(reported_warnings_.begin(), reported_warnings_.end(), [&](const ReportedWarning& one) {
           return one.warning.same_as(warning);
         });
-    if (told == told_warnings_.end()) {
-      told_warnings_.push_back({warning, now});
-    } else if (now - told->time >= kRepeatWarning) {
-      told->time = now;
+    if (reported == reported_warnings_.end()) {
+      reported_warnings_.push_back({warning, now});
+    } else if (now - reported->time >= kRepeatWarning) {
+      reported->time = now;
     } else {
       continue;
     }
@@ -452,11 +452,11 @@ StatusMessages SiteRuntime::status(Timestamp now) const {
   return messages;
 }
 
-void SiteRuntime::look_for_losses() {
+void SiteRuntime::check_losses() {
   const v1::Heartbeat heartbeat = status(system_now()).heartbeat;
-  losses_.look(heartbeat);
+  losses_.check(heartbeat);
   const std::lock_guard lock(saturation_mutex_);
-  saturation_.look(heartbeat, std::chrono::steady_clock::now());
+  saturation_.check(heartbeat, std::chrono::steady_clock::now());
 }
 
 ServiceHealth SiteRuntime::health() const {

@@ -62,8 +62,8 @@ class SiteRuntime {
   Expected<void> claim(std::uint64_t generation);
   // For a worker, before open(): another one owns the site; this one is a standby from `along` on.
   // claim() after start() makes it the owner, and speak() publishes the unpublished results.
-  Expected<void> stand_by(StandbyStart along);
-  void speak();
+  Expected<void> begin_standby(StandbyStart along);
+  void take_over();
   // Comparison of its results with those of the owner; empty if it is no standby.
   std::optional<OutStage::Standby> standby() const;
   bool is_late() const { return along_ && along_->is_late; }
@@ -127,24 +127,24 @@ class SiteRuntime {
   // Sources that have failed and recordings that could not be written, currently.
   std::vector<std::string> errors() const;
   // Notices about snapshots and chains since the last call.
-  std::vector<std::string> news();
+  std::vector<std::string> notices();
   // Warnings about the calibration; the same warning once in ten minutes.
   std::vector<std::string> new_warnings();
   // Logs losses and notes them as a reason against readiness; about every second.
-  void look_for_losses();
+  void check_losses();
 
  private:
   SiteRuntime(SiteSetup setup, const Surroundings& surroundings);
   Expected<void> open_estimators();
   void describe_room();
-  void look_at_site();
+  void check_site();
   Expected<void> open_sources(const Opened& before,
                               SiteOutput& output,
                               std::vector<SourceWorker::Input>& inputs);
   Expected<void> open_cluster(SiteOutput& output);
   Expected<void> open_feed(SiteOutput& output);
   Expected<void> receive_owner(SiteOutput& output, OutStage::Options options);
-  Expected<void> tell_estimators(const std::shared_ptr<const Carried>& before);
+  Expected<void> restore_estimators(const std::shared_ptr<const Carried>& before);
   LocationSink& go_on(PipelineOptions& options);
   void add_ring(SourceWorker::Input& input);
   void open_snapshots();
@@ -166,16 +166,16 @@ class SiteRuntime {
   std::unique_ptr<SiteFeed> feed_;                     // null: not a worker
   std::unique_ptr<LaterFrames> later_frames_;          // null: not a worker
   std::unique_ptr<OutStage> results_;                  // null: not a worker
-  std::unique_ptr<Broker::Subscription> owner_words_;  // null: no standby
+  std::unique_ptr<Broker::Subscription> owner_records_;  // null: no standby
   std::unique_ptr<Pipeline> pipeline_;
   StatusSources status_;
   mutable std::mutex saturation_mutex_;
   Saturation saturation_;  // guarded by saturation_mutex_
-  struct ToldWarning {
+  struct ReportedWarning {
     CalibrationWarning warning;
     std::chrono::steady_clock::time_point time;
   };
-  std::vector<ToldWarning> told_warnings_;
+  std::vector<ReportedWarning> reported_warnings_;
 };
 
 }  // namespace rayloc

@@ -15,7 +15,7 @@ constexpr std::chrono::seconds kCarryEvery{1};
 }  // namespace
 
 Expected<void> SiteRuntime::claim(std::uint64_t generation) {
-  owner_words_.reset();  // from here on the output is its own
+  owner_records_.reset();  // from here on the output is its own
   OwnerLog::Options options;
   options.site = setup_.site.name;
   options.generation = generation;
@@ -40,21 +40,21 @@ Expected<void> SiteRuntime::claim(std::uint64_t generation) {
     return {};
   }
   start_ = log_->start();
-  return start_.carried ? tell_estimators(start_.carried) : Expected<void>();
+  return start_.carried ? restore_estimators(start_.carried) : Expected<void>();
 }
 
-Expected<void> SiteRuntime::stand_by(StandbyStart along) {
+Expected<void> SiteRuntime::begin_standby(StandbyStart along) {
   along_ = std::move(along);
   start_ = along_->start;
   start_.generation = 0;  // it owns no site
-  return start_.carried ? tell_estimators(start_.carried) : Expected<void>();
+  return start_.carried ? restore_estimators(start_.carried) : Expected<void>();
 }
 
 // REQUIRES: claim().
-void SiteRuntime::speak() {
+void SiteRuntime::take_over() {
   later_frames_->set_from(log_->start().from);
   results_->promote(std::move(log_));
-  feed_->speak();
+  feed_->take_over();
 }
 
 std::optional<OutStage::Standby> SiteRuntime::standby() const {
@@ -69,10 +69,10 @@ std::optional<OutStage::Standby> SiteRuntime::standby() const {
 }
 
 // The room was prepared before the start of the processing was determined.
-Expected<void> SiteRuntime::tell_estimators(const std::shared_ptr<const Carried>& before) {
-  Expected<void> told = estimators_->go_on(before);
+Expected<void> SiteRuntime::restore_estimators(const std::shared_ptr<const Carried>& before) {
+  Expected<void> restored = estimators_->go_on(before);
   status_.people = estimators_->people();
-  return told;
+  return restored;
 }
 
 // Opens its part of a cluster, if it has one.
@@ -132,7 +132,7 @@ Expected<void> SiteRuntime::receive_owner(SiteOutput& output, OutStage::Options 
   if (!words) {
     return tl::make_unexpected(words.error());
   }
-  owner_words_ = std::move(*words);
+  owner_records_ = std::move(*words);
   return {};
 }
 
@@ -150,7 +150,7 @@ LocationSink& SiteRuntime::go_on(PipelineOptions& options) {
 void SiteRuntime::give_back() {
   if (results_) {
     results_->finish();
-    pipeline_->hurry();  // its results would have no subscriber
+    pipeline_->cancel_pending();  // its results would have no subscriber
   }
 }
 

@@ -41,9 +41,9 @@ std::vector<std::string> lines_of(const std::string& text) {
 }
 
 // Reason for a missing report: the last messages, without the progress lines.
-std::string last_words(const std::string& said) {
+std::string last_line(const std::string& errors) {
   std::string words;
-  for (const std::string& line : lines_of(said)) {
+  for (const std::string& line : lines_of(errors)) {
     if (line.rfind(kProgress, 0) != 0 && !line.empty()) {
       words = line;
     }
@@ -56,7 +56,7 @@ std::string last_words(const std::string& said) {
 Json CalibrationJob::progress() const {
   constexpr double kUnknown = 0.0;
   Json state = {{"share", kUnknown}, {"text", "reading"}};
-  for (const std::string& line : lines_of(process_->said())) {
+  for (const std::string& line : lines_of(process_->errors())) {
     if (line.rfind(kProgress, 0) == 0) {
       char* text = nullptr;
       state["share"] = std::strtod(line.c_str() + kProgress.size(), &text);
@@ -76,7 +76,7 @@ Json CalibrationJob::outcome(int status) const {
   const auto text = read_file(out_ / "report.json");
   const Json report = text ? Json::parse(*text, nullptr, false) : Json();
   if (!report.is_object() || !report.contains("verdict")) {
-    return {{"success", false}, {"verdict", "Not calibrated: " + last_words(process_->said())}};
+    return {{"success", false}, {"verdict", "Not calibrated: " + last_line(process_->errors())}};
   }
   std::error_code unknown;
   return {{"success", status == 0},

@@ -28,7 +28,7 @@ constexpr std::string_view kNotStarted = "the program rayloc cannot be started\n
 constexpr int kCannotStart = 127;  // as in a shell
 
 // The parent has threads: between fork() and execv() only async-signal-safe calls are allowed.
-[[noreturn]] void become(char* const* arguments, int nothing, int said, pid_t parent) {
+[[noreturn]] void become(char* const* arguments, int nothing, int errors, pid_t parent) {
   for (int signal = 1; signal < NSIG; ++signal) {
     std::signal(signal, SIG_DFL);
   }
@@ -49,7 +49,7 @@ constexpr int kCannotStart = 127;  // as in a shell
     close(score);
   }
   if (dup2(nothing, STDIN_FILENO) < 0 || dup2(nothing, STDOUT_FILENO) < 0 ||
-      dup2(said, STDERR_FILENO) < 0 || close_range(STDERR_FILENO + 1, ~0U, 0) != 0) {
+      dup2(errors, STDERR_FILENO) < 0 || close_range(STDERR_FILENO + 1, ~0U, 0) != 0) {
     _exit(kCannotStart);
   }
   execv(arguments[0], arguments);
@@ -90,21 +90,21 @@ Expected<std::unique_ptr<ChildProcess>> ChildProcess::start(
     pointers.push_back(word.data());
   }
   pointers.push_back(nullptr);
-  File said(std::tmpfile(), &std::fclose);
-  if (!said) {
+  File errors(std::tmpfile(), &std::fclose);
+  if (!errors) {
     return cannot_start(program, errno);
   }
   // Above the descriptors to which the process copies them.
-  const int its_said = fcntl(fileno(said.get()), F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
+  const int its_errors = fcntl(fileno(errors.get()), F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
   const int opened = open("/dev/null", O_RDWR | O_CLOEXEC);
   const int nothing = opened < 0 ? -1 : fcntl(opened, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
   const pid_t parent = getpid();
-  const pid_t process = its_said >= 0 && nothing >= 0 ? fork() : -1;
+  const pid_t process = its_errors >= 0 && nothing >= 0 ? fork() : -1;
   if (process == 0) {
-    become(pointers.data(), nothing, its_said, parent);
+    become(pointers.data(), nothing, its_errors, parent);
   }
   const int error = errno;
-  for (const int fd : {its_said, opened, nothing}) {
+  for (const int fd : {its_errors, opened, nothing}) {
     if (fd >= 0) {
       close(fd);
     }
@@ -112,7 +112,7 @@ Expected<std::unique_ptr<ChildProcess>> ChildProcess::start(
   if (process < 0) {
     return cannot_start(program, error);
   }
-  return std::unique_ptr<ChildProcess>(new ChildProcess(process, std::move(said)));
+  return std::unique_ptr<ChildProcess>(new ChildProcess(process, std::move(errors)));
 }
 
 ChildProcess::~ChildProcess() {
@@ -142,8 +142,8 @@ void ChildProcess::stop() {
   }
 }
 
-std::string ChildProcess::said() const {
-  const int file = fileno(said_.get());
+std::string ChildProcess::errors() const {
+  const int file = fileno(errors_.get());
   struct stat known {};  // the offset is shared with the process: no seek
   const off_t end = fstat(file, &known) == 0 ? known.st_size : 0;
   const off_t begin = std::max<off_t>(0, end - kMaxReported);

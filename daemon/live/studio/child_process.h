@@ -40,14 +40,14 @@ class ChildProcess {
   void stop();
   bool was_stopped() const { return stopped_; }
   // The last part of its standard error.
-  std::string said() const;
+  std::string errors() const;
 
  private:
   using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
-  ChildProcess(pid_t process, File said) : process_(process), said_(std::move(said)) {}
+  ChildProcess(pid_t process, File errors) : process_(process), errors_(std::move(errors)) {}
 
   pid_t process_;
-  File said_;
+  File errors_;
   std::optional<int> status_;
   bool stopped_ = false;
 };

@@ -55,7 +55,7 @@ HttpReply walk(WalkedSurvey& survey, const HttpParameters& parameters) {
   const std::string what = text_of(parameters, "do");
   Expected<void> done;
   if (what == "stand") {
-    done = survey.stand(
+    done = survey.begin_stay(
         {number_of(parameters, "x"), number_of(parameters, "y"), number_of(parameters, "z")});
   } else if (what == "keep") {
     done = survey.keep();

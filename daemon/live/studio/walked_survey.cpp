@@ -22,8 +22,8 @@ constexpr double kFarthest = 10'000.0;  // [m], as for positions in site.toml
 WalkedSurvey::Frames WalkedSurvey::received() const {
   Frames received = frames_();
   for (auto& [name, count] : received) {
-    const auto before = standing_->frames.find(name);
-    const std::uint64_t then = before == standing_->frames.end() ? 0 : before->second;
+    const auto before = stay_->frames.find(name);
+    const std::uint64_t then = before == stay_->frames.end() ? 0 : before->second;
     count -= std::min(count, then);
   }
   return received;
@@ -40,27 +40,27 @@ Expected<Json> WalkedSurvey::state() const {
       }
     }
   }
-  if (standing_) {
-    const Vec3d& p = standing_->position;
+  if (stay_) {
+    const Vec3d& p = stay_->position;
     state["standing"] = {
         {"position", {p.x, p.y, p.z}},
-        {"seconds", to_seconds(std::chrono::system_clock::now() - standing_->since)},
+        {"seconds", to_seconds(std::chrono::system_clock::now() - stay_->since)},
         {"frames", received()}};
   }
   return state;
 }
 
-Expected<void> WalkedSurvey::stand(const Vec3d& position) {
+Expected<void> WalkedSurvey::begin_stay(const Vec3d& position) {
   if (!(std::abs(position.x) < kFarthest && std::abs(position.y) < kFarthest &&
         std::abs(position.z) < kFarthest)) {
     return bad_input("state your place: x, y and z in metres");
   }
-  standing_ = Standing{position, std::chrono::system_clock::now(), frames_()};
+  stay_ = Stay{position, std::chrono::system_clock::now(), frames_()};
   return {};
 }
 
 Expected<void> WalkedSurvey::keep() {
-  if (!standing_) {
+  if (!stay_) {
     return bad_input("no place was tapped: tap your place first");
   }
   const Frames frames = received();
@@ -74,9 +74,9 @@ Expected<void> WalkedSurvey::keep() {
     return tl::make_unexpected(std::move(file.error()));
   }
   auto written =
-      file->append({standing_->since, std::chrono::system_clock::now(), standing_->position, 0});
+      file->append({stay_->since, std::chrono::system_clock::now(), stay_->position, 0});
   if (written) {
-    standing_.reset();
+    stay_.reset();
   }
   return written;
 }

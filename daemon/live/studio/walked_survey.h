@@ -32,14 +32,14 @@ class WalkedSurvey {
   // "position", "seconds" and "frames" since then.
   Expected<nlohmann::ordered_json> state() const;
   // The position of the person from now on; replaces the previous one.
-  Expected<void> stand(const Vec3d& position);
+  Expected<void> begin_stay(const Vec3d& position);
   // Ends the stay: the point is written. Returns an Error
   // if no position is set or no frame was received.
   Expected<void> keep();
-  void leave() { standing_.reset(); }
+  void leave() { stay_.reset(); }
 
  private:
-  struct Standing {
+  struct Stay {
     Vec3d position;
     Timestamp since;
     Frames frames;  // frame counts then
@@ -49,7 +49,7 @@ class WalkedSurvey {
 
   std::filesystem::path file_;
   std::function<Frames()> frames_;
-  std::optional<Standing> standing_;
+  std::optional<Stay> stay_;
 };
 
 }  // namespace rayloc

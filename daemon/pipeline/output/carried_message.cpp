@@ -172,55 +172,55 @@ Debounce verdict_of(const v1::CarriedVerdict& message) {
   return Debounce(CalibrationMonitor::kSteady, message.state(), static_cast<int>(message.run()));
 }
 
-void set_told(const CalibrationMonitor::MonitorState& told, v1::CarriedCalibration* message) {
-  message->set_access_point(static_cast<std::uint32_t>(told.access_point));
-  message->set_bursts(static_cast<std::uint32_t>(told.bursts));
-  if (told.usual) {
-    message->set_usual(*told.usual);
+void set_monitor_state(const CalibrationMonitor::MonitorState& state, v1::CarriedCalibration* message) {
+  message->set_access_point(static_cast<std::uint32_t>(state.access_point));
+  message->set_bursts(static_cast<std::uint32_t>(state.bursts));
+  if (state.usual) {
+    message->set_usual(*state.usual);
   }
-  message->mutable_first()->Add(told.first.begin(), told.first.end());
-  message->set_fit(told.fit);
-  if (told.slow) {
-    message->set_slow(*told.slow);
+  message->mutable_first()->Add(state.first.begin(), state.first.end());
+  message->set_fit(state.fit);
+  if (state.slow) {
+    message->set_slow(*state.slow);
   }
-  message->set_drifted(told.drifted);
-  set_verdict(told.moved, message->mutable_moved());
-  for (const double part : {told.motion.shift.x, told.motion.shift.y, told.motion.yaw}) {
+  message->set_drifted(state.drifted);
+  set_verdict(state.moved, message->mutable_moved());
+  for (const double part : {state.motion.shift.x, state.motion.shift.y, state.motion.yaw}) {
     message->add_motion(part);
   }
-  message->set_moved_fit(told.moved_fit);
-  message->set_since_scan(static_cast<std::uint32_t>(told.since_scan));
-  for (std::size_t m = 0; m < told.jump.size(); ++m) {
-    set_verdict(told.jump[m], message->add_jump());
-    message->add_jump_phase(told.jump_phase[m]);
+  message->set_moved_fit(state.moved_fit);
+  message->set_since_scan(static_cast<std::uint32_t>(state.since_scan));
+  for (std::size_t m = 0; m < state.jump.size(); ++m) {
+    set_verdict(state.jump[m], message->add_jump());
+    message->add_jump_phase(state.jump_phase[m]);
   }
 }
 
-Expected<CalibrationMonitor::MonitorState> told_of(const v1::CarriedCalibration& message) {
+Expected<CalibrationMonitor::MonitorState> monitor_state_of(const v1::CarriedCalibration& message) {
   if (message.jump_size() != message.jump_phase_size()) {
     return bad_input("verdicts and phases are of different numbers of chains");
   }
   const auto chains = static_cast<std::size_t>(message.jump_size());
-  CalibrationMonitor::MonitorState told(
+  CalibrationMonitor::MonitorState state(
       message.access_point(),
       chains,
       message.has_usual() ? std::optional<double>(message.usual()) : std::nullopt);
-  told.bursts = message.bursts();
-  told.first.assign(message.first().begin(), message.first().end());
-  told.fit = message.fit();
-  told.slow = message.has_slow() ? std::optional<double>(message.slow()) : std::nullopt;
-  told.drifted = message.drifted();
-  told.moved = verdict_of(message.moved());
+  state.bursts = message.bursts();
+  state.first.assign(message.first().begin(), message.first().end());
+  state.fit = message.fit();
+  state.slow = message.has_slow() ? std::optional<double>(message.slow()) : std::nullopt;
+  state.drifted = message.drifted();
+  state.moved = verdict_of(message.moved());
   if (message.motion_size() == 3) {
-    told.motion = {{message.motion(0), message.motion(1), 0.0}, message.motion(2)};
+    state.motion = {{message.motion(0), message.motion(1), 0.0}, message.motion(2)};
   }
-  told.moved_fit = message.moved_fit();
-  told.since_scan = static_cast<int>(message.since_scan());
+  state.moved_fit = message.moved_fit();
+  state.since_scan = static_cast<int>(message.since_scan());
   for (std::size_t m = 0; m < chains; ++m) {
-    told.jump[m] = verdict_of(message.jump(static_cast<int>(m)));
-    told.jump_phase[m] = message.jump_phase(static_cast<int>(m));
+    state.jump[m] = verdict_of(message.jump(static_cast<int>(m)));
+    state.jump_phase[m] = message.jump_phase(static_cast<int>(m));
   }
-  return told;
+  return state;
 }
 
 }  // namespace
@@ -248,8 +248,8 @@ v1::Carried carried_message(const Carried& carried) {
   for (const ChainState& state : carried.chains) {
     set_chains(state, message.add_chains());
   }
-  for (const CalibrationMonitor::MonitorState& told : carried.calibration) {
-    set_told(told, message.add_calibration());
+  for (const CalibrationMonitor::MonitorState& state : carried.calibration) {
+    set_monitor_state(state, message.add_calibration());
   }
   for (const Carried::Watched& watched : carried.watched) {
     v1::CarriedWatch* const one = message.add_watched();
@@ -289,11 +289,11 @@ Expected<Carried> carried_of(const v1::Carried& message) {
     carried.chains.push_back(*std::move(state));
   }
   for (const v1::CarriedCalibration& calibration : message.calibration()) {
-    auto told = told_of(calibration);
-    if (!told) {
-      return tl::make_unexpected(std::move(told.error()));
+    auto state = monitor_state_of(calibration);
+    if (!state) {
+      return tl::make_unexpected(std::move(state.error()));
     }
-    carried.calibration.push_back(*std::move(told));
+    carried.calibration.push_back(*std::move(state));
   }
   for (const v1::CarriedWatch& watched : message.watched()) {
     carried.watched.push_back({mac_of(watched.transmitter()), from_proto(watched.last())});

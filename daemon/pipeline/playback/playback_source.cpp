@@ -95,8 +95,8 @@ Expected<void> PlaybackSource::read(DatagramBatch& batch, Duration timeout) {
       batch.watermark = std::min(batch.watermark, pending_.datagrams[i].time);
     }
   }
-  batch.rests = pending_.ended && next_ == pending_.datagrams.size();
-  batch.watermark = batch.rests ? Timestamp::max() : batch.watermark;
+  batch.paused = pending_.ended && next_ == pending_.datagrams.size();
+  batch.watermark = batch.paused ? Timestamp::max() : batch.watermark;
   count();
   return {};
 }

@@ -115,7 +115,7 @@ void RingSnapshots::write(const File& file) {
   remove_oldest_recordings(folder_, limits.max_total_bytes);
   lock.lock();
   (datagrams ? counters_.files : counters_.failed) += 1;
-  news_.push_back("snapshot: " + (datagrams
+  notices_.push_back("snapshot: " + (datagrams
                                       ? file.path + ": " + std::to_string(*datagrams) + " datagrams"
                                       : datagrams.error().message));
 }
@@ -167,9 +167,9 @@ RingSnapshotCounters RingSnapshots::counters() const {
   return counters_;
 }
 
-std::vector<std::string> RingSnapshots::news() {
+std::vector<std::string> RingSnapshots::notices() {
   const std::lock_guard lock(mutex_);
-  return std::exchange(news_, {});
+  return std::exchange(notices_, {});
 }
 
 }  // namespace rayloc

@@ -57,7 +57,7 @@ class RingSnapshots {
   const StageProgress& progress() const { return progress_; }
   RingSnapshotCounters counters() const;
   // Written and failed files since the last call; one line each, for the log.
-  std::vector<std::string> news();
+  std::vector<std::string> notices();
 
  private:
   struct File {
@@ -78,7 +78,7 @@ class RingSnapshots {
   bool writing_ = false;           // guarded by mutex_
   bool ending_ = false;            // guarded by mutex_
   RingSnapshotCounters counters_;  // guarded by mutex_
-  std::vector<std::string> news_;  // guarded by mutex_
+  std::vector<std::string> notices_;  // guarded by mutex_
   std::thread thread_;
 };
 

@@ -16,7 +16,7 @@
 namespace rayloc {
 namespace {
 
-constexpr std::chrono::seconds kLookInterval{1};  // of checks of the free room on the disk
+constexpr std::chrono::seconds kDiskCheckInterval{1};  // of checks of the free room on the disk
 constexpr std::chrono::seconds kTidyInterval{5};  // of the folder; maximum loss at a power failure
 constexpr std::size_t kMaxGaps = 8;               // waiting for a file
 
@@ -31,7 +31,7 @@ RotatingRecorder::RotatingRecorder(RotatingRecorderOptions options)
     options_.free_bytes = [folder = options_.folder] { return free_disk_bytes(folder); };
   }
   if (make_recording_folder(options_.folder)) {  // otherwise open_first_file() reports it
-    look_at_the_disk();
+    check_disk();
   }
   open_first_file();
 }
@@ -102,8 +102,8 @@ void RotatingRecorder::close() {
   name_finished(path);
 }
 
-void RotatingRecorder::look_at_the_disk() {
-  looked_ = options_.steady();
+void RotatingRecorder::check_disk() {
+  checked_ = options_.steady();
   const std::uint64_t least = options_.limits.min_free_bytes;
   const std::uint64_t free = options_.free_bytes();
   // Resuming needs somewhat more room than stopping, to avoid doing both every second.
@@ -137,14 +137,14 @@ void RotatingRecorder::rotate() {
   if ((full || old) && now >= rotate_next_) {
     const Expected<void> opened = open_file();
     rotate_error_ = opened ? "" : opened.error().message;  // the old file continues
-    rotate_next_ = opened ? now : now + kLookInterval;
+    rotate_next_ = opened ? now : now + kDiskCheckInterval;
   }
 }
 
 void RotatingRecorder::keep_house() {
   const Debounce now = options_.steady();
-  if (now - looked_ >= kLookInterval) {
-    look_at_the_disk();
+  if (now - checked_ >= kDiskCheckInterval) {
+    check_disk();
     open_first_file();
   }
   rotate();

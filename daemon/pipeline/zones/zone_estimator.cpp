@@ -29,25 +29,25 @@ void ZoneEstimator::estimate_each(std::span<const Burst> bursts, std::span<Estim
   }
   inner_.estimate_each(bursts, out);
   for (std::size_t i = 0; i < out.size(); ++i) {
-    look_at(out[i], first[i]);
+    update_zones(out[i], first[i]);
   }
 }
 
 void ZoneEstimator::advance(Timestamp time, Estimates& out) {
   const std::size_t first = out.locations.size();
   inner_.advance(time, out);
-  look_at(out, first);
+  update_zones(out, first);
   watch_.advance(time, out.zone_events);
 }
 
 void ZoneEstimator::restart(const std::string& reason, Estimates& out) {
   const std::size_t first = out.locations.size();
   inner_.restart(reason, out);
-  look_at(out, first);
+  update_zones(out, first);
   watch_.restart(reason, out.zone_events);
 }
 
-void ZoneEstimator::look_at(Estimates& out, std::size_t first) {
+void ZoneEstimator::update_zones(Estimates& out, std::size_t first) {
   for (std::size_t i = first; i < out.locations.size(); ++i) {
     fill_zones(zones_, out.locations[i]);
     watch_.see(out.locations[i]);

@@ -27,7 +27,7 @@ class ZoneEstimator : public Estimator {
   Rank rank(const MacAddress& transmitter) const override { return inner_.rank(transmitter); }
 
  private:
-  void look_at(Estimates& out, std::size_t first);
+  void update_zones(Estimates& out, std::size_t first);
 
   Estimator& inner_;
   const std::vector<SiteZone> zones_;

@@ -90,8 +90,8 @@ void ZoneWatch::see(const Location& location) {
   }
   const TrackState state = location.tracked->state;
   const bool is_lost = state == TrackState::kLost;
-  const bool is_believed = state == TrackState::kConfirmed || state == TrackState::kCoasting;
-  if (!is_lost && !(is_believed && !location.zones.empty())) {
+  const bool is_trusted = state == TrackState::kConfirmed || state == TrackState::kCoasting;
+  if (!is_lost && !(is_trusted && !location.zones.empty())) {
     return;
   }
   Sighting sighting{location.target, {}, is_lost};
@@ -131,8 +131,8 @@ void ZoneWatch::restart(const std::string& reason, std::vector<ZoneEvent>& event
 }
 
 void ZoneWatch::give_out(std::vector<ZoneEvent>& events) {
-  std::move(said_.begin(), said_.end(), std::back_inserter(events));
-  said_.clear();
+  std::move(pending_.begin(), pending_.end(), std::back_inserter(events));
+  pending_.clear();
 }
 
 void ZoneWatch::take(Timestamp time, const std::string& key, const Sighting& sighting) {
@@ -172,12 +172,12 @@ void ZoneWatch::judge(std::size_t zone, Targets::value_type& target, Timestamp t
     } else if (!stay.is_inside && time - *stay.crossing >= rules.enter_after) {
       stay = {true, false, std::nullopt, time, stay.probability};
       inside_[zone].push_back(target.first);
-      say(ZoneEventKind::kEntered, zone, target, time);
+      add_event(ZoneEventKind::kEntered, zone, target, time);
     }
   }
   if (stay.is_inside && !stay.has_dwelled && time - stay.entered >= rules.dwell_after) {
     stay.has_dwelled = true;
-    say(ZoneEventKind::kDwelled, zone, target, time);
+    add_event(ZoneEventKind::kDwelled, zone, target, time);
   }
 }
 
@@ -186,7 +186,7 @@ void ZoneWatch::leave(std::size_t zone,
                       Timestamp time,
                       const std::string& reason) {
   std::erase(inside_[zone], target.first);
-  say(ZoneEventKind::kLeft, zone, target, time).reason = reason;
+  add_event(ZoneEventKind::kLeft, zone, target, time).reason = reason;
   ZoneStay& stay = target.second.stays[zone];
   stay.is_inside = false;
   stay.crossing.reset();
@@ -218,12 +218,12 @@ void ZoneWatch::forget_silent(Timestamp before) {
   }
 }
 
-ZoneEvent& ZoneWatch::say(ZoneEventKind kind,
+ZoneEvent& ZoneWatch::add_event(ZoneEventKind kind,
                           std::size_t zone,
                           const Targets::value_type& target,
                           Timestamp time) {
   const ZoneStay& stay = target.second.stays[zone];
-  ZoneEvent& event = said_.emplace_back();
+  ZoneEvent& event = pending_.emplace_back();
   event.kind = kind;
   event.time = time;
   event.zone = zones_[zone].name;

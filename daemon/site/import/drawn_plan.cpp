@@ -198,7 +198,7 @@ class PlanMaker {
     model_.parts.push_back({"floor", "", level(whole, 0.0)});
     model_.parts.push_back({"ceiling", "", level(whole, height_)});
     move(whole.lower);
-    say(walls.size(), windows.size());
+    add_remarks(walls.size(), windows.size());
     return std::move(model_);
   }
 
@@ -245,7 +245,7 @@ class PlanMaker {
     }
   }
 
-  void say(std::size_t walls, std::size_t windows) {
+  void add_remarks(std::size_t walls, std::size_t windows) {
     model_.remarks.push_back(
         fmt::format("{} pieces of wall, {} of them with both faces drawn; floor to ceiling {:g} m "
                     "(--height states another)",
@@ -275,10 +275,10 @@ class PlanMaker {
   bool has_doors_ = false;
 };
 
-double unit_of(const Drawing& drawing, double told, std::vector<std::string>& remarks) {
-  if (told > 0.0) {
-    remarks.push_back(fmt::format("a unit is {} m, by --unit", told));
-    return told;
+double unit_of(const Drawing& drawing, double given, std::vector<std::string>& remarks) {
+  if (given > 0.0) {
+    remarks.push_back(fmt::format("a unit is {} m, by --unit", given));
+    return given;
   }
   if (drawing.metres > 0.0) {
     remarks.push_back(fmt::format("a unit is {} m, as the drawing states", drawing.metres));

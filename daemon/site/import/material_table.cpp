@@ -72,7 +72,7 @@ constexpr std::array<std::string_view, 4> kLayers = {"window", "door", "wall", "
 constexpr std::array<std::string_view, 4> kParts = {"floor", "ceiling", "wall", "other"};
 
 // Its words in lower case, with a space before and after each.
-std::string words_of(std::string_view name) {
+std::string split_words(std::string_view name) {
   std::string words = " ";
   bool was_small = false;
   for (const char c : name) {
@@ -103,7 +103,7 @@ std::vector<std::string> read_words(const TomlTable& table, std::string_view key
   std::vector<std::string> found;
   for (const std::string& word : table.strings(key)) {
     const bool is_prefix = word.ends_with('*');
-    const std::string words = words_of(word);
+    const std::string words = split_words(word);
     if (words == " ") {
       table.error_at(key, fmt::format("'{}' holds '{}', which has no letter", key, word));
       continue;
@@ -201,7 +201,7 @@ Expected<MaterialTable> MaterialTable::of(TomlDocument& document) {
 
 std::optional<StatedMaterial> MaterialTable::find(std::string_view material,
                                                   std::string_view object) const {
-  for (const std::string& name : {words_of(material), words_of(object)}) {
+  for (const std::string& name : {split_words(material), split_words(object)}) {
     for (const Row& row : rows_) {
       if (holds_one(name, row.words)) {
         return row.material;
@@ -212,7 +212,7 @@ std::optional<StatedMaterial> MaterialTable::find(std::string_view material,
 }
 
 std::string MaterialTable::layer(std::string_view name) const {
-  const std::string words = words_of(name);
+  const std::string words = split_words(name);
   for (const auto& [kind, of] : layers_) {
     if (holds_one(words, of)) {
       return kind;

@@ -87,7 +87,7 @@ class RoomScanReader {
         }
       }
     }
-    say(json);
+    add_remarks(json);
     auto model = scanned_room(room_);
     if (!model) {
       return refuse(model.error().message);
@@ -217,7 +217,7 @@ class RoomScanReader {
     return box;
   }
 
-  void say(const Json& json) {
+  void add_remarks(const Json& json) {
     remarks_.emplace_back("metres, y is up, as RoomPlan states");
     const auto version = json.find("version");
     const bool is_known =

@@ -130,7 +130,7 @@ class RoomMaker {
     for (const ScannedBox& object : room_.objects) {
       add_object(object);
     }
-    say();
+    add_remarks();
     return std::move(model_);
   }
 
@@ -176,8 +176,8 @@ class RoomMaker {
   void add_floor() {
     const Bounds walls = bounds_of(room_.walls);
     PlanRoom room{.outline = room_.floor, .level = walls.lower.z, .height = walls.upper.z};
-    const bool is_told = room.outline.size() > 2 && !outline_mistake(room.outline);
-    if (!is_told) {
+    const bool has_outline = room.outline.size() > 2 && !outline_mistake(room.outline);
+    if (!has_outline) {
       room.outline = {{walls.lower.x, walls.lower.y},
                       {walls.upper.x, walls.lower.y},
                       {walls.upper.x, walls.upper.y},
@@ -187,7 +187,7 @@ class RoomMaker {
     model_.parts.push_back({"ceiling", "", ceiling_mesh(room)});
     model_.remarks.push_back(
         fmt::format("floor and ceiling are {}, {:.2f} m apart",
-                    is_told ? "the scan's outline of the floor" : "the rectangle around the walls",
+                    has_outline ? "the scan's outline of the floor" : "the rectangle around the walls",
                     room.height - room.level));
   }
 
@@ -212,7 +212,7 @@ class RoomMaker {
     model_.parts.push_back({object.name, "", box_mesh(box)});
   }
 
-  void say() {
+  void add_remarks() {
     model_.remarks.push_back(fmt::format(
         "{} walls, {} doors and windows that are closed, {} openings and open doors, {} "
         "pieces of furniture",

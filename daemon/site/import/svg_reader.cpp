@@ -94,7 +94,7 @@ class SvgReader {
         drawing_.empty_layers.insert(layer);
       }
     }
-    say();
+    add_remarks();
     return scaled(*root);
   }
 
@@ -161,10 +161,10 @@ class SvgReader {
       ++left_out_["in groups that are too deep"];
       return;
     }
-    if (const pugi::xml_attribute told = node.attribute("transform")) {
-      const auto own = svg_transform(told.value());
+    if (const pugi::xml_attribute given = node.attribute("transform")) {
+      const auto own = svg_transform(given.value());
       if (!own) {
-        xml_.complain(node, fmt::format("'{:.60}' is no transform", told.value()));
+        xml_.complain(node, fmt::format("'{:.60}' is no transform", given.value()));
         return;
       }
       placing = placing.after(*own);
@@ -216,8 +216,8 @@ class SvgReader {
       return {};
     }
     const auto side = [&](const char* key, double otherwise) {
-      const auto told = svg_length(sized.attribute(key).value());
-      return told && told->unit == "%" ? otherwise : length(sized, key, otherwise);
+      const auto given = svg_length(sized.attribute(key).value());
+      return given && given->unit == "%" ? otherwise : length(sized, key, otherwise);
     };
     const double width = side("width", (*box)[2]);
     const double height = side("height", (*box)[3]);
@@ -243,11 +243,11 @@ class SvgReader {
 
   // An attribute in units of the drawing; NaN and a remark if it is no such length.
   double length(const pugi::xml_node& node, const char* name, double otherwise) {
-    const pugi::xml_attribute told = node.attribute(name);
-    if (!told) {
+    const pugi::xml_attribute given = node.attribute(name);
+    if (!given) {
       return otherwise;
     }
-    const auto read = svg_length(told.value());
+    const auto read = svg_length(given.value());
     if (read && (read->unit.empty() || read->unit == "px")) {
       return read->number;
     }
@@ -255,7 +255,7 @@ class SvgReader {
       return read->metres() / kPixel;
     }
     xml_.complain(node,
-                  fmt::format("{}=\"{:.60}\" is no length; write a number", name, told.value()));
+                  fmt::format("{}=\"{:.60}\" is no length; write a number", name, given.value()));
     return std::numeric_limits<double>::quiet_NaN();
   }
 
@@ -325,7 +325,7 @@ class SvgReader {
     return line;
   }
 
-  void say() {
+  void add_remarks() {
     std::vector<std::string> all;
     for (const auto& [what, count] : left_out_) {
       if (!what.empty() && count > 0) {
@@ -341,12 +341,12 @@ class SvgReader {
   double paper_unit(const pugi::xml_node& root) {
     const auto box = svg_numbers(root.attribute("viewBox").value());
     for (const auto& [name, side] : {std::pair{"width", 2U}, {"height", 3U}}) {
-      const auto told = svg_length(root.attribute(name).value());
-      if (!told || told->metres() <= 0.0) {
+      const auto given = svg_length(root.attribute(name).value());
+      if (!given || given->metres() <= 0.0) {
         continue;
       }
       const bool has_box = box && box->size() == 4 && (*box)[side] > 0.0;
-      return has_box ? told->metres() / (*box)[side] : kPixel;
+      return has_box ? given->metres() / (*box)[side] : kPixel;
     }
     return 0.0;
   }

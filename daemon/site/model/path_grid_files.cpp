@@ -87,7 +87,7 @@ fs::path PathGridFiles::file_of(const std::string& key) const {
   return options_.directory / (key + std::string(kExtension));
 }
 
-void PathGridFiles::tell(const fs::path& file, const std::string& what) const {
+void PathGridFiles::report(const fs::path& file, const std::string& what) const {
   if (options_.log) {
     options_.log(file.string() + ": " + what);
   }
@@ -102,7 +102,7 @@ std::optional<std::string> PathGridFiles::load(const std::string& key) {
   std::optional<std::string> text = read_whole(file);
   const std::string fault = text ? fault_of(*text) : "cannot be read";
   if (!fault.empty()) {
-    tell(file, fault + "; made anew");
+    report(file, fault + "; made anew");
     return std::nullopt;
   }
   fs::last_write_time(file, fs::file_time_type::clock::now(), failed);  // marks the file as used
@@ -111,7 +111,7 @@ std::optional<std::string> PathGridFiles::load(const std::string& key) {
 }
 
 void PathGridFiles::refuse(const std::string& key) {
-  tell(file_of(key), "is not what this program would make; made anew");
+  report(file_of(key), "is not what this program would make; made anew");
 }
 
 bool PathGridFiles::write(const fs::path& file, std::string_view bytes) const {
@@ -124,7 +124,7 @@ bool PathGridFiles::write(const fs::path& file, std::string_view bytes) const {
 
 void PathGridFiles::save(const std::string& key, std::string_view bytes) {
   if (bytes.size() + kPathGridHeader > options_.most_bytes) {
-    tell(file_of(key), "not kept: larger than all path grids together may be");
+    report(file_of(key), "not kept: larger than all path grids together may be");
     return;
   }
   std::error_code failed;
@@ -133,13 +133,13 @@ void PathGridFiles::save(const std::string& key, std::string_view bytes) {
   fs::path unfinished = file;
   unfinished += "." + std::to_string(::getpid()) + std::string(kUnfinished);
   if (!write(unfinished, bytes)) {
-    tell(file, "not kept: cannot be written");
+    report(file, "not kept: cannot be written");
     fs::remove(unfinished, failed);
     return;
   }
   fs::rename(unfinished, file, failed);
   if (failed) {
-    tell(file, "not kept: " + failed.message());
+    report(file, "not kept: " + failed.message());
     fs::remove(unfinished, failed);
     return;
   }

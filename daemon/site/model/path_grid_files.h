@@ -42,7 +42,7 @@ class PathGridFiles : public PathGridStore {
   std::filesystem::path file_of(const std::string& key) const;
   bool write(const std::filesystem::path& file, std::string_view bytes) const;
   void drop_oldest(const std::filesystem::path& kept) const;
-  void tell(const std::filesystem::path& file, const std::string& what) const;
+  void report(const std::filesystem::path& file, const std::string& what) const;
 
   Options options_;
 };

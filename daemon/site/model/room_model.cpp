@@ -21,7 +21,7 @@ DeviceModel device_of(const Site& site) {
 }
 
 // Levels of the transmitters that the site still states to have constant power.
-std::vector<TransmitterLevel> believed(std::vector<TransmitterLevel> levels, const Site& site) {
+std::vector<TransmitterLevel> constant_levels(std::vector<TransmitterLevel> levels, const Site& site) {
   std::erase_if(levels, [&](const TransmitterLevel& level) {
     const SiteTransmitter* stated = find_transmitter(site, level.transmitter);
     return stated == nullptr || !stated->constant_power;
@@ -51,7 +51,7 @@ void apply_to(RoomAccessPoint& ap, CalibratedAccessPoint&& found, const Site& si
   const auto& sigma = found.gain_sigma;
   ap.are_chains_known = sigma.empty() || *std::max_element(sigma.begin(), sigma.end()) < kUnknown;
   ap.gains = std::move(found.gains);
-  ap.levels = believed(std::move(found.levels), site);
+  ap.levels = constant_levels(std::move(found.levels), site);
 }
 
 Expected<void> apply_calibration(const Site& site, RoomModel& room) {

@@ -71,7 +71,7 @@ constexpr std::size_t kUsualAxes = 3;  // at the beginning of all_axes()
 
 struct Candidate {
   SceneFrame frame;
-  double doubt = 0.0;  // smaller means simpler and better
+  double penalty = 0.0;  // smaller means simpler and better
 };
 
 // Distance between the corners of two boxes [m].
@@ -111,14 +111,14 @@ std::vector<Candidate> candidates(const Bounds& scene, const Bounds& room) {
     }
   }
   std::stable_sort(found.begin(), found.end(), [](const Candidate& a, const Candidate& b) {
-    return a.doubt < b.doubt;
+    return a.penalty < b.penalty;
   });
   return found;
 }
 
 // Returns true if more than half of the side `axis` of the room, at the lower or the upper end, is
 // on a face.
-bool is_covered(
+bool has_face(
     const Scene& scene, const SceneFrame& frame, const Bounds& room, std::size_t axis, bool upper) {
   constexpr int kSamples = 9;  // per axis: odd, so that a seam in the middle does not hide all
   const auto low = coordinates(room.lower);
@@ -175,13 +175,13 @@ Vec3d SceneFrame::to_scene(const Vec3d& p) const {
 }
 
 int covered_sides(const Scene& scene, const SceneFrame& frame, const Bounds& room) {
-  int covered = 0;
+  int sides = 0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     for (const bool upper : {false, true}) {
-      covered += is_covered(scene, frame, room, axis, upper) ? 1 : 0;
+      sides += has_face(scene, frame, room, axis, upper) ? 1 : 0;
     }
   }
-  return covered;
+  return sides;
 }
 
 std::optional<SceneFrame> find_frame(const Scene& scene, const Bounds& room) {
@@ -194,8 +194,8 @@ std::optional<SceneFrame> find_frame(const Scene& scene, const Bounds& room) {
   std::optional<SceneFrame> best;
   int most = needed - 1;
   for (const Candidate& candidate : candidates({scene.bounds_min(), scene.bounds_max()}, room)) {
-    if (const int covered = covered_sides(scene, candidate.frame, room); covered > most) {
-      most = covered;
+    if (const int sides = covered_sides(scene, candidate.frame, room); sides > most) {
+      most = sides;
       best = candidate.frame;
     }
     if (most == kAllSides) {

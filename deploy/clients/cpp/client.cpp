@@ -100,7 +100,7 @@ class Subscriber::Impl {
       if (!message.envelope.ParseFromString(arrived->payload)) {
         ++malformed_;
       } else {
-        look_at(message);
+        observe(message);
         if (wanted(message)) {
           return message;
         }
@@ -117,7 +117,7 @@ class Subscriber::Impl {
   bool stale() const { return !received_ || Clock::now() - *received_ > options_.stale_after; }
 
  private:
-  void look_at(const Message& message) {
+  void observe(const Message& message) {
     gaps_.add(message.topic, message.envelope);
     if (message.from_snapshot) {
       return;  // does not count as a sign of life

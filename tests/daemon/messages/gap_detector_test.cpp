@@ -47,14 +47,14 @@ TEST(GapDetector, HeartbeatsShowLossOnSilentTopics) {
   detector.add("v1/location/s/a/", numbered(1, 40));
   v1::Envelope heartbeat = numbered(1, 5);
   auto& topic_class = *heartbeat.mutable_heartbeat()->add_topic_classes();
-  const auto say = [&](const char* topic, std::uint64_t sequence) {
+  const auto add_last = [&](const char* topic, std::uint64_t sequence) {
     auto& last = *topic_class.add_last_sequences();
     last.set_topic(topic);
     last.set_sequence(sequence);
   };
-  say("v1/location/s/a/", 42);
-  say("v1/location/s/not-subscribed/", 900);
-  say("v1/heartbeat/s/", 4);
+  add_last("v1/location/s/a/", 42);
+  add_last("v1/location/s/not-subscribed/", 900);
+  add_last("v1/heartbeat/s/", 4);
   const auto gaps = detector.add("v1/heartbeat/s/", heartbeat);
   ASSERT_EQ(gaps.size(), 1U);
   EXPECT_EQ(gaps[0].lost, 2U);

@@ -105,10 +105,10 @@ TEST_F(RingSnapshotsTest, WritesAFileForEachSourceThatWasHeard) {
   const auto source = PcapFileSource::open(files->front()).value();
   test::read_to_end(*source);
   EXPECT_EQ(source->counters().delivered, 1000U);
-  const std::vector<std::string> news = snapshots.news();
-  ASSERT_EQ(news.size(), 1U);
-  EXPECT_EQ(news[0], "snapshot: " + files->front() + ": 1000 datagrams");
-  EXPECT_TRUE(snapshots.news().empty());
+  const std::vector<std::string> notices = snapshots.notices();
+  ASSERT_EQ(notices.size(), 1U);
+  EXPECT_EQ(notices[0], "snapshot: " + files->front() + ": 1000 datagrams");
+  EXPECT_TRUE(snapshots.notices().empty());
 }
 
 TEST_F(RingSnapshotsTest, SaysWhyNothingIsWritten) {
@@ -118,7 +118,7 @@ TEST_F(RingSnapshotsTest, SaysWhyNothingIsWritten) {
       {{"ap1", &ring}}, folder_, {limits_.max_total_bytes, std::uint64_t{1} << 60U});
   ASSERT_TRUE(snapshots.request());
   ASSERT_TRUE(eventually(kPatience, [&] { return snapshots.counters().failed == 1; }));
-  EXPECT_THAT(snapshots.news().at(0), HasSubstr("less than min_free_mb would be left"));
+  EXPECT_THAT(snapshots.notices().at(0), HasSubstr("less than min_free_mb would be left"));
   EXPECT_TRUE(std::filesystem::is_empty(folder_));
 }
 

@@ -67,7 +67,7 @@ TEST(Field, DeadChainIsNamedUntilItComesBack) {
   EXPECT_TRUE(dead.warnings(room()).empty());
 }
 
-std::string news_of(ChainKnowledge knowledge) {
+std::string notices_of(ChainKnowledge knowledge) {
   ChainLearner learner(std::make_shared<const Localizer>(
       *Localizer::create(std::make_shared<const RoomModel>(room()), {})));
   ChainState state;
@@ -81,18 +81,18 @@ std::string news_of(ChainKnowledge knowledge) {
   keeper.restore({&learner}, room());
   std::filesystem::remove(file);
   std::string all;
-  for (const std::string& line : keeper.news()) {
+  for (const std::string& line : keeper.notices()) {
     all += line + "\n";
   }
   return all;
 }
 
 TEST(Field, ChainsThatAFileDoesNotKnowAreSaidToBeLearned) {
-  EXPECT_THAT(news_of(ChainKnowledge::kLearning),
+  EXPECT_THAT(notices_of(ChainKnowledge::kLearning),
               AllOf(HasSubstr("learning the chains of " + room().access_points[0].id),
                     HasSubstr("0 of at least"),
                     Not(HasSubstr("degrees"))));
-  EXPECT_THAT(news_of(ChainKnowledge::kLearned),
+  EXPECT_THAT(notices_of(ChainKnowledge::kLearned),
               AllOf(HasSubstr("as learned before"), HasSubstr("degrees")));
 }
 

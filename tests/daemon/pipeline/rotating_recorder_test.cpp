@@ -251,13 +251,13 @@ TEST_F(RotatingRecorderTest, WhatItWritesIsNoLeftover) {
 // and reported, and recording begins a second later.
 void expect_to_begin_after(Recordings& all,
                            const std::function<void()>& mend,
-                           const std::string& said) {
+                           const std::string& message) {
   auto recorder = all.open({.min_free_bytes = 0});
-  EXPECT_THAT(recorder->counters().error, HasSubstr(said)) << "before anything came";
+  EXPECT_THAT(recorder->counters().error, HasSubstr(message)) << "before anything came";
   all.write(*recorder, 2);
   all.passed_ += std::chrono::seconds(1);
   all.write(*recorder, 3);
-  EXPECT_THAT(recorder->counters().error, HasSubstr(said));
+  EXPECT_THAT(recorder->counters().error, HasSubstr(message));
   EXPECT_EQ(recorder->counters().lost, 5U);
   mend();
   all.passed_ += std::chrono::seconds(1);

@@ -144,14 +144,14 @@ TEST_F(TurnedChains, AreNotBelievedUntilTheyAreLearnedAndThenKept) {
   }
   EXPECT_EQ(located, kJumpAt);
   EXPECT_GE(held, 9 * learning / 10) << coarse << " coarse fixes of " << learning;
-  std::string news;
-  for (const std::string& line : estimator->chain_news()) {
-    news += line + "\n";
+  std::string notices;
+  for (const std::string& line : estimator->chain_notices()) {
+    notices += line + "\n";
   }
-  EXPECT_NE(news.find("access point ap1: its chains have turned; learning the chains of ap1"),
+  EXPECT_NE(notices.find("access point ap1: its chains have turned; learning the chains of ap1"),
             std::string::npos)
-      << news;
-  EXPECT_NE(news.find("access point ap1: its chains are learned"), std::string::npos) << news;
+      << notices;
+  EXPECT_NE(notices.find("access point ap1: its chains are learned"), std::string::npos) << notices;
   EXPECT_TRUE(estimator->calibration_warnings().empty());
   EXPECT_LT(learning, (kBursts - kJumpAt) / 2);
 

@@ -252,14 +252,14 @@ TEST(ZoneWatch, ASuccessorGoesOnWithTheStays) {
         first.see(sighting);
       }
     }
-    std::string said = lines(events_of(first, moment));
+    std::string output = lines(events_of(first, moment));
     ZoneWatch second(zones(2), first.stays(), at(moment));
     for (const Location& sighting : sightings) {
       if (sighting.estimate.time >= at(moment - 5.0)) {
         second.see(sighting);
       }
     }
-    EXPECT_EQ(said + lines(events_of(second, 80.0)), expected) << moment;
+    EXPECT_EQ(output + lines(events_of(second, 80.0)), expected) << moment;
   }
 }
 

@@ -127,7 +127,7 @@ std::string mistake_table(const std::vector<TriedMistake>& mistakes) {
              "other half. Standard errors are those of the mean difference per point.");
 }
 
-std::string first_words(const CalibrationReport& report) {
+std::string introduction(const CalibrationReport& report) {
   std::string html = "<p><strong>" + html_text(expectation(report)) + "</strong></p>\n";
   const std::vector<std::string> next = advice(report);
   if (!next.empty() && report.verdict.is_success()) {
@@ -286,7 +286,7 @@ std::string to_html(const CalibrationReport& report) {
   RAYLOC_CHECK(!report.methods.empty() && report.positions.size() == report.held_out.size());
   return html_page(
       "Calibration of " + report.site,
-      first_words(report) + failure(report) + headline(report) +
+      introduction(report) + failure(report) + headline(report) +
           section("Methods", method_table(report)) +
           section("Course of the fit", progress(report)) +
           section("Fit of the points held out", fit_distributions(report)) +

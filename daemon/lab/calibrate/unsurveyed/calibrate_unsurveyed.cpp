@@ -63,8 +63,8 @@ Expected<ReceivedPlaces> places_in(const std::string& site_folder,
   if (!captures) {
     return tl::make_unexpected(captures.error());
   }
-  std::vector<std::string> told_before;
-  return received_places(*site, *room, *captures, told_before);
+  std::vector<std::string> repeated_notices;
+  return received_places(*site, *room, *captures, repeated_notices);
 }
 
 bool is_one_alone(const std::vector<std::string>& captures) {
@@ -110,7 +110,7 @@ Expected<void> keep_plan(const std::string& learned, const UnsurveyedArguments& 
   return {};
 }
 
-void say(const UnsurveyedArguments& arguments, const std::string& text) {
+void print_note(const UnsurveyedArguments& arguments, const std::string& text) {
   if (!arguments.quiet) {
     std::fprintf(stderr, "%s\n", text.c_str());
   }
@@ -138,7 +138,7 @@ Expected<void> fit_room(const std::string& learned,
     return tl::make_unexpected(outcome.error());
   }
   if (*outcome == CalibrationOutcome::kFails) {
-    say(arguments,
+    print_note(arguments,
         arguments.out + " has the walls of the plan, and the chains that were learned with them");
     if (auto kept = keep_plan(learned, arguments); !kept) {
       return kept;
@@ -168,7 +168,7 @@ Expected<void> run_unsurveyed(const UnsurveyedArguments& arguments) {
     return done;
   }
   if (is_one_alone(arguments.captures)) {
-    say(arguments,
+    print_note(arguments,
         "chains that were learned with one access point alone may be wrong although they fit: its "
         "regions are wide; verify them with more access points or a survey");
   }
@@ -177,7 +177,7 @@ Expected<void> run_unsurveyed(const UnsurveyedArguments& arguments) {
     return tl::make_unexpected(places.error());
   }
   if (places->points.size() < kFewestPoints) {
-    say(arguments,
+    print_note(arguments,
         fmt::format("{} of {} bursts have a certain position, and walls need {}: the walls stay as "
                     "in the plan; record a device that is carried through the whole room while all "
                     "access points receive it",
@@ -186,7 +186,7 @@ Expected<void> run_unsurveyed(const UnsurveyedArguments& arguments) {
                     kFewestPoints));
     return keep_plan(learned, arguments);
   }
-  say(arguments,
+  print_note(arguments,
       fmt::format(
           "{} of {} bursts have a certain position, to {:.3f} m: they are the survey of the walls",
           places->points.size(),

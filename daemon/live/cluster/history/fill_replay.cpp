@@ -56,17 +56,17 @@ class FilledSink final : public LocationSink {
     if (items_.advance(time)) {
       const OutItems::Part part = items_.take(std::numeric_limits<std::size_t>::max());
       for (const v1::OutputItem& item : part.output.items()) {
-        ++said_;
-        replay_.say(item);
+        ++results_;
+        replay_.on_result(item);
       }
     }
   }
-  std::size_t said() const { return said_; }
+  std::size_t results() const { return results_; }
 
  private:
   const StreamReplay& replay_;
   OutItems items_{Timestamp::min()};
-  std::size_t said_ = 0;
+  std::size_t results_ = 0;
 };
 
 // Reads each batch once, even if stored twice; ordered by time, as starts of a node have no order.
@@ -126,7 +126,7 @@ Expected<FillReport> replay_fill(Broker& broker, const StreamReplay& replay) {
     return tl::make_unexpected(run.error());
   }
   sink.advance(Timestamp::max());
-  report.items = sink.said();
+  report.items = sink.results();
   return report;
 }
 

@@ -37,7 +37,7 @@ class ChapterSink final : public LocationSink {
   void event(ZoneEvent&& event) override { items_.add(std::move(event)); }
   void advance(Timestamp time) override {
     if (items_.advance(std::min(time, chapter_.done))) {
-      say_what_is_ready();
+      publish_ready();
     }
     if (time >= chapter_.done) {
       feed_.end();
@@ -45,15 +45,15 @@ class ChapterSink final : public LocationSink {
   }
   void finish(StreamReplayReport& report) {
     advance(Timestamp::max());
-    differing_ += published_.size() - std::min(published_.size(), looked_at_);
-    report.items += said_;
+    differing_ += published_.size() - std::min(published_.size(), compared_);
+    report.items += results_;
     report.differing += differing_;
     if (differing_ > 0) {
       report.notes.push_back(fmt::format(
           "generation {}: {} results of {} are others than the {} that '{}' published{}",
           chapter_.start.generation,
           differing_,
-          said_,
+          results_,
           chapter_.items.size(),
           chapter_.begin.worker(),
           first_.empty() ? "" : ", first " + first_));
@@ -61,18 +61,18 @@ class ChapterSink final : public LocationSink {
   }
 
  private:
-  void say_what_is_ready() {
+  void publish_ready() {
     const OutItems::Part part = items_.take(std::numeric_limits<std::size_t>::max());
     for (const v1::OutputItem& item : part.output.items()) {
       if (const std::string text = compared(item, likeness(replay_)); !text.empty()) {
-        if (looked_at_ >= published_.size() || text != published_[looked_at_]) {
+        if (compared_ >= published_.size() || text != published_[compared_]) {
           first_ = differing_ == 0 ? item.ShortDebugString() : first_;
           ++differing_;
         }
-        ++looked_at_;
+        ++compared_;
       }
-      ++said_;
-      replay_.say(item);
+      ++results_;
+      replay_.on_result(item);
     }
   }
 
@@ -81,8 +81,8 @@ class ChapterSink final : public LocationSink {
   SiteFeed& feed_;
   OutItems items_;
   std::vector<std::string> published_;
-  std::size_t looked_at_ = 0;  // compared results
-  std::size_t said_ = 0;
+  std::size_t compared_ = 0;  // compared results
+  std::size_t results_ = 0;
   std::size_t differing_ = 0;
   std::string first_;
 };

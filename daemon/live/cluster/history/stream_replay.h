@@ -30,7 +30,7 @@ struct StreamReplay {
   // be the same at the same instants, and positions differ a little after each take-over.
   bool uninterrupted = false;
   // Called with each result, in order.
-  std::function<void(const v1::OutputItem& item)> say;
+  std::function<void(const v1::OutputItem& item)> on_result;
 };
 
 struct StreamReplayReport {

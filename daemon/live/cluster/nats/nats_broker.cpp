@@ -94,7 +94,7 @@ class NatsBroker final : public Broker {
   Expected<std::unique_ptr<Subscription>> listen(const std::string& subject, NatsSlot::Take take);
   Expected<void> connect();
   void keep_linked();
-  NatsLink::Told told();
+  NatsLink::Callbacks callbacks();
   void note_refusal(std::string words) {
     const std::lock_guard lock(mutex_);
     refusal_ = std::move(words);
@@ -152,16 +152,16 @@ Expected<void> NatsBroker::open(const BrokerOptions& options, const std::string&
   return {};
 }
 
-NatsLink::Told NatsBroker::told() {
-  NatsLink::Told told;
-  told.connected = [this] { ++connections_; };
-  told.ended = [this] {
+NatsLink::Callbacks NatsBroker::callbacks() {
+  NatsLink::Callbacks callbacks;
+  callbacks.connected = [this] { ++connections_; };
+  callbacks.ended = [this] {
     const std::lock_guard lock(mutex_);
     is_link_due_ = true;
     changed_.notify_all();
   };
-  told.refused = [this](std::string words) { note_refusal(std::move(words)); };
-  return told;
+  callbacks.refused = [this](std::string words) { note_refusal(std::move(words)); };
+  return callbacks;
 }
 
 Expected<void> NatsBroker::connect() {
@@ -169,7 +169,7 @@ Expected<void> NatsBroker::connect() {
     const std::lock_guard lock(mutex_);
     is_link_due_ = false;  // a new one may end before it is stored here
   }
-  auto made = NatsLink::connect(options_, identity_, told());
+  auto made = NatsLink::connect(options_, identity_, callbacks());
   std::shared_ptr<NatsLink> before;  // ends when no mutex is held
   if (made) {
     const std::lock_guard listening(listening_);

@@ -32,8 +32,8 @@ bool is_configuration(natsStatus status) {
 
 Expected<std::shared_ptr<NatsLink>> NatsLink::connect(const BrokerOptions& options,
                                                       const NatsIdentity& identity,
-                                                      Told told) {
-  std::shared_ptr<NatsLink> link(new NatsLink(std::move(told)));
+                                                      Callbacks callbacks) {
+  std::shared_ptr<NatsLink> link(new NatsLink(std::move(callbacks)));
   if (Expected<void> opened = link->open(options, identity); !opened) {
     return tl::make_unexpected(opened.error());
   }
@@ -150,7 +150,7 @@ void NatsLink::ignore(const std::shared_ptr<NatsSlot>& slot) {
 
 void NatsLink::note_connected(natsConnection*, void* self) {
   auto& link = *static_cast<NatsLink*>(self);
-  link.told_.connected();  // first: a caller that observes the connection must see the new count
+  link.callbacks_.connected();  // first: a caller that observes the connection must see the new count
   link.connected_ = true;
 }
 
@@ -161,7 +161,7 @@ void NatsLink::note_disconnected(natsConnection*, void* self) {
 void NatsLink::note_closed(natsConnection*, void* self) {
   auto& link = *static_cast<NatsLink*>(self);
   link.connected_ = false;
-  link.told_.ended();
+  link.callbacks_.ended();
   const std::lock_guard lock(link.mutex_);
   link.ended_ = true;
   link.changed_.notify_all();
@@ -177,7 +177,7 @@ void NatsLink::note_error(natsConnection* connection,
   }
   const char* words = nullptr;
   natsConnection_GetLastError(connection, &words);
-  static_cast<NatsLink*>(self)->told_.refused(
+  static_cast<NatsLink*>(self)->callbacks_.refused(
       words != nullptr && *words != '\0' ? words : natsStatus_GetText(status));
 }
 

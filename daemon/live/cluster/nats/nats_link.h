@@ -52,7 +52,7 @@ class NatsSlot {
 class NatsLink {
  public:
   // Called by threads of libnats.
-  struct Told {
+  struct Callbacks {
     std::function<void()> connected;  // reconnected by itself
     std::function<void()> ended;      // permanently; once
     std::function<void(std::string words)> refused;
@@ -63,7 +63,7 @@ class NatsLink {
   // An Error of kind kConfiguration: another try would fail too.
   static Expected<std::shared_ptr<NatsLink>> connect(const BrokerOptions& options,
                                                      const NatsIdentity& identity,
-                                                     Told told);
+                                                     Callbacks callbacks);
   ~NatsLink();
   NatsLink(const NatsLink&) = delete;
   NatsLink& operator=(const NatsLink&) = delete;
@@ -77,7 +77,7 @@ class NatsLink {
   void ignore(const std::shared_ptr<NatsSlot>& slot);
 
  private:
-  explicit NatsLink(Told told) : told_(std::move(told)) {}
+  explicit NatsLink(Callbacks callbacks) : callbacks_(std::move(callbacks)) {}
   Expected<void> open(const BrokerOptions& options, const NatsIdentity& identity);
   Expected<void> prepare(natsOptions* made,
                          const BrokerOptions& options,
@@ -87,7 +87,7 @@ class NatsLink {
   static void note_closed(natsConnection*, void* self);
   static void note_error(natsConnection*, natsSubscription*, natsStatus, void* self);
 
-  const Told told_;
+  const Callbacks callbacks_;
   natsConnection* connection_ = nullptr;
   jsCtx* jetstream_ = nullptr;
   std::atomic<bool> connected_{false};

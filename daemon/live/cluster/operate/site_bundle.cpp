@@ -99,12 +99,12 @@ Expected<void> enter(Broker& broker, const std::string& site, const json& manife
   if (!before) {
     return tl::make_unexpected(before.error());
   }
-  const auto said =
+  const auto sent =
       broker.publish_behind(entry, manifest.dump(), *before ? (*before)->sequence : 0);
-  if (!said) {
-    return tl::make_unexpected(said.error());
+  if (!sent) {
+    return tl::make_unexpected(sent.error());
   }
-  if (!said->is_last) {
+  if (!sent->is_last) {
     return make_error(
         ErrorKind::kUnavailable,
         "site '" + site +
@@ -142,7 +142,7 @@ Expected<SiteBundle> split(const json& manifest, const std::string& all) {
 
 }  // namespace
 
-std::string bundle_news() { return "rayloc.v1.bundled.*." + std::string(kCurrent); }
+std::string bundle_notices() { return "rayloc.v1.bundled.*." + std::string(kCurrent); }
 
 std::string SiteBundle::hash() const {
   if (sodium_init() < 0) {
@@ -233,10 +233,10 @@ Expected<void> store_bundle(Broker& broker,
   for (std::size_t i = 0; i < pieces; ++i) {
     const std::string subject = subject_of(site, hash + "." + std::to_string(i));
     // An existing piece is the same.
-    const auto said =
+    const auto sent =
         broker.publish_behind(subject, std::string_view(all).substr(i * kPiece, kPiece), 0);
-    if (!said) {
-      return tl::make_unexpected(said.error());
+    if (!sent) {
+      return tl::make_unexpected(sent.error());
     }
   }
   return enter(broker, site, manifest_of(bundle, hash, pieces));

@@ -43,6 +43,6 @@ Expected<std::map<std::string, std::string>> stored_bundles(Broker& broker);
 // An Error where it is incomplete, or has been replaced meanwhile.
 Expected<SiteBundle> fetch_bundle(Broker& broker, const std::string& site, const std::string& hash);
 // Subject of the notices that a site has another bundle.
-std::string bundle_news();
+std::string bundle_notices();
 
 }  // namespace rayloc

@@ -16,11 +16,11 @@ using nlohmann::json;
 
 // Returns the reply of JetStream, or its error message.
 Expected<json> answer_of(Broker& broker, const std::string& subject, const json& question) {
-  const auto said = broker.ask("$JS.API." + subject, question.dump());
-  if (!said) {
-    return tl::make_unexpected(said.error());
+  const auto reply = broker.ask("$JS.API." + subject, question.dump());
+  if (!reply) {
+    return tl::make_unexpected(reply.error());
   }
-  json answer = json::parse(*said, nullptr, false);
+  json answer = json::parse(*reply, nullptr, false);
   if (!answer.is_object()) {
     return make_error(ErrorKind::kUnavailable, subject + ": the server's answer is no JSON");
   }

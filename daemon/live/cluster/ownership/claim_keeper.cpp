@@ -15,11 +15,11 @@
 namespace rayloc {
 namespace {
 
-constexpr int kSaidInALease = 4;  // reports that it is alive: three may be lost
-constexpr int kLooksInALease = 2 * kSaidInALease;
-constexpr int kHotLooks = 50;  // chosen: per lease, 40 ms of the preset; they send no requests
+constexpr int kLeaseReports = 4;  // reports that it is alive: three may be lost
+constexpr int kLeaseChecks = 2 * kLeaseReports;
+constexpr int kHotChecks = 50;  // chosen: per lease, 40 ms of the preset; they send no requests
 // Interval between requests for a known claim: the message with a change may be lost.
-constexpr std::chrono::seconds kClaimLookInterval{5};
+constexpr std::chrono::seconds kClaimReadInterval{5};
 std::uint32_t milliseconds_of(Duration lease) {
   return static_cast<std::uint32_t>(
       std::chrono::duration_cast<std::chrono::milliseconds>(lease).count());
@@ -69,7 +69,7 @@ Expected<std::unique_ptr<ClaimKeeper>> ClaimKeeper::open(std::shared_ptr<Broker>
 }
 
 void ClaimKeeper::start() {
-  speaker_ = std::thread([this] { speak(); });
+  sender_ = std::thread([this] { send_state(); });
   thread_ = std::thread([this] { run(); });
 }
 
@@ -79,8 +79,8 @@ void ClaimKeeper::finish() {
     finishing_ = true;
   }
   wake_.notify_one();
-  speak_.notify_one();
-  for (std::thread* const thread : {&thread_, &speaker_}) {
+  send_.notify_one();
+  for (std::thread* const thread : {&thread_, &sender_}) {
     if (thread->joinable()) {
       thread->join();
     }
@@ -96,9 +96,9 @@ void ClaimKeeper::leave() {
   leaving_ = true;
   {
     const std::lock_guard lock(mutex_);
-    say_now_ = true;
+    send_now_ = true;
   }
-  speak_.notify_one();
+  send_.notify_one();
 }
 
 void ClaimKeeper::take_state(const BrokerMessage& message) {
@@ -142,11 +142,11 @@ void ClaimKeeper::note(const std::string& site,
 }
 
 // Waits for no replies: a slow broker makes no worker appear dead.
-void ClaimKeeper::speak() {
+void ClaimKeeper::send_state() {
   pthread_setname_np(pthread_self(), "alive");  // for top -H
   std::unique_lock lock(mutex_);
   while (!finishing_) {
-    speaking_.beat();
+    sending_.beat();
     const bool yields = peers_.yields(std::chrono::steady_clock::now());
     const std::string alive = seal(state());
     lock.unlock();
@@ -154,11 +154,11 @@ void ClaimKeeper::speak() {
       (void)broker_->publish(worker_subject(options_.worker), alive);  // repeated soon
     }
     lock.lock();
-    speaking_.rest();
-    speak_.wait_for(lock, options_.lease / kSaidInALease, [&] { return finishing_ || say_now_; });
-    say_now_ = false;
+    sending_.rest();
+    send_.wait_for(lock, options_.lease / kLeaseReports, [&] { return finishing_ || send_now_; });
+    send_now_ = false;
   }
-  speaking_.rest();
+  sending_.rest();
 }
 
 // REQUIRES: the mutex is held.
@@ -186,9 +186,9 @@ void ClaimKeeper::run() {
       progress_.rest();
       // A silent owner is detected soon, and by a standby at once.
       wake_.wait_for(lock,
-                     options_.lease / (condition_.stands_by().empty() ? kLooksInALease : kHotLooks),
-                     [&] { return finishing_ || look_now_; });
-      look_now_ = false;
+                     options_.lease / (condition_.stands_by().empty() ? kLeaseChecks : kHotChecks),
+                     [&] { return finishing_ || check_now_; });
+      check_now_ = false;
       goes_on = !finishing_;
       progress_.beat();
     }
@@ -230,7 +230,7 @@ void ClaimKeeper::restore_claims() {
   for (auto one = to_restore_.begin(); one != to_restore_.end();) {
     const auto& [site, generation] = *one;
     progress_.beat();
-    if (!look(site)) {
+    if (!read_claim(site)) {
       return;
     }
     std::unique_lock lock(mutex_);
@@ -239,11 +239,11 @@ void ClaimKeeper::restore_claims() {
         owned != owned_.end() && owned->second == generation && claims_[site].sequence == 0;
     lock.unlock();
     if (is_lost) {
-      const auto said = broker_->publish_behind(claim_subject(site), seal(claim_of(generation)), 0);
-      if (!said || !said->is_last) {
+      const auto sent = broker_->publish_behind(claim_subject(site), seal(claim_of(generation)), 0);
+      if (!sent || !sent->is_last) {
         return;  // the next check shows which came first
       }
-      note(site, said->sequence, claim_of(generation));
+      note(site, sent->sequence, claim_of(generation));
     }
     one = to_restore_.erase(one);
   }
@@ -261,7 +261,7 @@ v1::SiteClaim ClaimKeeper::claim_of(std::uint64_t generation) const {
 // REQUIRES: the mutex is held, as for is_due().
 bool ClaimKeeper::has_owner(const std::string& site, const Claim& known, Time now) const {
   if (known.sequence == 0) {
-    return peers_.anybody_has(site, now);  // its claim was lost with the store
+    return peers_.any_peer_has(site, now);  // its claim was lost with the store
   }
   const v1::SiteClaim& claim = known.claim;
   if (claim.removed() && now - known.noted < kRemovedFor) {
@@ -276,7 +276,7 @@ bool ClaimKeeper::has_owner(const std::string& site, const Claim& known, Time no
 }
 
 void ClaimKeeper::see_to_sites(Time now) {
-  std::vector<std::string> look_at;
+  std::vector<std::string> to_read;
   std::set<std::string> offered;
   {
     const std::lock_guard lock(mutex_);
@@ -289,14 +289,14 @@ void ClaimKeeper::see_to_sites(Time now) {
         continue;
       }
       Claim& known = claims_[site];
-      if (known.asked == Time{} || now - known.asked > kClaimLookInterval) {
-        look_at.push_back(site);
+      if (known.asked == Time{} || now - known.asked > kClaimReadInterval) {
+        to_read.push_back(site);
       }
     }
   }
-  for (const std::string& site : look_at) {
+  for (const std::string& site : to_read) {
     progress_.beat();
-    look(site);
+    read_claim(site);
   }
   for (const std::string& site : offered) {
     progress_.beat();
@@ -356,7 +356,7 @@ std::optional<double> ClaimKeeper::calmest() const {
 }
 
 // Reads its record; returns true if the state is known.
-bool ClaimKeeper::look(const std::string& site) {
+bool ClaimKeeper::read_claim(const std::string& site) {
   const auto last = broker_->last_of(std::string(kClaimStream), claim_subject(site));
   if (!last) {
     return false;
@@ -375,7 +375,7 @@ bool ClaimKeeper::look(const std::string& site) {
 }
 
 void ClaimKeeper::try_to_claim(const std::string& site) {
-  if (!look(site)) {
+  if (!read_claim(site)) {
     return;
   }
   Claim known;
@@ -390,23 +390,23 @@ void ClaimKeeper::try_to_claim(const std::string& site) {
   const auto before_all = static_cast<std::uint64_t>(
       std::chrono::floor<std::chrono::milliseconds>(created_.time_since_epoch()).count());
   const v1::SiteClaim mine = claim_of(std::max(known.claim.generation(), before_all) + 1);
-  const auto said = broker_->publish_behind(claim_subject(site), seal(mine), known.sequence);
-  if (!said) {
+  const auto sent = broker_->publish_behind(claim_subject(site), seal(mine), known.sequence);
+  if (!sent) {
     return;  // the next check shows the outcome
   }
-  if (!said->is_last) {
-    look(site);
+  if (!sent->is_last) {
+    read_claim(site);
     return;
   }
   {
     const std::lock_guard lock(mutex_);
     const Time now = std::chrono::steady_clock::now();
     owned_[site] = mine.generation();
-    claims_[site] = {said->sequence, mine, {}, now, now};
+    claims_[site] = {sent->sequence, mine, {}, now, now};
     changes_.push_back({site, mine.generation(), options_.worker});
-    say_now_ = true;
+    send_now_ = true;
   }
-  speak_.notify_one();
+  send_.notify_one();
 }
 
 void ClaimKeeper::give_back(const std::string& site, std::uint64_t generation) {
@@ -429,9 +429,9 @@ void ClaimKeeper::withdraw(std::map<std::string, std::uint64_t>::iterator owned)
   offered_.erase(owned->first);
   returning_[owned->first] = owned->second;
   owned_.erase(owned);
-  say_now_ = look_now_ = true;
+  send_now_ = check_now_ = true;
   wake_.notify_one();
-  speak_.notify_one();
+  send_.notify_one();
 }
 
 // Processes them one after the other, for as long as the broker answers.
@@ -467,14 +467,14 @@ bool ClaimKeeper::return_site(const std::string& site, std::uint64_t generation)
     }
     sequence = known.sequence;
   }
-  v1::SiteClaim nobody;
-  nobody.set_generation(generation);
-  const auto said = broker_->publish_behind(claim_subject(site), seal(nobody), sequence);
-  if (said && said->is_last) {
-    note(site, said->sequence, nobody);
+  v1::SiteClaim no_owner;
+  no_owner.set_generation(generation);
+  const auto sent = broker_->publish_behind(claim_subject(site), seal(no_owner), sequence);
+  if (sent && sent->is_last) {
+    note(site, sent->sequence, no_owner);
     return true;
   }
-  return said && look(site);
+  return sent && read_claim(site);
 }
 
 std::string ClaimKeeper::trouble() const {

@@ -87,7 +87,7 @@ class ClaimKeeper {
   // Reason why nothing can be claimed; empty: claims are possible.
   std::string trouble() const;
   const StageProgress& progress() const { return progress_; }
-  const StageProgress& speaking() const { return speaking_; }
+  const StageProgress& sending() const { return sending_; }
 
  private:
   using Time = std::chrono::steady_clock::time_point;
@@ -104,7 +104,7 @@ class ClaimKeeper {
   ClaimKeeper(std::shared_ptr<Broker> broker, Options options);
   void take_state(const BrokerMessage& message);
   void take_claim(const BrokerMessage& message);
-  void speak();
+  void send_state();
   v1::WorkerState state() const;
   void run();
   bool see_to_streams();
@@ -120,13 +120,13 @@ class ClaimKeeper {
                                       Time now) const;
   v1::SiteClaim claim_of(std::uint64_t generation) const;
   void try_to_claim(const std::string& site);
-  bool look(const std::string& site);
+  bool read_claim(const std::string& site);
   void note(const std::string& site, std::uint64_t sequence, const v1::SiteClaim& claim);
 
   const std::shared_ptr<Broker> broker_;
   const Options options_;
   StageProgress progress_;
-  StageProgress speaking_;
+  StageProgress sending_;
   std::atomic<bool> leaving_{false};
   // Used by the thread alone: connections at the last check of the streams,
   // creation time of the stream, and owned sites whose claims may be missing in it.
@@ -135,7 +135,7 @@ class ClaimKeeper {
   std::map<std::string, std::uint64_t> to_restore_;
   mutable std::mutex mutex_;
   std::condition_variable wake_;
-  std::condition_variable speak_;
+  std::condition_variable send_;
   std::set<std::string> offered_;                   // guarded by mutex_
   std::map<std::string, std::uint64_t> owned_;      // guarded by mutex_; generation by site
   std::map<std::string, std::uint64_t> returning_;  // guarded by mutex_; the same, to be given back
@@ -144,12 +144,12 @@ class ClaimKeeper {
   std::vector<Change> changes_;                     // guarded by mutex_
   v1::WorkerState condition_;                       // guarded by mutex_; as reported
   bool finishing_ = false;                          // guarded by mutex_
-  bool say_now_ = false;                            // guarded by mutex_
-  bool look_now_ = false;                           // guarded by mutex_
+  bool send_now_ = false;                            // guarded by mutex_
+  bool check_now_ = false;                           // guarded by mutex_
   std::unique_ptr<Broker::Subscription> states_;    // these end before the members they use
   std::unique_ptr<Broker::Subscription> claimed_;
   std::unique_ptr<Broker::Subscription> drains_;
-  std::thread speaker_;
+  std::thread sender_;
   std::thread thread_;
 };
 

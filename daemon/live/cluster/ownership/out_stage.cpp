@@ -160,7 +160,7 @@ void OutStage::run() {
   pthread_setname_np(pthread_self(), "results");  // for top -H
   while (wait_for_something()) {
     OutItems::Part part = next_part();
-    if (!say(part.output)) {
+    if (!append(part.output)) {
       break;
     }
     const bool released = part.output.released();
@@ -176,8 +176,8 @@ void OutStage::run() {
 bool OutStage::wait_for_something() {
   std::unique_lock lock(mutex_);
   progress_.rest();
-  wake_.wait_until(lock, said_ + options_.every, [&] { return finishing_ || !ended_.empty(); });
-  wake_.wait_until(lock, said_ + options_.at_most, [&] {
+  wake_.wait_until(lock, written_ + options_.every, [&] { return finishing_ || !ended_.empty(); });
+  wake_.wait_until(lock, written_ + options_.at_most, [&] {
     return finishing_ || !ended_.empty() || items_.ready() > 0;
   });
   progress_.beat();
@@ -226,21 +226,21 @@ void OutStage::forget_before(Timestamp open) {
 }
 
 // Returns false if another worker owns the site, or if it has ended.
-bool OutStage::say(const v1::SiteOutput& output) {
+bool OutStage::append(const v1::SiteOutput& output) {
   for (;;) {
     progress_.beat();
-    const OwnerLog::Said said = log_->say(output);
-    said_ = std::chrono::steady_clock::now();
-    if (said == OwnerLog::Said::kStored) {
+    const OwnerLog::Outcome outcome = log_->append(output);
+    written_ = std::chrono::steady_clock::now();
+    if (outcome == OwnerLog::Outcome::kStored) {
       return true;
     }
-    if (said == OwnerLog::Said::kReplaced) {
+    if (outcome == OwnerLog::Outcome::kReplaced) {
       end("another worker has it");
       return false;
     }
     std::unique_lock lock(mutex_);
     give_up_where_too_much_waits();
-    if (finishing_ && said_ > finish_until_) {
+    if (finishing_ && written_ > finish_until_) {
       return false;
     }
     progress_.rest();
@@ -305,12 +305,12 @@ OutStage::Counters OutStage::counters() const {
   return counters;
 }
 
-std::vector<std::string> OutStage::news() {
+std::vector<std::string> OutStage::notices() {
   const std::lock_guard lock(mutex_);
-  if (counters_.left_out == told_) {
+  if (counters_.left_out == reported_) {
     return {};
   }
-  const std::uint64_t more = counters_.left_out - std::exchange(told_, counters_.left_out);
+  const std::uint64_t more = counters_.left_out - std::exchange(reported_, counters_.left_out);
   return {
       std::to_string(more) +
       " results were left out: those of one instant are more than the broker takes in a message; "

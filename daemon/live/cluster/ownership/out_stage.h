@@ -94,7 +94,7 @@ class OutStage final : public LocationSink {
   };
   Counters counters() const;
   // Results left out since the last call.
-  std::vector<std::string> news();
+  std::vector<std::string> notices();
   const StageProgress& progress() const { return progress_; }
 
  private:
@@ -109,7 +109,7 @@ class OutStage final : public LocationSink {
   void compare();
   std::string trouble() const;
   void forget_before(Timestamp open);
-  bool say(const v1::SiteOutput& output);
+  bool append(const v1::SiteOutput& output);
   void pass_on(OutItems::Part&& part);
   void give_up_where_too_much_waits();
   void end(const std::string& why);
@@ -118,7 +118,7 @@ class OutStage final : public LocationSink {
   LocationSink& inner_;
   const Options options_;
   StageProgress progress_;
-  Time said_{};  // used by the thread alone; time of the last stored record
+  Time written_{};  // used by the thread alone; time of the last stored record
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   OutItems items_;                       // guarded by mutex_
@@ -130,7 +130,7 @@ class OutStage final : public LocationSink {
   bool finishing_ = false;               // guarded by mutex_
   Time finish_until_{};                  // guarded by mutex_; then unwritten results are dropped
   Counters counters_;                    // guarded by mutex_
-  std::uint64_t told_ = 0;               // guarded by mutex_: reported part of left_out
+  std::uint64_t reported_ = 0;               // guarded by mutex_: reported part of left_out
   std::thread thread_;
 };
 

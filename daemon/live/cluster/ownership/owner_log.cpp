@@ -88,13 +88,13 @@ Expected<std::unique_ptr<OwnerLog>> OwnerLog::begin(std::shared_ptr<Broker> brok
     *begin.mutable_begin() = begin_message(log->options_, log->start_);
     const std::string bytes = seal(begin);
     log->last_ = *last ? (*last)->sequence : 0;
-    const auto said = log->broker_->publish_behind(log->subject_, bytes, log->last_);
-    if (said && said->is_last) {
-      log->begun_ = log->last_ = said->sequence;
+    const auto sent = log->broker_->publish_behind(log->subject_, bytes, log->last_);
+    if (sent && sent->is_last) {
+      log->begun_ = log->last_ = sent->sequence;
       log->number_ = 1;
       return log;
     }
-    if (log->look(bytes) == Said::kStored) {
+    if (log->confirm(bytes) == Outcome::kStored) {
       log->begun_ = log->last_;
       return log;
     }
@@ -103,51 +103,51 @@ Expected<std::unique_ptr<OwnerLog>> OwnerLog::begin(std::shared_ptr<Broker> brok
                     "site '" + log->options_.site + "': its results cannot be written");
 }
 
-OwnerLog::Said OwnerLog::say(const v1::SiteOutput& output) {
+OwnerLog::Outcome OwnerLog::append(const v1::SiteOutput& output) {
   v1::OutputRecord record;
   record.set_generation(options_.generation);
   record.set_number(number_ + 1);
   *record.mutable_output() = output;
   record.set_begin_sequence(begun_);
   const std::string bytes = seal(record);
-  const auto said = broker_->publish_behind(subject_, bytes, last_);
-  if (said && said->is_last) {
-    last_ = said->sequence;
+  const auto sent = broker_->publish_behind(subject_, bytes, last_);
+  if (sent && sent->is_last) {
+    last_ = sent->sequence;
     ++number_;
-    return Said::kStored;
+    return Outcome::kStored;
   }
-  return look(bytes);
+  return confirm(bytes);
 }
 
 // The reply was lost, or another writer has published: the last record of the site decides.
-OwnerLog::Said OwnerLog::look(const std::string& bytes) {
+OwnerLog::Outcome OwnerLog::confirm(const std::string& bytes) {
   const auto last = broker_->last_of(std::string(kOutputStream), subject_);
   if (!last) {
-    return Said::kNotYet;
+    return Outcome::kNotYet;
   }
   if (!*last) {  // records have expired, or the server has lost them
     const auto claimed = claimed_generation();
     if (!claimed || *claimed > options_.generation) {
-      return claimed ? Said::kReplaced : Said::kNotYet;
+      return claimed ? Outcome::kReplaced : Outcome::kNotYet;
     }
     (void)broker_->ensure_stream(options_.stream);
     last_ = 0;
-    return Said::kNotYet;
+    return Outcome::kNotYet;
   }
   if ((*last)->data == bytes) {
     last_ = (*last)->sequence;
     ++number_;
-    return Said::kStored;
+    return Outcome::kStored;
   }
   v1::OutputRecord record;
   const bool is_record = unseal((*last)->data, record).has_value();
   const bool is_ours =
       is_record && record.generation() == options_.generation && record.number() == number_;
   if (is_record && record.generation() >= options_.generation && !is_ours) {
-    return Said::kReplaced;
+    return Outcome::kReplaced;
   }
   last_ = (*last)->sequence;  // ours, or an invalid record, which readers skip
-  return Said::kNotYet;
+  return Outcome::kNotYet;
 }
 
 // Claims never expire: an owner suspended beyond the retention of results finds its successor here.

@@ -38,9 +38,9 @@ class OwnerLog {
   // Start, as in Begin.
   const SiteStart& start() const { return start_; }
 
-  enum class Said : std::uint8_t { kStored, kNotYet, kReplaced };
+  enum class Outcome : std::uint8_t { kStored, kNotYet, kReplaced };
   // kNotYet: the same record is to be written again. kReplaced: another worker owns the site.
-  Said say(const v1::SiteOutput& output);
+  Outcome append(const v1::SiteOutput& output);
   // Maximum size of the items of a record, so that the broker takes it [bytes].
   std::size_t most_items() const { return broker_->max_message() / 2; }
 
@@ -50,7 +50,7 @@ class OwnerLog {
         options_(std::move(options)),
         subject_(output_subject_of(options_)) {}
   static std::string output_subject_of(const Options& options);
-  Said look(const std::string& bytes);
+  Outcome confirm(const std::string& bytes);
   Expected<std::uint64_t> claimed_generation();
 
   const std::shared_ptr<Broker> broker_;

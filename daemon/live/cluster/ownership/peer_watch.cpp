@@ -67,7 +67,7 @@ bool PeerWatch::has(const Start& start, const std::string& site, Time since, Tim
          (named != peer->second.sites.end() && now - named->second < kUnnamed * lease_);
 }
 
-bool PeerWatch::anybody_has(const std::string& site, Time now) const {
+bool PeerWatch::any_peer_has(const std::string& site, Time now) const {
   return std::any_of(peers_.begin(), peers_.end(), [&](const auto& one) {
     return one.first != self_ && has(one.first, site, Time{}, now);
   });

@@ -34,7 +34,7 @@ class PeerWatch {
   // so in the last few leases, or got it within them (`since`).
   bool has(const Start& start, const std::string& site, Time since, Time now) const;
   // Returns true if another live worker reports that it has the site.
-  bool anybody_has(const std::string& site, Time now) const;
+  bool any_peer_has(const std::string& site, Time now) const;
   // Number of other live workers that precede `self` for that
   // site, without `but`; nothing where it takes no more sites.
   std::optional<std::size_t> rank(const Candidate& self,

@@ -94,15 +94,15 @@ void StandbyAudit::compare_results(const Window& window, const std::vector<v1::O
     }
     return all;
   };
-  const auto said = wanted(window.output.items());
+  const auto published = wanted(window.output.items());
   const auto found = wanted(own);
   ++counters_.windows;
-  counters_.results += said.size();
+  counters_.results += published.size();
   std::size_t same = 0;
-  while (same < std::min(said.size(), found.size()) && said[same].first == found[same].first) {
+  while (same < std::min(published.size(), found.size()) && published[same].first == found[same].first) {
     ++same;
   }
-  if (same == said.size() && same == found.size()) {
+  if (same == published.size() && same == found.size()) {
     return;
   }
   ++counters_.differing;
@@ -110,19 +110,19 @@ void StandbyAudit::compare_results(const Window& window, const std::vector<v1::O
     first_difference_ = fmt::format(
         "the window that ends at {:.6f} s: the owner published '{}', this worker computed '{}'",
         1e-6 * static_cast<double>(window.output.done_us()),
-        words(same < said.size() ? said[same].second : nullptr),
+        words(same < published.size() ? published[same].second : nullptr),
         words(same < found.size() ? found[same].second : nullptr));
   }
 }
 
 // A state is identified by its instant: it is a function of the frames before.
 void StandbyAudit::compare_state(const v1::Carried& theirs, const std::deque<Carried>& states) {
-  const auto told = carried_of(theirs);
-  if (!told) {
+  const auto reported = carried_of(theirs);
+  if (!reported) {
     return;  // its reader reports the error
   }
   const auto own = std::find_if(
-      states.rbegin(), states.rend(), [&](const Carried& one) { return one.done == told->done; });
+      states.rbegin(), states.rend(), [&](const Carried& one) { return one.done == reported->done; });
   if (own == states.rend()) {
     return;
   }

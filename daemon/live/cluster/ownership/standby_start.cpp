@@ -14,7 +14,7 @@ namespace {
 // Chosen: the preset retention of streams.
 constexpr std::chrono::seconds kMaxToComputeAgain{60};
 
-tl::unexpected<Error> nobody(const std::string& site) {
+tl::unexpected<Error> no_owner(const std::string& site) {
   return make_error(ErrorKind::kUnavailable, "site '" + site + "': no owner has spoken");
 }
 
@@ -74,7 +74,7 @@ Expected<StandbyStart> standby_start(Broker& broker, const std::string& site) {
   }
   v1::OutputRecord last;
   if (!*message || !unseal((*message)->data, last) || last.output().released()) {
-    return nobody(site);
+    return no_owner(site);
   }
   const Expected<StreamState> stream = broker.stream_state(csi_stream(site));
   if (!stream) {

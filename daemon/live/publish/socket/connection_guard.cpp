@@ -151,7 +151,7 @@ class ConnectionGuard::Impl {
         items.push_back({monitor.handle(), 0, ZMQ_POLLIN, 0});
       }
       try {
-        zmq::poll(items, inbound_.empty() ? kPoll : kLook);
+        zmq::poll(items, inbound_.empty() ? kPoll : kInboundPoll);
         if ((items[0].revents & ZMQ_POLLIN) != 0) {
           return;
         }
@@ -159,7 +159,7 @@ class ConnectionGuard::Impl {
         for (std::size_t i = 0; i < monitors.size(); ++i) {
           read_events(monitors[i], static_cast<int>(i));
         }
-        inbound_.look(std::chrono::steady_clock::now());
+        inbound_.check(std::chrono::steady_clock::now());
       } catch (const zmq::error_t& error) {
         if (error.num() != EINTR) {
           throw;
@@ -218,7 +218,7 @@ class ConnectionGuard::Impl {
   // Maximum time until the monitor of a newly added socket is read.
   static constexpr std::chrono::milliseconds kPoll{100};
   // Maximum time for which a connection may send at full rate before it is checked.
-  static constexpr std::chrono::milliseconds kLook{20};
+  static constexpr std::chrono::milliseconds kInboundPoll{20};
 
   const Options options_;
   zmq::context_t context_;  // before all sockets, whose end its destructor awaits

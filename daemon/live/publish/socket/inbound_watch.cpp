@@ -87,7 +87,7 @@ void InboundWatch::accepted(int socket, int fd, Time now) {
     return;  // it has already been closed
   }
   connection->socket = socket;
-  connection->looked = now;
+  connection->checked = now;
   if (connections_.size() > limits_.connections ||
       connection->prefixes.size() > limits_.subscriptions) {
     cut(connections_.find(fd));
@@ -122,12 +122,12 @@ void InboundWatch::subscribed(int fd, std::string_view prefix, bool more) {
   } else if (const auto known = prefixes.find(hash); known != prefixes.end()) {
     prefixes.erase(known);
   }
-  if (connection->socket != kNotTold && prefixes.size() > limits_.subscriptions) {
+  if (connection->socket != kUnreported && prefixes.size() > limits_.subscriptions) {
     cut(connections_.find(fd));
   }
 }
 
-void InboundWatch::look(Time now) {
+void InboundWatch::check(Time now) {
   const std::lock_guard lock(mutex_);
   for (auto it = connections_.begin(); it != connections_.end();) {
     const auto here = it++;
@@ -136,11 +136,11 @@ void InboundWatch::look(Time now) {
       connections_.erase(here);
       continue;
     }
-    if (connection.socket == kNotTold) {
+    if (connection.socket == kUnreported) {
       continue;
     }
-    const std::chrono::duration<double> elapsed = now - connection.looked;
-    connection.looked = now;
+    const std::chrono::duration<double> elapsed = now - connection.checked;
+    connection.checked = now;
     const BytesRead read = bytes_read(here->first);
     connection.read = read.least;
     // Future messages give no credit in advance, and received messages are never discounted, so the
@@ -157,7 +157,7 @@ void InboundWatch::look(Time now) {
   cut_the_worst(limits_.unfinished_bytes_in_all,
                 [](const Connection& connection) { return connection.unfinished(); });
   cut_the_worst(limits_.subscriptions_in_all, [](const Connection& connection) {
-    return connection.socket == kNotTold ? 0 : connection.prefixes.size();
+    return connection.socket == kUnreported ? 0 : connection.prefixes.size();
   });
 }
 

@@ -57,20 +57,20 @@ class InboundWatch {
 
   // Queries the kernel, and cuts off connections beyond the limits; to be called many times a
   // second while there are connections.
-  void look(Time now);
+  void check(Time now);
   bool empty() const;
 
   std::uint64_t cut_off() const;
 
  private:
   // The monitor has not reported the connection yet: it is not checked.
-  static constexpr int kNotTold = -1;
+  static constexpr int kUnreported = -1;
   struct Connection {
-    int socket = kNotTold;
+    int socket = kUnreported;
     std::uint64_t cookie = 0;    // distinguishes it from a later one with the same descriptor
     std::uint64_t read = 0;      // lower bound of the bytes read at the last check
     std::uint64_t finished = 0;  // lower bound of those in whole messages
-    Time looked;
+    Time checked;
     std::multiset<std::size_t> prefixes;  // hashes
 
     std::uint64_t unfinished() const { return read > finished ? read - finished : 0; }

@@ -129,13 +129,13 @@ Expected<RecordingClock> recording_clock(const DaemonConfig& config) {
     if (!plan) {
       return tl::make_unexpected(placed(source, plan.error()));
     }
-    for (const std::string& words : words_of(*plan)) {
+    for (const std::string& words : describe(*plan)) {
       log_event({LogLevel::kWarning,
                  "source " + source.access_point + ": " + words,
                  {{"source", source.access_point}}});
     }
     for (const PlannedFile& file : plan->files) {
-      all_files = all_files && file.look;
+      all_files = all_files && file.scan;
     }
     clock.plans.emplace(source.access_point, *std::move(plan));
   }

@@ -111,13 +111,13 @@ TEST(FeedWriter, NamesTheMethodThatIsCompared) {
 }
 
 TEST(FeedWriter, SaysWhatToDoubt) {
-  v1::Envelope doubtful = location();
-  v1::Quality& quality = *doubtful.mutable_location()->mutable_quality();
+  v1::Envelope suspect = location();
+  v1::Quality& quality = *suspect.mutable_location()->mutable_quality();
   quality.set_ambiguous(true);
   quality.add_warnings("beside the transmitter");
   quality.add_warnings("ap1 is covered");
   FeedWriter writer(FeedFormat::kText);
-  writer.add(doubtful);
+  writer.add(suspect);
   const std::string text = writer.next().value_or("");
   EXPECT_TRUE(
       text.ends_with(", ambiguous; warning: beside the transmitter; warning: ap1 is covered"))

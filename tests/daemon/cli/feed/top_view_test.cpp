@@ -179,11 +179,11 @@ TEST(TopView, FitsIntoEightyColumns) {
                    "inside { mac: '02:52:4c:00:00:01' } }"),
             kStart);
   v1::Envelope beat = heartbeat(100, 123'456'789);
-  v1::Heartbeat& said = *beat.mutable_heartbeat();
-  said.mutable_sources(0)->set_status(v1::SOURCE_STATUS_RECEIVING);
-  said.mutable_sources(0)->mutable_counters()->set_frames_complete(123'456'789);
-  said.mutable_estimation()->set_fixes(123'456'789);
-  said.mutable_publisher()->set_published(123'456'789);
+  v1::Heartbeat& body = *beat.mutable_heartbeat();
+  body.mutable_sources(0)->set_status(v1::SOURCE_STATUS_RECEIVING);
+  body.mutable_sources(0)->mutable_counters()->set_frames_complete(123'456'789);
+  body.mutable_estimation()->set_fixes(123'456'789);
+  body.mutable_publisher()->set_published(123'456'789);
   model.add("h", beat, kStart);
   std::string text;
   for (const std::string& line : top_lines(model, kStart, 80)) {
@@ -261,11 +261,11 @@ TEST(TopModel, CountsNoRateOfWhatWasSaidBefore) {
 
 TEST(TopView, TellsWhatToDoubtAndWhy) {
   TopModel model;
-  v1::Envelope doubtful = location(1, 100, kFiltered);
-  v1::Quality& quality = *doubtful.mutable_location()->mutable_quality();
+  v1::Envelope suspect = location(1, 100, kFiltered);
+  v1::Quality& quality = *suspect.mutable_location()->mutable_quality();
   quality.add_warnings("right beside the transmitter");
   quality.set_ambiguous(true);
-  model.add("t", doubtful, kStart);
+  model.add("t", suspect, kStart);
   const auto source = [](int sequence, const std::string& rest) {
     return parsed("epoch: 1 sequence: " + std::to_string(sequence) +
                   " source { access_point: 'ap1' " + rest + " }");

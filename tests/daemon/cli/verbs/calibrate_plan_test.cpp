@@ -73,18 +73,18 @@ TEST_F(CalibratePlan, DrawsWhereItIsTold) {
 TEST_F(CalibratePlan, SaysWhichObjectsItSeesTooLittleOf) {
   ::testing::internal::CaptureStderr();
   ASSERT_TRUE(run_plan({kSite, path("plan.csv"), "", 3, false}));
-  const std::string said = ::testing::internal::GetCapturedStderr();
-  EXPECT_THAT(said, HasSubstr("3 points of "));
-  EXPECT_THAT(said, HasSubstr("  whiteboard: a side of it to "));
-  EXPECT_THAT(said, ::testing::Not(HasSubstr("expected accuracy"))) << "nobody has measured that";
+  const std::string output = ::testing::internal::GetCapturedStderr();
+  EXPECT_THAT(output, HasSubstr("3 points of "));
+  EXPECT_THAT(output, HasSubstr("  whiteboard: a side of it to "));
+  EXPECT_THAT(output, ::testing::Not(HasSubstr("expected accuracy"))) << "nobody has measured that";
 }
 
 TEST_F(CalibratePlan, SaysWhatSoManyPointsWereWorth) {
   ::testing::internal::CaptureStderr();
   ASSERT_TRUE(run_plan({kSite, path("plan.csv"), "", PlanArguments().points, false}));
-  const std::string said = ::testing::internal::GetCapturedStderr();
-  EXPECT_THAT(said, HasSubstr("12 points surveyed to 3 cm located devices to 2 cm and 9 cm"));
-  EXPECT_THAT(said, HasSubstr("36 points (--plan-points 36): "));
+  const std::string output = ::testing::internal::GetCapturedStderr();
+  EXPECT_THAT(output, HasSubstr("12 points surveyed to 3 cm located devices to 2 cm and 9 cm"));
+  EXPECT_THAT(output, HasSubstr("36 points (--plan-points 36): "));
 }
 
 }  // namespace

@@ -46,7 +46,7 @@ class CalibrationInputsTest : public ::testing::Test {
   std::filesystem::path points_;
 };
 
-::testing::AssertionResult says(const std::string& message, const std::string& part) {
+::testing::AssertionResult contains(const std::string& message, const std::string& part) {
   return message.find(part) != std::string::npos
              ? ::testing::AssertionSuccess()
              : ::testing::AssertionFailure() << "'" << message << "' does not say '" << part << "'";
@@ -67,14 +67,14 @@ TEST_F(CalibrationInputsTest, FindsColumnsByTheirNames) {
 TEST_F(CalibrationInputsTest, NamesTheRowOutsideOfTheRoom) {
   const auto message = error_with(std::string("t_start,t_end,x,y,z\n") + kRightRow +
                                   "1718000135.3,1718000135.8,-1.1,7.0,1.2\n");
-  EXPECT_TRUE(says(message, ".csv:3: "));
-  EXPECT_TRUE(says(message, "outside of the room; points are in metres"));
+  EXPECT_TRUE(contains(message, ".csv:3: "));
+  EXPECT_TRUE(contains(message, "outside of the room; points are in metres"));
 }
 
 TEST_F(CalibrationInputsTest, SuspectsExchangedColumnsWhereThoseWouldFit) {
   const auto message = error_with(std::string("t_start,t_end,y,x,z\n") + kRightRow);
-  EXPECT_TRUE(says(message, ".csv:2: "));
-  EXPECT_TRUE(says(message, "are the columns exchanged?"));
+  EXPECT_TRUE(contains(message, ".csv:2: "));
+  EXPECT_TRUE(contains(message, "are the columns exchanged?"));
 }
 
 class FieldSurvey : public CalibrationInputsTest {};
@@ -82,22 +82,22 @@ class FieldSurvey : public CalibrationInputsTest {};
 TEST_F(FieldSurvey, PointsInMillimetresAreNamedAsSuch) {
   const auto message =
       error_with("t_start,t_end,x,y,z\n1718000125.3680,1718000125.8703,-1540.0,-1100.0,1200.0\n");
-  EXPECT_TRUE(says(message, ".csv:2: "));
-  EXPECT_TRUE(says(message, "in millimetres all points lie inside: write metres"));
+  EXPECT_TRUE(contains(message, ".csv:2: "));
+  EXPECT_TRUE(contains(message, "in millimetres all points lie inside: write metres"));
 }
 
 TEST_F(CalibrationInputsTest, RecognisesATimeAmongTheCoordinates) {
   const auto message = error_with(std::string("x,t_end,t_start,y,z\n") + kRightRow);
-  EXPECT_TRUE(says(message, ".csv:2: "));
-  EXPECT_TRUE(says(message, "looks like a time"));
+  EXPECT_TRUE(contains(message, ".csv:2: "));
+  EXPECT_TRUE(contains(message, "looks like a time"));
 }
 
 // Rows written by hand: the second was copied, and its times never changed.
 TEST_F(CalibrationInputsTest, NamesTwoRowsOfOneTime) {
   const auto message = error_with(std::string("t_start,t_end,x,y,z\n") + kRightRow +
                                   "1718000125.6,1718000126.1,-1.1,-1.1,1.2\n");
-  EXPECT_TRUE(says(message, ".csv:3: from 1718000125.600 to 1718000126.100 "));
-  EXPECT_TRUE(says(message, "in the time of row 2 (1718000125.368 to 1718000125.870)"));
+  EXPECT_TRUE(contains(message, ".csv:3: from 1718000125.600 to 1718000126.100 "));
+  EXPECT_TRUE(contains(message, "in the time of row 2 (1718000125.368 to 1718000125.870)"));
 }
 
 TEST_F(CalibrationInputsTest, ReadsRowsThatFollowEachOtherAtOnce) {
@@ -112,16 +112,16 @@ TEST_F(CalibrationInputsTest, RefusesARecordingThatHeardOnlyFixedTransmitters) {
     transmitter.role = TransmitterRole::kFixed;
   }
   const auto message = error_with(std::string("t_start,t_end,x,y,z\n") + kRightRow, site);
-  EXPECT_TRUE(says(message, "access point 'ap1' received no device, only "));
-  EXPECT_TRUE(says(message, "frames of fixed transmitters"));
+  EXPECT_TRUE(contains(message, "access point 'ap1' received no device, only "));
+  EXPECT_TRUE(contains(message, "frames of fixed transmitters"));
 }
 
 TEST_F(CalibrationInputsTest, NamesTheAccessPointThatHeardNothingAtThatTime) {
   const auto message =
       error_with("t_start,t_end,x,y,z\n1600000000.0,1600000000.5,-1.54,-1.1,1.2\n");
   EXPECT_TRUE(
-      says(message, "access point 'ap1' received the device 02:52:4c:00:00:01 from 1718000"));
-  EXPECT_TRUE(says(message, "from 1600000000.000 to 1600000000.500"));
+      contains(message, "access point 'ap1' received the device 02:52:4c:00:00:01 from 1718000"));
+  EXPECT_TRUE(contains(message, "from 1600000000.000 to 1600000000.500"));
 }
 
 TEST_F(CalibrationInputsTest, TakesTheBoundsOfTheSceneWhereTheSiteStatesNone) {
@@ -131,8 +131,8 @@ TEST_F(CalibrationInputsTest, TakesTheBoundsOfTheSceneWhereTheSiteStatesNone) {
   room.bounds_max = site.bounds_max;
   site.has_bounds = false;
   const std::string far = "t_start,t_end,x,y,z\n1718000125.3,1718000125.8,-1.1,7.0,1.2\n";
-  EXPECT_FALSE(says(error_with(far, site), "outside of the room"));
-  EXPECT_TRUE(says(error_with(far, with_bounds(site, room)), "outside of the room"));
+  EXPECT_FALSE(contains(error_with(far, site), "outside of the room"));
+  EXPECT_TRUE(contains(error_with(far, with_bounds(site, room)), "outside of the room"));
 }
 
 TEST_F(CalibrationInputsTest, NamesTheAccessPointThatHeardOnlyStrangers) {
@@ -142,8 +142,8 @@ TEST_F(CalibrationInputsTest, NamesTheAccessPointThatHeardOnlyStrangers) {
   }
   const auto message = error_with(std::string("t_start,t_end,x,y,z\n") + kRightRow, site);
   EXPECT_TRUE(
-      says(message, "access point 'ap1' received no frame of a device that site.toml lists"));
-  EXPECT_TRUE(says(message, "only of others (02:52:4c:00:00:01)"));
+      contains(message, "access point 'ap1' received no frame of a device that site.toml lists"));
+  EXPECT_TRUE(contains(message, "only of others (02:52:4c:00:00:01)"));
 }
 
 // Two points, at which the device sends three frames each and a neighbour's phone ten at the

@@ -103,20 +103,20 @@ TEST_F(CheckConfig, EveryErrorIsALineAndTheStatusIs78) {
 }
 
 TEST_F(CheckConfig, SecretsAreReadAsRaylocdReadsThem) {
-  const std::string everywhere = std::string(kSource) + "[http]\nlisten = \"0.0.0.0:8480\"\n";
+  const std::string any_address = std::string(kSource) + "[http]\nlisten = \"0.0.0.0:8480\"\n";
   const std::string token = (folder_ / "http.token").string();
   const Outcome missing = rayloc(
-      "check-config " + config(kSite.string(), everywhere + "token_file = \"" + token + "\"\n"));
+      "check-config " + config(kSite.string(), any_address + "token_file = \"" + token + "\"\n"));
   EXPECT_EQ(missing.status, 78);
   EXPECT_THAT(missing.output, HasSubstr(token + ": the token cannot be read: No such file"));
 
   // The service's own view, once the token is there.
   fs::permissions(write("http.token", "0123456789abcdef\n"), fs::perms(0600));
   ASSERT_EQ(setenv("CREDENTIALS_DIRECTORY", folder_.c_str(), 1), 0);
-  const Outcome passed = rayloc("check-config " + config(kSite.string(), everywhere));
+  const Outcome passed = rayloc("check-config " + config(kSite.string(), any_address));
   EXPECT_EQ(passed.status, 0) << passed.output;
   ASSERT_EQ(unsetenv("CREDENTIALS_DIRECTORY"), 0);
-  EXPECT_THAT(rayloc("check-config " + config(kSite.string(), everywhere)).output,
+  EXPECT_THAT(rayloc("check-config " + config(kSite.string(), any_address)).output,
               HasSubstr("set token_file"));
 }
 

@@ -120,19 +120,19 @@ TEST(Field, SurveyWithoutRecordingOfItsFirstPointsIsStillRead) {
 // A walk from stop to stop. The device transmits all the time, or at its stops alone.
 class Walk {
  public:
-  explicit Walk(bool transmits_on_the_way) {
+  explicit Walk(bool transmits_between) {
     Timestamp time(seconds(1'718'000'000));
-    for (int stand = 0; stand < 14; ++stand) {
+    for (int index = 0; index < 14; ++index) {
       const auto place = channel();
       const Timestamp start = time;
       for (; time < start + seconds(5); time += milliseconds(50)) {
         trace_.add(frame(time, place));
       }
-      points_.push_back({start + milliseconds(700), time - milliseconds(700), {}, stand + 2});
+      points_.push_back({start + milliseconds(700), time - milliseconds(700), {}, index + 2});
       const Timestamp leaves = time;
-      const auto way = seconds(3) + milliseconds(std::uniform_int_distribution<>(0, 4000)(random_));
-      for (; time < leaves + way; time += milliseconds(50)) {
-        if (transmits_on_the_way) {
+      const auto pause = seconds(3) + milliseconds(std::uniform_int_distribution<>(0, 4000)(random_));
+      for (; time < leaves + pause; time += milliseconds(50)) {
+        if (transmits_between) {
           trace_.add(frame(time, channel()));
         }
       }
@@ -195,11 +195,11 @@ class Walk {
 };
 
 TEST(Field, ClockIsFoundFromWhereADeviceStandsThoughItAlwaysTransmits) {
-  for (const bool transmits_on_the_way : {false, true}) {
-    const Walk walk(transmits_on_the_way);
+  for (const bool transmits_between : {false, true}) {
+    const Walk walk(transmits_between);
     for (const int shift : {3600, -40, 75}) {
       const auto found = find_time_offset(walk.points(seconds(shift)), walk.trace());
-      ASSERT_TRUE(found) << shift << (transmits_on_the_way ? " on the way" : "");
+      ASSERT_TRUE(found) << shift << (transmits_between ? " on the way" : "");
       EXPECT_NEAR(to_seconds(found->offset), -shift, 0.8);
       EXPECT_GE(found->points, 13U);
     }
@@ -209,10 +209,10 @@ TEST(Field, ClockIsFoundFromWhereADeviceStandsThoughItAlwaysTransmits) {
 }
 
 TEST(Field, RecordingOfAnotherDayIsGivenNoOffset) {
-  for (const bool transmits_on_the_way : {false, true}) {
-    Walk walk(transmits_on_the_way);
+  for (const bool transmits_between : {false, true}) {
+    Walk walk(transmits_between);
     const auto points = walk.other_points();
-    EXPECT_FALSE(find_time_offset(points, walk.trace())) << transmits_on_the_way;
+    EXPECT_FALSE(find_time_offset(points, walk.trace())) << transmits_between;
     EXPECT_THAT(
         explain_other_times("points.csv", points, walk.trace()),
         ::testing::AllOf(HasSubstr("no point has frames"), Not(HasSubstr("the points fit"))));

@@ -297,9 +297,9 @@ TEST_F(ReferenceVerb, RefusesADayThatIsNone) {
     all.insert(all.end(), {"--out", path("no-day")});
     return rayloc(all);
   };
-  const Finished nobody = refused({"--people-empty", capture(1, "empty")});
-  EXPECT_EQ(nobody.status, 64);
-  EXPECT_THAT(nobody.err, HasSubstr("--people-empty"));
+  const Finished empty_room = refused({"--people-empty", capture(1, "empty")});
+  EXPECT_EQ(empty_room.status, 64);
+  EXPECT_THAT(empty_room.err, HasSubstr("--people-empty"));
   const std::vector<std::string> people = {
       "--people", capture(1, "people"), "--points", path("people.csv"), "--people-empty"};
   const auto with = [&](const std::string& file) {

@@ -364,9 +364,9 @@ TEST_F(SceneVerb, NeedsToKnowWhat) {
   EXPECT_EQ(RaylocProcess({"scene"}).wait().status, 64);
   EXPECT_EQ(RaylocProcess({"scene", "room"}).wait().status, 64);
   EXPECT_EQ(RaylocProcess({"scene", "check"}).wait().status, 64);
-  const Finished nowhere = RaylocProcess({"scene", "check", "/nowhere/scene.xml"}).wait();
-  EXPECT_EQ(nowhere.status, 65);
-  EXPECT_EQ(nowhere.err, "/nowhere/scene.xml does not exist\n");
+  const Finished missing = RaylocProcess({"scene", "check", "/nowhere/scene.xml"}).wait();
+  EXPECT_EQ(missing.status, 65);
+  EXPECT_EQ(missing.err, "/nowhere/scene.xml does not exist\n");
 }
 
 TEST_F(SceneVerb, HelpHasAnExample) {

@@ -221,7 +221,7 @@ TEST_F(SimulateLived, RefusesWhatCannotBe) {
     std::string points;
     std::vector<std::string> options;
     int status;
-    std::string says;
+    std::string message;
   };
   const auto day = write("day.toml", "base = \"none\"\nchair = 2\n");
   const auto exists = write("truth.csv", "mine");
@@ -237,9 +237,9 @@ TEST_F(SimulateLived, RefusesWhatCannotBe) {
            Case{"walk.csv", {"--survey-error", "0.01"}, 64, "instants of a walk"},
        }) {
     const Finished finished = simulate(one.points, one.options);
-    EXPECT_EQ(finished.status, one.status) << one.says << finished.err;
-    EXPECT_THAT(finished.err, HasSubstr(one.says));
-    EXPECT_FALSE(fs::exists(path("a.pcap"))) << one.says;
+    EXPECT_EQ(finished.status, one.status) << one.message << finished.err;
+    EXPECT_THAT(finished.err, HasSubstr(one.message));
+    EXPECT_FALSE(fs::exists(path("a.pcap"))) << one.message;
   }
   EXPECT_EQ(read("truth.csv"), "mine");
 }

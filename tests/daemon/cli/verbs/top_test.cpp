@@ -34,9 +34,9 @@ const std::string kEnter = "\x1b[?1049h\x1b[?25l";
 const std::string kLeave = "\x1b[?25h\x1b[?1049l";
 
 // A daemon as far as subscribers see one.
-class SpeakingPublisher {
+class TestPublisher {
  public:
-  SpeakingPublisher() : publisher_(bind(last_)) {
+  TestPublisher() : publisher_(bind(last_)) {
     v1::ZoneEvent event;
     event.set_zone("desk");
     event.set_kind(v1::ZONE_EVENT_KIND_ENTERED);
@@ -47,8 +47,8 @@ class SpeakingPublisher {
   const std::string& endpoint() const { return publisher_.endpoint(); }
   const std::string& snapshot() const { return snapshots_->endpoint(); }
 
-  void speak() {
-    const Timestamp now(1'718'000'000s + ++spoken_ * 1s);
+  void publish_once() {
+    const Timestamp now(1'718'000'000s + ++published_ * 1s);
     v1::Location location;
     location.set_kind(v1::LOCATION_KIND_FILTERED);
     location.set_mode(v1::FIX_MODE_2D);
@@ -66,7 +66,7 @@ class SpeakingPublisher {
     v1::SourceReport* source = heartbeat.add_sources();
     source->set_access_point("ap1");
     source->set_status(v1::SOURCE_STATUS_RECEIVING);
-    source->mutable_counters()->set_received(250 * static_cast<std::uint64_t>(spoken_));
+    source->mutable_counters()->set_received(250 * static_cast<std::uint64_t>(published_));
     source->mutable_counters()->set_frames_dropped(3);
     heartbeat.mutable_estimation()->set_fixes(77);
     publisher_.publish(heartbeat, now);
@@ -85,13 +85,13 @@ class SpeakingPublisher {
   Publisher publisher_;
   std::unique_ptr<SnapshotServer> snapshots_ =
       SnapshotServer::open({.endpoint = "tcp://127.0.0.1:*", .epoch = 7, .last = last_}).value();
-  int spoken_ = 0;
+  int published_ = 0;
 };
 
 // `rayloc top` on a terminal of its own.
 class TopOnTerminal {
  public:
-  explicit TopOnTerminal(const SpeakingPublisher& publisher) {
+  explicit TopOnTerminal(const TestPublisher& publisher) {
     const winsize size{24, 140, 0, 0};
     pid_ = ::forkpty(&terminal_, nullptr, nullptr, &size);
     if (pid_ == 0) {
@@ -183,11 +183,11 @@ class TopTest : public ::testing::Test {
   // Until `condition` holds, with something new to show all the time.
   bool speaking_until(const std::function<bool()>& condition) {
     return eventually(kPatience, [&] {
-      publisher_.speak();
+      publisher_.publish_once();
       return condition();
     });
   }
-  SpeakingPublisher publisher_;
+  TestPublisher publisher_;
 };
 
 TEST_F(TopTest, ShowsWhatIsPublishedAndGivesTheTerminalBack) {

@@ -59,7 +59,7 @@ class TrainPlaces : public ::testing::Test {
     std::ofstream(path("plan.toml")) << plan;
     run({"scene", "room", path("plan.toml"), "--out", path("site"), "--quiet"});
     std::ofstream(path("site") + "/site.toml", std::ios::app) << kTransmitters;
-    simulate("survey", stood(1000.0, grid(), "1.2"), {});
+    simulate("survey", survey_rows(1000.0, grid(), "1.2"), {});
     run({"calibrate",
          path("site"),
          "--gains-only",
@@ -71,8 +71,8 @@ class TrainPlaces : public ::testing::Test {
          capture(2, "survey"),
          "--out",
          path("calibrated")});
-    simulate("empty", stood(2000.0, {{1.2, -0.6}}, "1.1"), {"--transmitter", "plug"});
-    simulate("people", stood(3000.0, people(), "0"), {"--transmitter", "plug", "--person"});
+    simulate("empty", survey_rows(2000.0, {{1.2, -0.6}}, "1.1"), {"--transmitter", "plug"});
+    simulate("people", survey_rows(3000.0, people(), "0"), {"--transmitter", "plug", "--person"});
     run({"reference",
          path("calibrated"),
          "--capture",
@@ -99,7 +99,7 @@ class TrainPlaces : public ::testing::Test {
     return places;
   }
   // Rows of a person at rest at each place, and of a person who walks.
-  static std::string stood(double begin, const std::vector<Place>& places, const std::string& z) {
+  static std::string survey_rows(double begin, const std::vector<Place>& places, const std::string& z) {
     std::string rows = "t_start,t_end,x,y,z\n";
     for (std::size_t i = 0; i < places.size(); ++i) {
       const double t = begin + 3.0 * static_cast<double>(i);

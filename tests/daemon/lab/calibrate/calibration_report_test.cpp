@@ -29,7 +29,7 @@ struct Page {
     EXPECT_TRUE(parsed) << parsed.description() << " at " << parsed.offset;
     text = text_of(document.child("html").child("body"));
   }
-  bool says(const std::string& words) const { return text.find(words) != std::string::npos; }
+  bool contains(const std::string& words) const { return text.find(words) != std::string::npos; }
 
   std::string html;
   pugi::xml_document document;
@@ -60,9 +60,9 @@ TEST(CalibrationReportJson, TellsWhatTheMethodSawFromWhatAFixSees) {
   EXPECT_FALSE(json.at("methods").at("paper").at("rays").at("transmission").get<bool>());
   EXPECT_EQ(json.at("rays_as_located").at("max_depth"), 2);
   const Page page(test::sample_report());
-  EXPECT_TRUE(page.says("0.880 (0.870 – 0.890)"));
-  EXPECT_TRUE(page.says("4 reflections and crossings"));
-  EXPECT_TRUE(page.says("2 reflections at edges of 0.1 m"));
+  EXPECT_TRUE(page.contains("0.880 (0.870 – 0.890)"));
+  EXPECT_TRUE(page.contains("4 reflections and crossings"));
+  EXPECT_TRUE(page.contains("2 reflections at edges of 0.1 m"));
 }
 
 TEST(CalibrationReportJson, IsNullWhereNothingWasHeldOut) {
@@ -121,7 +121,7 @@ TEST(CalibrationReportHtml, IsWellFormedAndComplete) {
                               "Changes to the plan",
                               "Where the room is explained",
                               "Refused"}) {
-    EXPECT_TRUE(page.says(heading)) << heading;
+    EXPECT_TRUE(page.contains(heading)) << heading;
   }
   const auto pictures = page.document.select_nodes("//svg");
   EXPECT_EQ(pictures.size(), 2U + 1U + 3U + 1U + 3U);  // loss, held out, fits, plan, residuals
@@ -129,12 +129,12 @@ TEST(CalibrationReportHtml, IsWellFormedAndComplete) {
 
 TEST(CalibrationReportHtml, ShowsTheFigures) {
   const Page page(test::sample_report());
-  EXPECT_TRUE(page.says("0.920 (0.910 – 0.930)"));  // joint, a
-  EXPECT_TRUE(page.says("0.710 (0.705 – 0.715)"));  // paper, a
-  EXPECT_TRUE(page.says("median error 0.250 m, 2 within the stated"));
-  EXPECT_TRUE(page.says("+12 mm"));
-  EXPECT_TRUE(page.says("12 ± 1 mm"));
-  EXPECT_TRUE(page.says("300 MiB"));
+  EXPECT_TRUE(page.contains("0.920 (0.910 – 0.930)"));  // joint, a
+  EXPECT_TRUE(page.contains("0.710 (0.705 – 0.715)"));  // paper, a
+  EXPECT_TRUE(page.contains("median error 0.250 m, 2 within the stated"));
+  EXPECT_TRUE(page.contains("+12 mm"));
+  EXPECT_TRUE(page.contains("12 ± 1 mm"));
+  EXPECT_TRUE(page.contains("300 MiB"));
 }
 
 // An error of 0.000 m would look like the best of all calibrations.
@@ -142,9 +142,9 @@ TEST(CalibrationReport, StatesNoErrorWhereNothingWasFixed) {
   CalibrationReport report = test::sample_report();
   report.fixes.back() = {0.6, 0.005, 2, 0, 0, std::nullopt, 0.0};
   EXPECT_TRUE(to_json(report).at("heldout_fixes").at(1).at("median_error_m").is_null());
-  EXPECT_TRUE(Page(report).says("Held-out fixes: 0 of 2 points (likelihood exponent 0.6)."));
+  EXPECT_TRUE(Page(report).contains("Held-out fixes: 0 of 2 points (likelihood exponent 0.6)."));
   report.fixes.back().points = 0;
-  EXPECT_TRUE(Page(report).says("no point was held out"));
+  EXPECT_TRUE(Page(report).contains("no point was held out"));
 }
 
 // The paper's loss wanders, and its rays explain another share of the floor plan.
@@ -155,10 +155,10 @@ TEST(CalibrationReportHtml, TellsWhereEachMethodStartedAndTheLossThatItKept) {
   paper.points[2].before = 0.43;
   paper.history = {{"paper", 0, 1.5, 0.4}, {"paper", 1, 1.125, 0.7}, {"paper", 2, 1.25, 0.6}};
   const Page page(report);
-  EXPECT_TRUE(page.says("8 (8)"));
-  EXPECT_TRUE(page.says("1.25 (1.125)"));
-  EXPECT_TRUE(page.says("0.550"));
-  EXPECT_TRUE(page.says("0.420"));
+  EXPECT_TRUE(page.contains("8 (8)"));
+  EXPECT_TRUE(page.contains("1.25 (1.125)"));
+  EXPECT_TRUE(page.contains("0.550"));
+  EXPECT_TRUE(page.contains("0.420"));
 }
 
 TEST(CalibrationReportHtml, ReadsAnglesInDegrees) {
@@ -166,14 +166,14 @@ TEST(CalibrationReportHtml, ReadsAnglesInDegrees) {
   report.methods.front().calibration.parameters.push_back(
       {{141.0, 146.0, 4.9}, parse_parameter_id("a.core3/core2.phase"), "deg", 17.0});
   const Page page(report);
-  EXPECT_TRUE(page.says("141 ± 4.9 °"));
-  EXPECT_FALSE(page.says("deg"));
+  EXPECT_TRUE(page.contains("141 ± 4.9 °"));
+  EXPECT_FALSE(page.contains("deg"));
 }
 
 TEST(CalibrationReportHtml, EscapesNames) {
   const Page page(test::sample_report());
-  EXPECT_TRUE(page.says("Calibration of office <3> & lab"));
-  EXPECT_TRUE(page.says("no frames at \"that\" time <1 s>"));
+  EXPECT_TRUE(page.contains("Calibration of office <3> & lab"));
+  EXPECT_TRUE(page.contains("no frames at \"that\" time <1 s>"));
   EXPECT_EQ(page.html.find("<3>"), std::string::npos);
 }
 
@@ -194,7 +194,7 @@ TEST(CalibrationReportHtml, FoldsLongTables) {
   }
   const Page page(report);
   EXPECT_EQ(page.document.select_nodes("//details//tbody/tr").size(), 35U);
-  EXPECT_TRUE(page.says("35 more"));
+  EXPECT_TRUE(page.contains("35 more"));
 }
 
 TEST(CalibrationReport, HoldsACalibrationWithoutPointsOrHistory) {
@@ -214,16 +214,16 @@ TEST(CalibrationReport, HoldsACalibrationWithoutPointsOrHistory) {
   EXPECT_TRUE(json.at("methods").at("joint").at("history").empty());
   EXPECT_TRUE(json.at("peak_memory_mib").is_null());
   const Page page(report);
-  EXPECT_TRUE(page.says("no data"));
-  EXPECT_TRUE(page.says("Nothing was refused."));
-  EXPECT_TRUE(page.says("No parameter was fitted."));
+  EXPECT_TRUE(page.contains("no data"));
+  EXPECT_TRUE(page.contains("Nothing was refused."));
+  EXPECT_TRUE(page.contains("No parameter was fitted."));
 }
 
 TEST(CalibrationReport, SaysThatItWasInterrupted) {
   CalibrationReport report = test::sample_report();
-  EXPECT_FALSE(Page(report).says("interrupted"));
+  EXPECT_FALSE(Page(report).contains("interrupted"));
   report.methods.front().calibration.interrupted = true;
-  EXPECT_TRUE(Page(report).says("interrupted"));
+  EXPECT_TRUE(Page(report).contains("interrupted"));
   EXPECT_TRUE(to_json(report).at("methods").at("joint").at("interrupted").get<bool>());
 }
 

@@ -76,14 +76,14 @@ TEST(HeldOutFixes, TheExponentIsNotAboveTheModelAndItsRegionsHonest) {
   EXPECT_LE(fixes.likelihood_exponent, 0.8);
   EXPECT_LT(fixes.dishonesty, 3.9);  // calibrated regions are below it in 99 of 100 cases
   // With wrong positions of the spots, the regions are wrong at the highest exponent.
-  const std::vector<HeldOutFixes> elsewhere = fit_all(0.3, 0.0);
+  const std::vector<HeldOutFixes> displaced = fit_all(0.3, 0.0);
   const auto sure = std::max_element(
-      elsewhere.begin(), elsewhere.end(), [](const HeldOutFixes& a, const HeldOutFixes& b) {
+      displaced.begin(), displaced.end(), [](const HeldOutFixes& a, const HeldOutFixes& b) {
         return a.likelihood_exponent < b.likelihood_exponent;
       });
   EXPECT_EQ(sure->likelihood_exponent, 0.8);
   EXPECT_GT(sure->dishonesty, 8.0);
-  EXPECT_LT(elsewhere.back().likelihood_exponent, 0.2);
+  EXPECT_LT(displaced.back().likelihood_exponent, 0.2);
 }
 
 // The stated error of the survey does not count as an error of the fixes.
@@ -104,8 +104,8 @@ TEST(HeldOutFixes, SpotsAtOtherHeightsDoNotCount) {
   EXPECT_EQ(fixes.points, static_cast<std::size_t>(kSpots));
   EXPECT_LT(fixes.median_error_m.value(), 0.01);
   EXPECT_LE(fixes.sigma_floor, 0.007);
-  const std::vector<HeldOutSpot> elsewhere{spots[1], spots[3]};
-  const HeldOutFixes none = fit_certainty_of(recorded().room, elsewhere, 0.0).value().back();
+  const std::vector<HeldOutSpot> displaced{spots[1], spots[3]};
+  const HeldOutFixes none = fit_certainty_of(recorded().room, displaced, 0.0).value().back();
   EXPECT_EQ(none.points, 0U);
   EXPECT_FALSE(none.median_error_m);
   EXPECT_EQ(none.sigma_floor, recorded().room->sigma_floor);

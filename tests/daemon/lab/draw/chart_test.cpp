@@ -34,7 +34,7 @@ std::vector<Line> runs(const Drawing& drawing) {
   return found;
 }
 
-bool says(const Drawing& drawing, const std::string& words) {
+bool has_text(const Drawing& drawing, const std::string& words) {
   return std::any_of(drawing.shapes.begin(), drawing.shapes.end(), [&](const Shape& shape) {
     const auto* text = std::get_if<Text>(&shape);
     return text != nullptr && text->text == words;
@@ -103,8 +103,8 @@ TEST(Chart, KeepsToTheLimitsOfAnAxis) {
 }
 
 TEST(Chart, SaysThatItHasNoData) {
-  EXPECT_TRUE(says(draw_chart(chart_of({})), "no data"));
-  EXPECT_FALSE(says(draw_chart(chart_of({{0, 1}, {1, 2}})), "no data"));
+  EXPECT_TRUE(has_text(draw_chart(chart_of({})), "no data"));
+  EXPECT_FALSE(has_text(draw_chart(chart_of({{0, 1}, {1, 2}})), "no data"));
 }
 
 TEST(Chart, ShowsASinglePointAsADot) {
@@ -119,7 +119,7 @@ TEST(Chart, ShowsASinglePointAsADot) {
 TEST(Chart, NamesItsAxesAndCurves) {
   const Drawing drawing = draw_chart(chart_of({{0, 1}, {1, 2}}));
   for (const char* words : {"title", "x", "y", "curve"}) {
-    EXPECT_TRUE(says(drawing, words)) << words;
+    EXPECT_TRUE(has_text(drawing, words)) << words;
   }
 }
 

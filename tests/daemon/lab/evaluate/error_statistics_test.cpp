@@ -166,11 +166,11 @@ TEST(ErrorStatistics, PointsThatAreNoNewsOfEachOtherAreDrawnTogether) {
   }
   const auto of_once = compute_statistics(results_of(once), {}, {500, 1, 1});
   const auto of_thrice = compute_statistics(results_of(thrice), {}, {500, 1, 3});
-  const auto as_if_news = compute_statistics(results_of(thrice), {}, {500, 1, 1});
+  const auto as_if_independent = compute_statistics(results_of(thrice), {}, {500, 1, 1});
   for (std::size_t end = 0; end < 2; ++end) {
     EXPECT_NEAR(of_thrice.ci95.at("mean_m")[end], of_once.ci95.at("mean_m")[end], 1e-9);
   }
-  EXPECT_GT(as_if_news.ci95.at("mean_m")[0], of_once.ci95.at("mean_m")[0]);
+  EXPECT_GT(as_if_independent.ci95.at("mean_m")[0], of_once.ci95.at("mean_m")[0]);
 }
 
 TEST(ErrorStatistics, EveryFigureHasAnInterval) {

@@ -10,7 +10,7 @@
 namespace rayloc::evaluation_plots_test {
 namespace {
 
-bool says(const draw::Drawing& drawing, const std::string& text) {
+bool has_text(const draw::Drawing& drawing, const std::string& text) {
   return std::any_of(drawing.shapes.begin(), drawing.shapes.end(), [&](const draw::Shape& shape) {
     const auto* words = std::get_if<draw::Text>(&shape);
     return words != nullptr && words->text.find(text) != std::string::npos;
@@ -38,9 +38,9 @@ TEST(EvaluationPlots, NameEveryDistribution) {
   const std::vector<NamedErrors> all = {{"estimates", {0.1, 0.2, PointResult::kMissed}},
                                         {"room centre", {1.0, 1.5, 2.0}}};
   const auto drawing = draw_error_distributions(all);
-  EXPECT_TRUE(says(drawing, "estimates"));
-  EXPECT_TRUE(says(drawing, "room centre"));
-  EXPECT_FALSE(says(drawing, "no data"));
+  EXPECT_TRUE(has_text(drawing, "estimates"));
+  EXPECT_TRUE(has_text(drawing, "room centre"));
+  EXPECT_FALSE(has_text(drawing, "no data"));
 }
 
 TEST(EvaluationPlots, TheMapShowsHitsAndMisses) {
@@ -51,7 +51,7 @@ TEST(EvaluationPlots, TheMapShowsHitsAndMisses) {
   const std::vector<const LocationEstimate*> one_hit = {&hit, nullptr};
   const auto missed = draw_error_map(*room.scene, {{"a", {}}}, truth, all_missed);
   const auto located = draw_error_map(*room.scene, {{"a", {}}}, truth, one_hit);
-  EXPECT_TRUE(says(missed, "missed"));
+  EXPECT_TRUE(has_text(missed, "missed"));
   EXPECT_EQ(count<draw::Line>(located), count<draw::Line>(missed) + 1);
 }
 
@@ -61,8 +61,8 @@ TEST(EvaluationPlots, CoverageIsDrawnOnlyOfWhatIsStated) {
   const LocationEstimate sure = at(0.1);
   const std::vector<PointResult> stated = {evaluate_point(TruthPoint(), &sure)};
   const std::vector<PointResult> silent = {evaluate_point(TruthPoint(), &unsure)};
-  EXPECT_TRUE(says(draw_coverage(stated), "estimates (1)"));
-  EXPECT_FALSE(says(draw_coverage(silent), "estimates"));
+  EXPECT_TRUE(has_text(draw_coverage(stated), "estimates (1)"));
+  EXPECT_FALSE(has_text(draw_coverage(silent), "estimates"));
 }
 
 TEST(EvaluationPlots, ReliabilityCountsItsOutcomes) {
@@ -70,8 +70,8 @@ TEST(EvaluationPlots, ReliabilityCountsItsOutcomes) {
   const std::vector<TruthPoint> truth(1);
   const std::vector<const LocationEstimate*> matches = {&one};
   const auto drawing = draw_reliability(stated_outcomes(truth, matches));
-  EXPECT_TRUE(says(drawing, "hypotheses, by weight (1)"));
-  EXPECT_TRUE(says(drawing, "somewhere else (1)"));
+  EXPECT_TRUE(has_text(drawing, "hypotheses, by weight (1)"));
+  EXPECT_TRUE(has_text(drawing, "somewhere else (1)"));
 }
 
 }  // namespace

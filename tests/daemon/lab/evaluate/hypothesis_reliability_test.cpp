@@ -35,11 +35,11 @@ TEST(HypothesisReliability, ExactlyOneOutcomeHappens) {
   EXPECT_TRUE(at_second.hypotheses[1].happened);
   EXPECT_DOUBLE_EQ(at_second.hypotheses[1].stated, 0.3);
   EXPECT_FALSE(at_second.left_over[0].happened);
-  const auto elsewhere = outcomes_of(estimate, {0.5, 0, 0});
-  EXPECT_FALSE(elsewhere.hypotheses[0].happened);
-  EXPECT_FALSE(elsewhere.hypotheses[1].happened);
-  EXPECT_TRUE(elsewhere.left_over[0].happened);
-  EXPECT_DOUBLE_EQ(elsewhere.left_over[0].stated, 0.1);
+  const auto outside = outcomes_of(estimate, {0.5, 0, 0});
+  EXPECT_FALSE(outside.hypotheses[0].happened);
+  EXPECT_FALSE(outside.hypotheses[1].happened);
+  EXPECT_TRUE(outside.left_over[0].happened);
+  EXPECT_DOUBLE_EQ(outside.left_over[0].stated, 0.1);
 }
 
 TEST(HypothesisReliability, BelongsToOneOnlyWithinItsRegionOf99Percent) {

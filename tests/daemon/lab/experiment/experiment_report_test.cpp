@@ -92,16 +92,16 @@ TEST_F(ExperimentReport, ThePageIsWellFormedAndShowsTheClaim) {
 TEST_F(ExperimentReport, ChartsHaveACurveForEachOtherAxis) {
   const auto drawings = draw_study(results_.front());
   ASSERT_EQ(drawings.size(), 3U);  // median, share below 0.5 m, distributions
-  const auto says = [](const draw::Drawing& drawing, const std::string& text) {
+  const auto has_text = [](const draw::Drawing& drawing, const std::string& text) {
     return std::any_of(drawing.shapes.begin(), drawing.shapes.end(), [&](const draw::Shape& shape) {
       const auto* words = std::get_if<draw::Text>(&shape);
       return words != nullptr && words->text == text;
     });
   };
-  EXPECT_TRUE(says(drawings[0], "method rayloc"));
-  EXPECT_TRUE(says(drawings[0], "method paper"));
-  EXPECT_TRUE(says(drawings[0], "boxes"));
-  EXPECT_TRUE(says(drawings[2], "boxes 1, method rayloc"));
+  EXPECT_TRUE(has_text(drawings[0], "method rayloc"));
+  EXPECT_TRUE(has_text(drawings[0], "method paper"));
+  EXPECT_TRUE(has_text(drawings[0], "boxes"));
+  EXPECT_TRUE(has_text(drawings[2], "boxes 1, method rayloc"));
 }
 
 }  // namespace

@@ -80,13 +80,13 @@ TEST(LookAlikes, AreCountedWhereTheyAreTakenForTheSame) {
                                {0.1, 2.0, 2.1, kNever},
                                {{0.1, 0, 1}, {2, 0, 1}, {2.1, 0, 1}, {kNone, kNone, kNone}}});
   prediction.places.push_back({{5, 5, 1}, {1.0, 0.0}, {{5, 6, 1}, {5, 5, 1}}});
-  const auto found = look_alikes(prediction, 5);
+  const auto found = confused_places(prediction, 5);
   ASSERT_EQ(found.size(), 2U);
   EXPECT_EQ(found[0].count, 2U);
   EXPECT_EQ(found[0].draws, 4U);
   EXPECT_EQ(found[0].taken_for.x, 2.0);
   EXPECT_EQ(found[1].place.x, 5.0);
-  EXPECT_EQ(look_alikes(prediction, 1).size(), 1U);
+  EXPECT_EQ(confused_places(prediction, 1).size(), 1U);
   EXPECT_EQ(another_place_share(prediction.places[0]), 0.75);
   EXPECT_EQ(median_error(prediction.places[1]), 1.0);
 }

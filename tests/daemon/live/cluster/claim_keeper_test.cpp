@@ -113,7 +113,7 @@ struct Worker {
     return claimed;
   }
   // Waits for its thread, which makes eight rounds in a lease.
-  bool looks(std::uint64_t times) const {
+  bool checks(std::uint64_t times) const {
     const StageProgress& progress = keeper->progress();
     return eventually(
         kPatience, [&, before = progress.beats()] { return progress.beats() >= before + times; });
@@ -213,7 +213,7 @@ TEST(ClaimKeeper, WhatIsGivenBackWhileTheBrokerIsAwayIsGivenBackLater) {
   first.keeper->give_back(site, generation - 1);  // of an older claim
   broker->set_connected(false);
   first.keeper->give_back(site, generation);
-  ASSERT_TRUE(first.looks(2));
+  ASSERT_TRUE(first.checks(2));
   EXPECT_EQ(first.keeper->owner_of(site), "w1");
   broker->set_connected(true);
   EXPECT_TRUE(eventually(kPatience, [&] { return second.keeper->owner_of(site).empty(); }));
@@ -287,7 +287,7 @@ TEST(ClaimKeeper, OfTwoOfOneNameOneClaimsNothingAndSaysWhy) {
   ASSERT_TRUE(eventually(kPatience, [&] { return first.owned() == kSites; }));
   Worker namesake(broker, "w1", 0, 2);
   EXPECT_TRUE(eventually(kPatience, [&] { return !namesake.keeper->trouble().empty(); }));
-  ASSERT_TRUE(namesake.looks(12)) << "for more than a lease";
+  ASSERT_TRUE(namesake.checks(12)) << "for more than a lease";
   ASSERT_TRUE(first.judges());
   EXPECT_EQ(first.keeper->trouble(), "");
   EXPECT_EQ(first.owned(), kSites);
@@ -315,7 +315,7 @@ TEST(ClaimKeeper, NobodyLosesASiteBecauseTheBrokerIsAway) {
   Worker only(broker, "w1", 0);
   ASSERT_TRUE(eventually(kPatience, [&] { return only.owned() == kSites; }));
   broker->set_connected(false);
-  ASSERT_TRUE(only.looks(20)) << "for more than two leases";
+  ASSERT_TRUE(only.checks(20)) << "for more than two leases";
   broker->set_connected(true);
   Worker late(broker, "w2", 0);
   ASSERT_TRUE(late.judges());

@@ -105,11 +105,11 @@ std::uint64_t FakeBroker::store(const std::string& subject,
     again = without_end(stream->options.republish_to) +
             subject.substr(without_end(stream->options.subjects).size());
   }
-  tell(message, again);
+  deliver(message, again);
   return message.sequence;
 }
 
-void FakeBroker::tell(const BrokerMessage& message, const std::string& subject) {
+void FakeBroker::deliver(const BrokerMessage& message, const std::string& subject) {
   std::vector<std::shared_ptr<Called>> handlers;
   {
     const std::lock_guard lock(mutex_);

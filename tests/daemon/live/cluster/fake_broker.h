@@ -88,7 +88,7 @@ class FakeBroker final : public Broker {
       return away();
     }
     if (store(subject, data, "") == 0) {  // a stream delivers it itself
-      tell({subject, 0, std::string(data)}, subject);
+      deliver({subject, 0, std::string(data)}, subject);
     }
     return {};
   }
@@ -205,7 +205,7 @@ class FakeBroker final : public Broker {
   }
   // Its sequence; 0 where no stream takes it.
   std::uint64_t store(const std::string& subject, std::string_view data, const std::string& id);
-  void tell(const BrokerMessage& message, const std::string& subject);
+  void deliver(const BrokerMessage& message, const std::string& subject);
 
   void wait_to_answer() const { answering_.wait(false); }
 

@@ -73,16 +73,16 @@ TEST(OwnerLog, AnOwnerThatWasReplacedSaysNothingMore) {
   const auto first = begun(broker, 1);
   v1::SiteOutput output;
   output.set_done_us(us_of(at(5)));
-  ASSERT_EQ(first->say(output), OwnerLog::Said::kStored);
+  ASSERT_EQ(first->append(output), OwnerLog::Outcome::kStored);
   const auto second = begun(broker, 2);
   ASSERT_TRUE(second);
   EXPECT_EQ(second->start().from, at(5));
   const std::size_t before = broker->stored().size();
-  EXPECT_EQ(first->say(output), OwnerLog::Said::kReplaced);
+  EXPECT_EQ(first->append(output), OwnerLog::Outcome::kReplaced);
   EXPECT_EQ(begun(broker, 2), nullptr);
   EXPECT_EQ(begun(broker, 1), nullptr);
   EXPECT_EQ(broker->stored().size(), before);
-  EXPECT_EQ(second->say(output), OwnerLog::Said::kStored);
+  EXPECT_EQ(second->append(output), OwnerLog::Outcome::kStored);
 }
 
 TEST(OwnerLog, GoesOnBehindWordsThatNoOwnerMaySay) {
@@ -92,16 +92,16 @@ TEST(OwnerLog, GoesOnBehindWordsThatNoOwnerMaySay) {
   v1::OutputRecord old;
   old.set_generation(1);
   ASSERT_TRUE(broker->publish(output_subject("hall"), seal(old)));
-  EXPECT_EQ(owner->say({}), OwnerLog::Said::kNotYet);
-  EXPECT_EQ(owner->say({}), OwnerLog::Said::kStored);
+  EXPECT_EQ(owner->append({}), OwnerLog::Outcome::kNotYet);
+  EXPECT_EQ(owner->append({}), OwnerLog::Outcome::kStored);
 }
 
 TEST(OwnerLog, BeginsAnewWhereTheStreamHasForgotten) {
   const auto broker = std::make_shared<FakeBroker>();
   const auto owner = begun(broker, 3);
   broker->forget_streams();
-  EXPECT_EQ(owner->say({}), OwnerLog::Said::kNotYet);
-  EXPECT_EQ(owner->say({}), OwnerLog::Said::kStored);
+  EXPECT_EQ(owner->append({}), OwnerLog::Outcome::kNotYet);
+  EXPECT_EQ(owner->append({}), OwnerLog::Outcome::kStored);
 }
 
 // The owner slept for longer than results are kept, and its successor has ended meanwhile.
@@ -114,13 +114,13 @@ TEST(OwnerLog, AnOwnerThatSleptForLongerThanResultsAreKeptSaysNothingMore) {
   claim.set_generation(3);
   ASSERT_TRUE(broker->publish_behind(claim_subject("hall"), seal(claim), 0));
   broker->drop(std::string(kOutputStream), 1);
-  EXPECT_EQ(asleep->say({}), OwnerLog::Said::kNotYet);
-  EXPECT_EQ(asleep->say({}), OwnerLog::Said::kStored);
+  EXPECT_EQ(asleep->append({}), OwnerLog::Outcome::kNotYet);
+  EXPECT_EQ(asleep->append({}), OwnerLog::Outcome::kStored);
   claim.set_worker("w4");
   claim.set_generation(4);
   ASSERT_TRUE(broker->publish_behind(claim_subject("hall"), seal(claim), 1));
   broker->drop(std::string(kOutputStream), 2);
-  EXPECT_EQ(asleep->say({}), OwnerLog::Said::kReplaced);
+  EXPECT_EQ(asleep->append({}), OwnerLog::Outcome::kReplaced);
 }
 
 OutStage::Options quick() {
@@ -159,13 +159,13 @@ TEST(OutStage, WhatTwoOwnersSayIsEachInstantOnceAndInOrder) {
   ASSERT_TRUE(eventually(kPatience, [&] { return !first.ended().empty(); }));
   EXPECT_EQ(first.ended(), "another worker has it");
   second.finish();
-  std::vector<std::int64_t> said;
+  std::vector<std::int64_t> published;
   for (const v1::OutputRecord& record : records(*broker)) {
     for (const v1::OutputItem& item : record.output().items()) {
-      said.push_back(item.location().time().nanos() / 1'000'000);
+      published.push_back(item.location().time().nanos() / 1'000'000);
     }
   }
-  EXPECT_EQ(said, (std::vector<std::int64_t>{10, 20, 40}));
+  EXPECT_EQ(published, (std::vector<std::int64_t>{10, 20, 40}));
   EXPECT_EQ(received.times(), (std::vector<Timestamp>{at(10), at(20), at(40)}));
   EXPECT_TRUE(records(*broker).back().output().released());
 }
@@ -210,19 +210,19 @@ TEST(OutStage, SaysInSeveralRecordsWhatIsTooMuchForOne) {
   stage.finish();
   EXPECT_GT(stage.counters().records, 10U);
   EXPECT_EQ(stage.counters().left_out, 0U);
-  std::vector<std::int64_t> said;
+  std::vector<std::int64_t> published;
   std::int64_t done = 0;
   for (const v1::OutputRecord& record : records(*broker)) {
     EXPECT_LE(record.ByteSizeLong(), 1024U);
     for (const v1::OutputItem& item : record.output().items()) {
       const auto& time = item.location().time();
-      said.push_back(time.seconds() * 1'000'000 + time.nanos() / 1000);
-      EXPECT_GE(said.back(), done);
-      EXPECT_LT(said.back(), record.output().done_us());
+      published.push_back(time.seconds() * 1'000'000 + time.nanos() / 1000);
+      EXPECT_GE(published.back(), done);
+      EXPECT_LT(published.back(), record.output().done_us());
     }
     done = record.has_output() ? record.output().done_us() : done;
   }
-  EXPECT_EQ(said, expected);
+  EXPECT_EQ(published, expected);
   EXPECT_TRUE(records(*broker).back().output().released());
 }
 
@@ -242,8 +242,8 @@ TEST(OutStage, LeavesOutWhatOfOneInstantIsTooMuchForTheBroker) {
       kPatience, [&] { return stage.counters().items + stage.counters().left_out == 101; }));
   EXPECT_GT(stage.counters().left_out, 0U);
   EXPECT_GT(stage.counters().items, 1U);
-  EXPECT_EQ(stage.news().size(), 1U);
-  EXPECT_TRUE(stage.news().empty());
+  EXPECT_EQ(stage.notices().size(), 1U);
+  EXPECT_TRUE(stage.notices().empty());
   EXPECT_EQ(received.times().back(), at(2));
   stage.finish();
 }

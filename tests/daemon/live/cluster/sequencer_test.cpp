@@ -120,7 +120,7 @@ TEST_P(LossyWay, EverythingIsTakenOrMarked) {
   NumberedRing ring(kSomeEpoch, limits);
   Sequencer sequencer({}, true);
   std::vector<Sequencer::Taken> taken;
-  std::deque<std::string> way;
+  std::deque<std::string> in_transit;
   NumberedRing::Time now{std::chrono::seconds(100)};
   const auto round = [&](bool is_broken, std::uint64_t datagrams) {
     now += milliseconds(20);
@@ -133,21 +133,21 @@ TEST_P(LossyWay, EverythingIsTakenOrMarked) {
       }
       const std::uint64_t fate = is_broken ? any(9) : 9;
       if (fate != 0) {
-        way.push_back(*one->bytes);
+        in_transit.push_back(*one->bytes);
       }
       if (fate == 1) {
-        way.push_back(*one->bytes);
+        in_transit.push_back(*one->bytes);
       }
       if (fate != 2) {  // with 0 the broker has lost what it acknowledged
         ring.acknowledged(one->number);
       }
     }
     if (is_broken) {
-      std::shuffle(way.begin(), way.end(), random);
+      std::shuffle(in_transit.begin(), in_transit.end(), random);
     }
-    for (std::uint64_t i = is_broken ? any(30) : way.size(); i > 0 && !way.empty(); --i) {
-      sequencer.push(kNode, *decode_batch(way.front()), taken);
-      way.pop_front();
+    for (std::uint64_t i = is_broken ? any(30) : in_transit.size(); i > 0 && !in_transit.empty(); --i) {
+      sequencer.push(kNode, *decode_batch(in_transit.front()), taken);
+      in_transit.pop_front();
     }
     for (const Sequencer::Hole& hole : sequencer.holes()) {
       if (!is_broken || any(19) == 0) {

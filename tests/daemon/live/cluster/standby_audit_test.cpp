@@ -35,7 +35,7 @@ Location located(int ms, const std::string& device, double x = 1.0) {
 }
 
 // The record of an owner with these results, complete for all instants before `done`.
-v1::OutputRecord said(std::uint64_t number, int done, const std::vector<Location>& found) {
+v1::OutputRecord record_of(std::uint64_t number, int done, const std::vector<Location>& found) {
   OutItems items(Timestamp::min());
   for (const Location& one : found) {
     items.add(Location(one));
@@ -70,9 +70,9 @@ TEST(StandbyAudit, ComparesEachWindowOnceBothKnowIt) {
   for (const Location& one : found) {
     own.add(Location(one));
   }
-  audit.receive(said(7, 15, {found[0]}));  // the audit lacks the begin of this window
-  audit.receive(said(8, 25, {found[1]}));
-  audit.receive(said(8, 25, {}));  // a repeat
+  audit.receive(record_of(7, 15, {found[0]}));  // the audit lacks the begin of this window
+  audit.receive(record_of(8, 25, {found[1]}));
+  audit.receive(record_of(8, 25, {}));  // a repeat
   audit.compare(own, {});
   EXPECT_EQ(audit.counters().windows, 0U);
   own.advance(at(40));
@@ -93,11 +93,11 @@ TEST(StandbyAudit, FindsWhatIsAnotherMissingOrTooMuch) {
     own.add(located(ms, "a"));
   }
   own.advance(at(60));
-  audit.receive(said(1, 5, {}));
-  audit.receive(said(2, 15, {located(10, "a", 1.0 + 1e-15)}));  // the last digit
-  audit.receive(said(3, 25, {}));
-  audit.receive(said(4, 35, {located(30, "a"), located(30, "b")}));
-  audit.receive(said(5, 45, {located(40, "a")}));
+  audit.receive(record_of(1, 5, {}));
+  audit.receive(record_of(2, 15, {located(10, "a", 1.0 + 1e-15)}));  // the last digit
+  audit.receive(record_of(3, 25, {}));
+  audit.receive(record_of(4, 35, {located(30, "a"), located(30, "b")}));
+  audit.receive(record_of(5, 45, {located(40, "a")}));
   audit.compare(own, {});
   EXPECT_EQ(audit.counters().windows, 4U);
   EXPECT_EQ(audit.counters().differing, 3U);
@@ -112,9 +112,9 @@ TEST(StandbyAudit, OfOneThatBeganLaterPositionsMayDiffer) {
   own.add(located(10, "a", 1.001));
   own.add(located(20, "a", 1.001));
   own.advance(at(30));
-  audit.receive(said(1, 5, {}));
-  audit.receive(said(2, 15, {located(10, "a")}));
-  audit.receive(said(3, 25, {located(21, "a")}));
+  audit.receive(record_of(1, 5, {}));
+  audit.receive(record_of(2, 15, {located(10, "a")}));
+  audit.receive(record_of(3, 25, {located(21, "a")}));
   audit.compare(own, {});
   EXPECT_EQ(audit.counters().differing, 1U);
 }
@@ -124,7 +124,7 @@ TEST(StandbyAudit, WhoseTracksHaveOtherNumbersCannotGoOn) {
     StandbyAudit audit(of_owner());
     OutItems own(Timestamp::min());
     own.advance(at(100));
-    v1::OutputRecord record = said(2, 90, {});
+    v1::OutputRecord record = record_of(2, 90, {});
     *record.mutable_output()->mutable_carried() = carried_message(state(80, 4));
     audit.receive(std::move(record));
     audit.compare(own, {state(70, 9), state(80, track), state(95, 9)});
@@ -141,7 +141,7 @@ TEST(StandbyAudit, OfOneThatBeganLaterOnlyADifferenceThatStaysCounts) {
     std::deque<Carried> states;
     for (int i = 1; i <= 6; ++i) {
       states.push_back(state(10 * i, i <= others ? 5U : 4U));
-      v1::OutputRecord record = said(static_cast<std::uint64_t>(i), 10 * i + 5, {});
+      v1::OutputRecord record = record_of(static_cast<std::uint64_t>(i), 10 * i + 5, {});
       *record.mutable_output()->mutable_carried() = carried_message(state(10 * i, 4));
       audit.receive(std::move(record));
     }
@@ -161,7 +161,7 @@ TEST(StandbyAudit, AnotherOwnerOrOneThatIsFasterEndsIt) {
   options.most_behind = Duration(-1);
   StandbyAudit slow(options);
   for (int i = 1; i < 6; ++i) {
-    slow.receive(said(static_cast<std::uint64_t>(i), i, {}));
+    slow.receive(record_of(static_cast<std::uint64_t>(i), i, {}));
   }
   EXPECT_EQ(slow.trouble(), "it computes more slowly than the owner");
 }
@@ -188,7 +188,7 @@ OutStage::Options quick() {
   return options;
 }
 
-std::vector<std::int64_t> said_in(const FakeBroker& broker) {
+std::vector<std::int64_t> times_in(const FakeBroker& broker) {
   std::vector<std::int64_t> times;
   for (const BrokerMessage& message : broker.stored()) {
     v1::OutputRecord record;
@@ -210,40 +210,40 @@ TEST(StandsBy, WhoIsPromotedGoesOnBehindTheOwnersLastWord) {
   owner.start();
   owner.location(located(10, "a"));
   owner.advance(at(15));
-  ASSERT_TRUE(eventually(kPatience, [&] { return said_in(*broker).size() == 1; }));
+  ASSERT_TRUE(eventually(kPatience, [&] { return times_in(*broker).size() == 1; }));
   const auto along = standby_start(*broker, "hall");
   ASSERT_TRUE(along) << along.error().message;
   EXPECT_EQ(along->start.generation, 3U);
   EXPECT_FALSE(along->is_late);
-  OutStage stands_by(along->start, silent, quick(), of_owner());
+  OutStage follower(along->start, silent, quick(), of_owner());
   auto words = broker->subscribe(output_again_subject("hall"), [&](BrokerMessage&& message) {
     v1::OutputRecord record;
     ASSERT_TRUE(unseal(message.data, record));
-    stands_by.receive(std::move(record));
+    follower.receive(std::move(record));
   });
-  stands_by.location(located(10, "a"));  // computed from where the owner began
-  for (OutStage* const stage : {&owner, &stands_by}) {
+  follower.location(located(10, "a"));  // computed from where the owner began
+  for (OutStage* const stage : {&owner, &follower}) {
     stage->location(located(20, "a"));
     stage->location(located(30, "b"));
     stage->advance(at(25));
   }
-  ASSERT_TRUE(eventually(kPatience, [&] { return said_in(*broker).size() == 2; }));
-  stands_by.advance(at(35));
-  ASSERT_TRUE(eventually(kPatience, [&] { return stands_by.standby()->counters.windows > 0; }));
-  EXPECT_EQ(stands_by.standby()->counters.differing, 0U);
-  EXPECT_EQ(said_in(*broker).size(), 2U);
+  ASSERT_TRUE(eventually(kPatience, [&] { return times_in(*broker).size() == 2; }));
+  follower.advance(at(35));
+  ASSERT_TRUE(eventually(kPatience, [&] { return follower.standby()->counters.windows > 0; }));
+  EXPECT_EQ(follower.standby()->counters.differing, 0U);
+  EXPECT_EQ(times_in(*broker).size(), 2U);
   words->reset();  // its own Begin would be that of another
   OwnerLog::Options next = log_options(4);
   next.along = along->start;
   auto log = OwnerLog::begin(broker, next);
   ASSERT_TRUE(log) << log.error().message;
   EXPECT_EQ((*log)->start().from, at(25));
-  stands_by.promote(std::move(*log));
-  EXPECT_FALSE(stands_by.standby());
-  ASSERT_TRUE(eventually(kPatience, [&] { return said_in(*broker).size() == 3; }))
-      << stands_by.ended();
-  EXPECT_EQ(said_in(*broker), (std::vector<std::int64_t>{10, 20, 30}));
-  stands_by.finish();
+  follower.promote(std::move(*log));
+  EXPECT_FALSE(follower.standby());
+  ASSERT_TRUE(eventually(kPatience, [&] { return times_in(*broker).size() == 3; }))
+      << follower.ended();
+  EXPECT_EQ(times_in(*broker), (std::vector<std::int64_t>{10, 20, 30}));
+  follower.finish();
   // It followed generation 3, and the last record is of generation 4.
   next.generation = 5;
   EXPECT_FALSE(OwnerLog::begin(broker, next));
@@ -257,11 +257,11 @@ TEST(StandsBy, WhoCannotGoOnAfterAllSaysSo) {
   ASSERT_TRUE(broker->ensure_stream(site_stream("hall", {})));
   v1::SiteOutput output;
   output.set_done_us(us_of(at(5)));
-  ASSERT_EQ(owner->say(output), OwnerLog::Said::kStored);
+  ASSERT_EQ(owner->append(output), OwnerLog::Outcome::kStored);
   const auto along = standby_start(*broker, "hall");
   ASSERT_TRUE(along) << along.error().message;
-  OutStage stands_by(along->start, silent, quick(), of_owner());
-  EXPECT_EQ(stands_by.standby()->trouble, "");
+  OutStage follower(along->start, silent, quick(), of_owner());
+  EXPECT_EQ(follower.standby()->trouble, "");
   OwnerLog::Options next = log_options(4);
   next.along = along->start;
   auto log = OwnerLog::begin(broker, next);
@@ -269,10 +269,10 @@ TEST(StandsBy, WhoCannotGoOnAfterAllSaysSo) {
   v1::OutputRecord another;
   another.set_generation(5);
   another.mutable_begin();
-  stands_by.receive(std::move(another));
-  stands_by.promote(std::move(*log));
-  EXPECT_EQ(stands_by.ended(), "another worker owns the site since");
-  stands_by.finish();
+  follower.receive(std::move(another));
+  follower.promote(std::move(*log));
+  EXPECT_EQ(follower.ended(), "another worker owns the site since");
+  follower.finish();
 }
 
 TEST(StandsBy, BeginsLateWhereTheStreamHasForgotten) {
@@ -282,14 +282,14 @@ TEST(StandsBy, BeginsLateWhereTheStreamHasForgotten) {
   ASSERT_TRUE(broker->ensure_stream(site_stream("hall", {})));
   v1::SiteOutput output;
   output.set_done_us(us_of(at(5)));
-  ASSERT_EQ(log->say(output), OwnerLog::Said::kStored);
+  ASSERT_EQ(log->append(output), OwnerLog::Outcome::kStored);
   EXPECT_FALSE(standby_start(*broker, "hall")->is_late);
   broker->drop(std::string(kOutputStream), 1);  // its Begin
   const auto late = standby_start(*broker, "hall");
   EXPECT_TRUE(late->is_late);
   EXPECT_EQ(late->start.from, at(5));
   output.set_released(true);
-  ASSERT_EQ(log->say(output), OwnerLog::Said::kStored);
+  ASSERT_EQ(log->append(output), OwnerLog::Outcome::kStored);
   EXPECT_FALSE(standby_start(*broker, "hall"));
 }
 

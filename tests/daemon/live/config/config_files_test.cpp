@@ -145,12 +145,12 @@ TEST(ConfigManual, DescribesEveryKeyAndIsSoundRoff) {
   if (std::system("command -v groff >/dev/null") != 0) {
     GTEST_SKIP() << "no groff here";
   }
-  const fs::path said = file.string() + ".said";
+  const fs::path messages = file.string() + ".said";
   ASSERT_EQ(
       std::system(
-          ("groff -man -Tascii -ww " + file.string() + " >/dev/null 2>" + said.string()).c_str()),
+          ("groff -man -Tascii -ww " + file.string() + " >/dev/null 2>" + messages.string()).c_str()),
       0);
-  EXPECT_EQ(fs::file_size(said), 0U) << "groff warns: " << said;
+  EXPECT_EQ(fs::file_size(messages), 0U) << "groff warns: " << messages;
 }
 
 }  // namespace

@@ -49,13 +49,13 @@ class Secrets : public ::testing::Test {
   fs::path folder_;
 };
 
-constexpr const char* kEverywhere = "[http]\nlisten = \"0.0.0.0:8480\"\n";
+constexpr const char* kAnyAddress = "[http]\nlisten = \"0.0.0.0:8480\"\n";
 
 TEST_F(Secrets, ACredentialTakesThePlaceOfAFileThatIsNotStated) {
   const fs::path token = write("http.token", kToken);
   const fs::path key = write("privacy.key", kToken);
   const fs::path secret = write("curve.secret", kToken);
-  const DaemonConfig config = parsed(kEverywhere);
+  const DaemonConfig config = parsed(kAnyAddress);
   EXPECT_EQ(config.http.token_file, token);
   EXPECT_EQ(config.privacy.key_file, key);
   EXPECT_EQ(config.curve.secret_file, secret);

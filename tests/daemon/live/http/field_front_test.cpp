@@ -92,8 +92,8 @@ TEST(Field, HttpEventsAreNeitherKeptNorPackedOnTheirWay) {
 }
 
 TEST(Field, HttpIsShownInFramesOfThePagesThatMay) {
-  constexpr const char* kNobody = "frame-ancestors 'none'\r\n";
-  EXPECT_THAT(FrontedServer(HttpFront{}).get("/"), HasSubstr(kNobody));
+  constexpr const char* kNoAncestors = "frame-ancestors 'none'\r\n";
+  EXPECT_THAT(FrontedServer(HttpFront{}).get("/"), HasSubstr(kNoAncestors));
   const HttpFront card{.frame_ancestors = {"self", "http://homeassistant.local:8123"}};
   for (const char* path : {"/", "/none", "/control"}) {
     EXPECT_THAT(FrontedServer(card).get(path),
@@ -103,7 +103,7 @@ TEST(Field, HttpIsShownInFramesOfThePagesThatMay) {
   EXPECT_THAT(FrontedServer(HttpFront{.frame_ancestors = {"*"}}).get("/"),
               HasSubstr("frame-ancestors *\r\n"));
   EXPECT_THAT(FrontedServer(HttpFront{.frame_ancestors = {"x\r\nSet-Cookie: y"}}).get("/"),
-              HasSubstr(kNobody));
+              HasSubstr(kNoAncestors));
 }
 
 TEST(Field, HttpAnswersToTheNamesThatAreListedAndToNoOther) {

@@ -48,11 +48,11 @@ class HttpServerTest : public ::testing::Test {
                               },
                           .control =
                               [](const HttpParameters& parameters) {
-                                std::string said;
+                                std::string text;
                                 for (const auto& [key, value] : parameters) {
-                                  said.append(key).append("=").append(value).append("\n");
+                                  text.append(key).append("=").append(value).append("\n");
                                 }
-                                return HttpReply{200, "text/plain", said};
+                                return HttpReply{200, "text/plain", text};
                               }};
     HttpRoute& written = routes["/written"];
     written.handler = [] { return HttpReply{200, "text/plain", "as it is\n"}; };

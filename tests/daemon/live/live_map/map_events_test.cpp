@@ -19,7 +19,7 @@ using ::testing::StartsWith;
 
 class MapEventsTest : public ::testing::Test {
  protected:
-  void say(const std::string& access_point) {
+  void put(const std::string& access_point) {
     v1::Envelope envelope;
     envelope.mutable_source()->set_access_point(access_point);
     board_->put("v1/source/room/" + access_point + "/", envelope, envelope.SerializeAsString());
@@ -28,7 +28,7 @@ class MapEventsTest : public ::testing::Test {
     const std::size_t begin = event.find("\ndata: ") + 7;
     return json::parse(event.substr(begin, event.find("\n\n") - begin));
   }
-  static std::vector<std::string> told(const std::string& event) {
+  static std::vector<std::string> names_in(const std::string& event) {
     std::vector<std::string> names;
     const json data = data_of(event);
     for (const json& message : data.at("messages")) {
@@ -54,55 +54,55 @@ TEST_F(MapEventsTest, BeginWithASnapshotHoweverLittleThereIs) {
 }
 
 TEST_F(MapEventsTest, GoOnWithWhatIsTheLatest) {
-  say("a");
-  say("b");
-  EXPECT_THAT(told(events_.take(cursor_).text), ElementsAre("a", "b"));
-  say("a");
-  say("b");
-  say("a");
+  put("a");
+  put("b");
+  EXPECT_THAT(names_in(events_.take(cursor_).text), ElementsAre("a", "b"));
+  put("a");
+  put("b");
+  put("a");
   const EventBatch update = events_.take(cursor_);
   EXPECT_THAT(update.text, StartsWith("event: update\nid: 7-5\n"));
-  EXPECT_THAT(told(update.text), ElementsAre("b", "a"));
+  EXPECT_THAT(names_in(update.text), ElementsAre("b", "a"));
   EXPECT_EQ(update.coalesced, 1U);
 }
 
 TEST_F(MapEventsTest, DoNotCountWhatWasBeforeAViewerCame) {
   for (int i = 0; i < 50; ++i) {
-    say("a");
+    put("a");
   }
   EXPECT_EQ(events_.take(cursor_).coalesced, 0U);
 }
 
 TEST_F(MapEventsTest, ResumeWhereAViewerWas) {
-  say("a");
+  put("a");
   events_.take(cursor_);
-  say("b");
+  put("b");
   EventCursor again;
   again.last_event_id = "7-1";
   const std::string resumed = events_.take(again).text;
   EXPECT_TRUE(data_of(resumed).at("resumed"));
-  EXPECT_THAT(told(resumed), ElementsAre("b"));
+  EXPECT_THAT(names_in(resumed), ElementsAre("b"));
 }
 
 TEST_F(MapEventsTest, BeginAnewForWhomTheyDoNotKnow) {
-  say("a");
+  put("a");
   // Ids of another start, of the future, and invalid ones.
   for (const char* id : {"6-1", "7-2", "7-", "7-x", "7--1", "7-99999999999999999999", "garbage"}) {
     EventCursor again;
     again.last_event_id = id;
     const std::string event = events_.take(again).text;
     EXPECT_FALSE(data_of(event).at("resumed")) << id;
-    EXPECT_THAT(told(event), ElementsAre("a")) << id;
+    EXPECT_THAT(names_in(event), ElementsAre("a")) << id;
   }
 }
 
 TEST_F(MapEventsTest, GiveALotInPieces) {
   for (int i = 0; i < 300; ++i) {
-    say("ap" + std::to_string(i));
+    put("ap" + std::to_string(i));
   }
-  EXPECT_EQ(told(events_.take(cursor_).text).size(), 256U);
+  EXPECT_EQ(names_in(events_.take(cursor_).text).size(), 256U);
   const EventBatch rest = events_.take(cursor_);
-  EXPECT_EQ(told(rest.text).size(), 44U);
+  EXPECT_EQ(names_in(rest.text).size(), 44U);
   EXPECT_EQ(rest.coalesced, 0U);
 }
 

@@ -151,17 +151,17 @@ TEST_F(MapGeometryTest, TellsTheCalibrationOnlyWhenTheReportIsOfTheOneInUse) {
   const std::filesystem::path folder =
       std::filesystem::path(::testing::TempDir()) / "map_geometry_test";
   std::filesystem::create_directories(folder);
-  const auto told = [&](const std::string& report) {
+  const auto parsed = [&](const std::string& report) {
     std::ofstream(folder / "report.json") << report;
     return json::parse(map_calibration_json(site_, room_));
   };
   site_.calibration_file = folder / "calibration.toml";
   room_.calibration_id = "abc";
-  EXPECT_THAT(told("no json").at("reason").get<std::string>(), HasSubstr("no report"));
-  EXPECT_THAT(told(R"({"calibration_id": "abd"})").at("reason").get<std::string>(),
+  EXPECT_THAT(parsed("no json").at("reason").get<std::string>(), HasSubstr("no report"));
+  EXPECT_THAT(parsed(R"({"calibration_id": "abd"})").at("reason").get<std::string>(),
               HasSubstr("of another one"));
   const json report =
-      told(R"({"calibration_id": "abc", "method": "joint", "moved": [1], "history": [2]})");
+      parsed(R"({"calibration_id": "abc", "method": "joint", "moved": [1], "history": [2]})");
   EXPECT_TRUE(report.at("available"));
   EXPECT_EQ(report.at("moved"), json({1}));
   EXPECT_FALSE(report.contains("history")) << "not for the map";

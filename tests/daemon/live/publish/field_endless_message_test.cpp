@@ -204,24 +204,24 @@ TEST(Field, InboundWatchCountsWhatHasNoEnd) {
   watch.delivered(one.watched(), 2000);
   two.send(5000);
   watch.delivered(two.watched(), 5000);
-  watch.look(begin);
+  watch.check(begin);
   EXPECT_EQ(watch.cut_off(), 0U);
   // Nor do signs of life; bytes that were not sent give no credit.
   one.send(1000);
   two.send(400);
-  watch.look(begin + 50s);
+  watch.check(begin + 50s);
   one.send(500);
-  watch.look(begin + 50s);
+  watch.check(begin + 50s);
   EXPECT_EQ(watch.cut_off(), 0U);
   // All together have too much: the worst goes.
   two.send(600);
-  watch.look(begin + 50s);
+  watch.check(begin + 50s);
   EXPECT_EQ(watch.cut_off(), 1U);
   EXPECT_TRUE(one.ended());
   EXPECT_FALSE(two.ended());
   // One alone has.
   two.send(500);
-  watch.look(begin + 50s);
+  watch.check(begin + 50s);
   EXPECT_EQ(watch.cut_off(), 2U);
   EXPECT_TRUE(two.ended());
   EXPECT_FALSE(three.ended());

@@ -109,7 +109,7 @@ TEST(Snapshot, IsAskedForAgainAfterARestartAndForgottenWhenItHasPassed) {
   ASSERT_TRUE(subscriber) << subscriber.error().message;
   for (const std::uint64_t epoch : {77U, 78U}) {
     std::map<std::string, std::uint64_t> last;
-    bool told = false;
+    bool has_snapshot = false;
     bool forgotten = false;
     ASSERT_TRUE(eventually(
         kPatience,
@@ -120,14 +120,14 @@ TEST(Snapshot, IsAskedForAgainAfterARestartAndForgottenWhenItHasPassed) {
               envelope.epoch() != epoch) {
             return false;  // of the start before
           }
-          told = told || message->from_snapshot;
+          has_snapshot = has_snapshot || message->from_snapshot;
           forgotten = forgotten || (!message->from_snapshot && subscriber->remembered() == 0);
           const auto [known, first] = last.emplace(message->topic, envelope.sequence());
           EXPECT_TRUE(first || envelope.sequence() == known->second + 1) << message->topic;
           known->second = envelope.sequence();
-          return told && forgotten && last.size() == kTargets;
+          return has_snapshot && forgotten && last.size() == kTargets;
         }))
-        << epoch << (told ? " told" : "") << (forgotten ? " forgotten" : "");
+        << epoch << (has_snapshot ? " told" : "") << (forgotten ? " forgotten" : "");
     if (epoch == 77U) {
       publisher.reset();
       publisher.emplace(endpoint, snapshot, 78);

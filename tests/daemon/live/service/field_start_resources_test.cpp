@@ -47,19 +47,19 @@ TEST(Field, StartResourcesNameTheLimitOfDescriptors) {
 }
 
 TEST(Field, StartResourcesLastWordsNameWhatIsLacking) {
-  const LastWords memory = last_words(std::bad_alloc());
+  const FatalMessage memory = fatal_message(std::bad_alloc());
   EXPECT_THAT(memory.text, HasSubstr("MemoryMax="));
   EXPECT_EQ(memory.exit_status, 69);
-  const auto words = [](int number) {
-    return last_words(std::system_error(number, std::generic_category(), "what it was for"));
+  const auto message = [](int number) {
+    return fatal_message(std::system_error(number, std::generic_category(), "what it was for"));
   };
-  EXPECT_THAT(words(EAGAIN).text, HasSubstr("ulimit -u"));
-  EXPECT_EQ(words(EAGAIN).exit_status, 69);
-  EXPECT_THAT(words(EMFILE).text, HasSubstr("LimitNOFILE="));
-  EXPECT_EQ(words(EMFILE).exit_status, 69);
-  EXPECT_EQ(words(EIO).exit_status, 70);
-  EXPECT_THAT(words(EIO).text, HasSubstr("internal error: what it was for"));
-  EXPECT_EQ(last_words(std::runtime_error("our fault")).exit_status, 70);
+  EXPECT_THAT(message(EAGAIN).text, HasSubstr("ulimit -u"));
+  EXPECT_EQ(message(EAGAIN).exit_status, 69);
+  EXPECT_THAT(message(EMFILE).text, HasSubstr("LimitNOFILE="));
+  EXPECT_EQ(message(EMFILE).exit_status, 69);
+  EXPECT_EQ(message(EIO).exit_status, 70);
+  EXPECT_THAT(message(EIO).text, HasSubstr("internal error: what it was for"));
+  EXPECT_EQ(fatal_message(std::runtime_error("our fault")).exit_status, 70);
 }
 
 }  // namespace

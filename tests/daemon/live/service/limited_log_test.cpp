@@ -30,7 +30,7 @@ TEST(LimitedLog, SaysTheFirstAtOnceAndThenTheCountOncePerPeriod) {
   Written written;
   LimitedLog log(written.write(), 30s);
   for (int i = 0; i < 1000; ++i) {
-    log.say("a", {LogLevel::kWarning, "a" + std::to_string(i)}, 2, kStart + i * 10ms);
+    log.add("a", {LogLevel::kWarning, "a" + std::to_string(i)}, 2, kStart + i * 10ms);
   }
   EXPECT_THAT(written.lines, ElementsAre("a0"));
   log.flush(kStart + 29s);
@@ -39,15 +39,15 @@ TEST(LimitedLog, SaysTheFirstAtOnceAndThenTheCountOncePerPeriod) {
   EXPECT_THAT(written.lines, ElementsAre("a0", "a999 times=1998"));
   log.flush(kStart + 90s);
   EXPECT_EQ(written.lines.size(), 2U) << "nothing has happened since";
-  log.say("a", {LogLevel::kWarning, "late"}, 1, kStart + 95s);
+  log.add("a", {LogLevel::kWarning, "late"}, 1, kStart + 95s);
   EXPECT_EQ(written.lines.back(), "late times=1");
 }
 
 TEST(LimitedLog, AtTheEndNothingIsHeldBack) {
   Written written;
   LimitedLog log(written.write(), 30s);
-  log.say("a", {LogLevel::kInfo, "a"}, 1, kStart);
-  log.say("a", {LogLevel::kInfo, "again"}, 3, kStart + 1s);
+  log.add("a", {LogLevel::kInfo, "a"}, 1, kStart);
+  log.add("a", {LogLevel::kInfo, "again"}, 3, kStart + 1s);
   log.finish();
   EXPECT_THAT(written.lines, ElementsAre("a", "again times=3"));
   log.finish();
@@ -57,8 +57,8 @@ TEST(LimitedLog, AtTheEndNothingIsHeldBack) {
 TEST(LimitedLog, SitesDoNotSilenceOneAnother) {
   Written written;
   LimitedLog log(written.write(), 30s);
-  log.say("a", {LogLevel::kInfo, "a"}, 1, kStart);
-  log.say("b", {LogLevel::kInfo, "b"}, 1, kStart + 1s);
+  log.add("a", {LogLevel::kInfo, "a"}, 1, kStart);
+  log.add("b", {LogLevel::kInfo, "b"}, 1, kStart + 1s);
   EXPECT_THAT(written.lines, ElementsAre("a", "b"));
 }
 
@@ -69,12 +69,12 @@ TEST(LossWatch, NamesTheSourceTheKindAndTheTotal) {
   v1::SourceReport& source = *heartbeat.add_sources();
   source.set_access_point("ap1");
   source.mutable_counters()->set_received(1000);
-  watch.look(heartbeat);
+  watch.check(heartbeat);
   EXPECT_THAT(written.lines, ElementsAre()) << "nothing is lost";
   source.mutable_counters()->set_kernel_drops(7);
   (*source.mutable_counters()->mutable_rejected())["bad_magic"] = 3;
-  watch.look(heartbeat);
-  watch.look(heartbeat);
+  watch.check(heartbeat);
+  watch.check(heartbeat);
   EXPECT_THAT(written.lines,
               ElementsAre("source ap1: datagrams lost before we read them: see `rayloc doctor` "
                           "loss=kernel_drops source=ap1 total=7",
@@ -96,8 +96,8 @@ TEST(LossWatch, KnowsEveryStage) {
     heartbeat.mutable_snapshot_server()->set_dropped(count);
     heartbeat.mutable_ring_snapshots()->set_failed(count);
     heartbeat.mutable_recorder()->set_dropped(count);
-    watch.look(heartbeat);
-    watch.look_at_shared(heartbeat, count);
+    watch.check(heartbeat);
+    watch.check_shared(heartbeat, count);
   }
   std::vector<std::string> kinds;
   for (const std::string& line : written.lines) {
@@ -124,9 +124,9 @@ TEST(LossWatch, OfASiteSaysNothingOfWhatIsShared) {
   heartbeat.mutable_publisher()->set_clients_cut_off(1);
   heartbeat.mutable_snapshot_server()->set_dropped(1);
   heartbeat.mutable_snapshot_server()->set_malformed(1);
-  watch.look(heartbeat);
+  watch.check(heartbeat);
   EXPECT_THAT(written.lines, ElementsAre());
-  watch.look_at_shared(heartbeat, 0);
+  watch.check_shared(heartbeat, 0);
   EXPECT_EQ(written.lines.size(), 5U);
 }
 

@@ -52,11 +52,11 @@ class Listener {
 };
 
 TEST(MachineCheck, AnEndpointMayNameItsAddressOrTheLoopbackByName) {
-  const Listener somebody;
-  ASSERT_FALSE(somebody.port().empty());
+  const Listener other;
+  ASSERT_FALSE(other.port().empty());
   for (const char* const host : {"127.0.0.1", "localhost", "*"}) {
     DaemonConfig config;
-    config.publish.endpoint = "tcp://" + std::string(host) + ":" + somebody.port();
+    config.publish.endpoint = "tcp://" + std::string(host) + ":" + other.port();
     const Finding finding = finding_of(config, "publishing");
     EXPECT_EQ(finding.kind, Kind::kProblem) << host;
     EXPECT_THAT(finding.what, HasSubstr("Address already in use")) << host;

@@ -60,7 +60,7 @@ TEST(Field, EverybodyIsToldWhyLessIsLocatedOrRecorded) {
   health.overloaded = {"too many bursts"};
   health.recording_errors = {"the disk is full"};
   health.reload_failed = true;  // irrelevant to viewers of the map
-  EXPECT_EQ(warnings_for_everybody(health),
+  EXPECT_EQ(public_warnings(health),
             (std::vector<std::string>{"not calibrated",
                                       "no people",
                                       "frames were dropped",

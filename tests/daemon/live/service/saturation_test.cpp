@@ -25,17 +25,17 @@ TEST(Saturation, HoldsForTenSecondsAfterTheLastLoss) {
   Saturation saturation;
   v1::Heartbeat heartbeat;
   heartbeat.add_sources()->set_access_point("ap1");
-  saturation.look(heartbeat, kStart);
+  saturation.check(heartbeat, kStart);
   EXPECT_THAT(saturation.reasons(), IsEmpty());
   for (int second = 1; second < 5; ++second) {
     heartbeat.mutable_sources(0)->mutable_counters()->set_frames_dropped(
         static_cast<std::uint64_t>(second));
-    saturation.look(heartbeat, kStart + second * 1s);
+    saturation.check(heartbeat, kStart + second * 1s);
     EXPECT_THAT(saturation.reasons(), ElementsAre(kFrames));
   }
-  saturation.look(heartbeat, kStart + 13s);
+  saturation.check(heartbeat, kStart + 13s);
   EXPECT_THAT(saturation.reasons(), ElementsAre(kFrames));
-  saturation.look(heartbeat, kStart + 14s);
+  saturation.check(heartbeat, kStart + 14s);
   EXPECT_THAT(saturation.reasons(), IsEmpty()) << "what was lost is over";
 }
 
@@ -49,7 +49,7 @@ TEST(Saturation, EveryQueueHasItsReason) {
   source.mutable_counters()->set_frames_dropped(1);
   heartbeat.mutable_estimation()->set_events_dropped(1);
   heartbeat.mutable_publisher()->set_csi_dropped(1);
-  saturation.look(heartbeat, kStart);
+  saturation.check(heartbeat, kStart);
   EXPECT_EQ(saturation.reasons().size(), 5U);
 }
 
@@ -64,11 +64,11 @@ TEST(Readiness, ASaturatedQueueIsAReason) {
 TEST(Field, BurstsThatGaveWayAreAWarningThatSaysWhatToDo) {
   Saturation saturation;
   v1::Heartbeat heartbeat;
-  saturation.look(heartbeat, kStart);
+  saturation.check(heartbeat, kStart);
   EXPECT_THAT(saturation.warnings(), IsEmpty());
   heartbeat.mutable_estimation()->set_bursts(1);
   heartbeat.mutable_estimation()->set_bursts_merged(3);
-  saturation.look(heartbeat, kStart + 1s);
+  saturation.check(heartbeat, kStart + 1s);
   EXPECT_THAT(saturation.reasons(), IsEmpty()) << "positions are right";
   EXPECT_THAT(
       saturation.warnings(),
@@ -76,7 +76,7 @@ TEST(Field, BurstsThatGaveWayAreAWarningThatSaysWhatToDo) {
                                    HasSubstr("(25 % of the bursts were explained)"),
                                    HasSubstr("unlisted = \"ignore\""),
                                    HasSubstr("faster machine"))));
-  saturation.look(heartbeat, kStart + 12s);
+  saturation.check(heartbeat, kStart + 12s);
   EXPECT_THAT(saturation.warnings(), IsEmpty()) << "it is over";
 }
 
@@ -87,7 +87,7 @@ TEST(Saturation, TheShareIsOfTheLastTenSeconds) {
     // Every fourth burst gives way, later every second.
     heartbeat.mutable_estimation()->set_bursts(3 * second);
     heartbeat.mutable_estimation()->set_bursts_merged(second <= 20 ? second : 3 * second - 40);
-    saturation.look(heartbeat, kStart + second * 1s);
+    saturation.check(heartbeat, kStart + second * 1s);
     if (second == 20) {
       EXPECT_THAT(saturation.warnings(), ElementsAre(HasSubstr("(75 % of")));
     }
@@ -98,29 +98,29 @@ TEST(Saturation, TheShareIsOfTheLastTenSeconds) {
 TEST(Field, BurstsThatWereLeftOutAreAWarningOfTheirOwn) {
   Saturation saturation;
   v1::Heartbeat heartbeat;
-  saturation.look(heartbeat, kStart);
+  saturation.check(heartbeat, kStart);
   heartbeat.mutable_estimation()->set_bursts_dropped(1);
-  saturation.look(heartbeat, kStart + 1s);
+  saturation.check(heartbeat, kStart + 1s);
   EXPECT_THAT(saturation.warnings(), ElementsAre(HasSubstr("too old, and were left out")));
-  saturation.look(heartbeat, kStart + 12s);
+  saturation.check(heartbeat, kStart + 12s);
   EXPECT_THAT(saturation.warnings(), IsEmpty());
 }
 
 TEST(Field, BurstsThatGaveWayAreInTheLogAtOnceAndThenNowAndThen) {
-  std::vector<LogEvent> said;
+  std::vector<LogEvent> logged;
   const auto log =
-      std::make_shared<LimitedLog>([&](const LogEvent& event) { said.push_back(event); });
+      std::make_shared<LimitedLog>([&](const LogEvent& event) { logged.push_back(event); });
   LossWatch losses(log);
   v1::Heartbeat heartbeat;
-  losses.look(heartbeat);
-  EXPECT_TRUE(said.empty());
+  losses.check(heartbeat);
+  EXPECT_TRUE(logged.empty());
   for (std::uint64_t merged = 1; merged < 100; ++merged) {
     heartbeat.mutable_estimation()->set_bursts_merged(merged);
-    losses.look(heartbeat);
+    losses.check(heartbeat);
   }
-  ASSERT_EQ(said.size(), 1U);
-  EXPECT_EQ(said.front().level, LogLevel::kWarning);
-  EXPECT_THAT(said.front().message, HasSubstr("more bursts come than this machine can explain"));
+  ASSERT_EQ(logged.size(), 1U);
+  EXPECT_EQ(logged.front().level, LogLevel::kWarning);
+  EXPECT_THAT(logged.front().message, HasSubstr("more bursts come than this machine can explain"));
 }
 
 }  // namespace

@@ -36,7 +36,7 @@ int status_of(ChildProcess& process) {
 }
 
 void wait_for_word(ChildProcess& process) {
-  while (process.said().empty() && !process.status()) {
+  while (process.errors().empty() && !process.status()) {
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
 }
@@ -45,7 +45,7 @@ TEST(ChildProcess, TellsWhatItSaidAndHowItEnded) {
   const auto process = shell("echo one >&2; echo nothing; echo two >&2; exit 3");
   ASSERT_NE(process, nullptr);
   EXPECT_EQ(status_of(*process), 3);
-  EXPECT_EQ(process->said(), "one\ntwo\n");
+  EXPECT_EQ(process->errors(), "one\ntwo\n");
   EXPECT_FALSE(process->was_stopped());
 }
 
@@ -58,7 +58,7 @@ TEST(ChildProcess, HasNothingOfOursOpenAndNoSignalsBlocked) {
   const auto process = shell("ls /proc/self/fd | wc -l >&2; grep SigBlk /proc/self/status >&2");
   ASSERT_NE(process, nullptr);
   EXPECT_EQ(status_of(*process), 0);
-  EXPECT_EQ(process->said(), "4\nSigBlk:\t0000000000000000\n");  // three, and the folder itself
+  EXPECT_EQ(process->errors(), "4\nSigBlk:\t0000000000000000\n");  // three, and the folder itself
   close(kept);
   pthread_sigmask(SIG_SETMASK, &before, nullptr);
 }
@@ -82,7 +82,7 @@ TEST(ChildProcess, EndsWithWhatHasIt) {
   auto process = shell("echo $$ >&2; exec sleep 1000");
   ASSERT_NE(process, nullptr);
   wait_for_word(*process);
-  const pid_t its = std::stoi(process->said());
+  const pid_t its = std::stoi(process->errors());
   ASSERT_EQ(kill(its, 0), 0);
   process.reset();
   EXPECT_NE(kill(its, 0), 0);

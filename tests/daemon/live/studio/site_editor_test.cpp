@@ -131,7 +131,7 @@ TEST_F(SiteEditorTest, WalkedPointsAreThoseThatCalibrateReads) {
   const fs::path file = folder_ / "survey.csv";
   WalkedSurvey survey(file, [&] { return WalkedSurvey::Frames{{"ap1", frames}}; });
   EXPECT_FALSE(survey.keep());
-  ASSERT_TRUE(survey.stand({0.5, 0.25, 1.2}));
+  ASSERT_TRUE(survey.begin_stay({0.5, 0.25, 1.2}));
   EXPECT_THAT(survey.keep().error().message, HasSubstr("no access point has received"));
   frames += 21;
   EXPECT_EQ(survey.state().value()["standing"]["frames"]["ap1"], 21);

@@ -108,8 +108,8 @@ TEST_F(Dxf, ADrawingOfAnotherProgramBecomesARoom) {
       EXPECT_GT(v.y, 0.399);
       EXPECT_LT(v.y, 2.001);
     }
-    const std::string said = remarks(*room);
-    EXPECT_NE(said.find("1 TEXT"), std::string::npos) << said;
+    const std::string text = remarks(*room);
+    EXPECT_NE(text.find("1 TEXT"), std::string::npos) << text;
   }
 }
 

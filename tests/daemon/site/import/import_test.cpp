@@ -63,10 +63,10 @@ TEST_F(Import, ObjIsReadWithNamesMaterialsAndAxes) {
   const auto room = import(file("room.obj", kRoom));
   ASSERT_TRUE(room) << room.error().message;
   expect_room(*room);
-  const std::string said = remarks(*room);
-  EXPECT_NE(said.find("OBJ\nmetres, by the height of rooms"), std::string::npos) << said;
-  EXPECT_NE(said.find("y is up, by 'floor'"), std::string::npos) << said;
-  EXPECT_NE(said.find("no row of the table of materials is of south"), std::string::npos) << said;
+  const std::string text = remarks(*room);
+  EXPECT_NE(text.find("OBJ\nmetres, by the height of rooms"), std::string::npos) << text;
+  EXPECT_NE(text.find("y is up, by 'floor'"), std::string::npos) << text;
+  EXPECT_NE(text.find("no row of the table of materials is of south"), std::string::npos) << text;
 }
 
 TEST_F(Import, UnitAndAxisCanBeTold) {

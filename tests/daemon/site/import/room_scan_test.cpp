@@ -138,13 +138,13 @@ TEST_F(RoomScan, WallsOpeningsAndFurnitureBecomeARoom) {
   EXPECT_NEAR(std::atan2(along.y, along.x), 20 * kDegree, 1e-9);
   EXPECT_EQ(object_of(*room, "washerDryer").material, "metal");
   EXPECT_NEAR(area_of(object_of(*room, "floor").mesh), 5 * 3.6, 1e-9);
-  const std::string said = remarks(*room);
-  EXPECT_THAT(said, HasSubstr("turned by -30.0 degrees"));
-  EXPECT_THAT(said,
+  const std::string text = remarks(*room);
+  EXPECT_THAT(text, HasSubstr("turned by -30.0 degrees"));
+  EXPECT_THAT(text,
               HasSubstr("4 walls, 2 doors and windows that are closed, 2 openings and open "
                         "doors, 2 pieces of furniture"));
-  EXPECT_THAT(said, HasSubstr("the rectangle around the walls, 2.50 m apart"));
-  EXPECT_THAT(said, Not(HasSubstr("left out")));
+  EXPECT_THAT(text, HasSubstr("the rectangle around the walls, 2.50 m apart"));
+  EXPECT_THAT(text, Not(HasSubstr("left out")));
 }
 
 TEST_F(RoomScan, ThicknessesAreTheScansWhereItTellsThem) {
@@ -191,14 +191,14 @@ TEST_F(RoomScan, NothingIsDroppedWithoutAWord) {
       box("door", {{"door", {{"isOpen", false}}}}, {2, 2, 1}, 0, {0.9, 2, 0}, "gone"));
   const auto made = imported(room);
   ASSERT_TRUE(made) << made.error().message;
-  const std::string said = remarks(*made);
-  EXPECT_THAT(said, HasSubstr("warning: it is of version 7, which is not known"));
-  EXPECT_THAT(said, HasSubstr("left out, as it is not known here: roofs"));
-  EXPECT_THAT(said, HasSubstr("bent, of which the chord was taken: walls[0]"));
-  EXPECT_THAT(said, HasSubstr("low confidence, check them: windows[0]"));
-  EXPECT_THAT(said, HasSubstr("no row of the table of materials is of hammock"));
-  EXPECT_THAT(said, HasSubstr("left out: 1 doors, windows or openings that are in no wall"));
-  EXPECT_THAT(said, HasSubstr("left out: 1 pieces of furniture that lean"));
+  const std::string text = remarks(*made);
+  EXPECT_THAT(text, HasSubstr("warning: it is of version 7, which is not known"));
+  EXPECT_THAT(text, HasSubstr("left out, as it is not known here: roofs"));
+  EXPECT_THAT(text, HasSubstr("bent, of which the chord was taken: walls[0]"));
+  EXPECT_THAT(text, HasSubstr("low confidence, check them: windows[0]"));
+  EXPECT_THAT(text, HasSubstr("no row of the table of materials is of hammock"));
+  EXPECT_THAT(text, HasSubstr("left out: 1 doors, windows or openings that are in no wall"));
+  EXPECT_THAT(text, HasSubstr("left out: 1 pieces of furniture that lean"));
 }
 
 TEST_F(RoomScan, WhatIsNoScanIsNamedWithItsPlace) {

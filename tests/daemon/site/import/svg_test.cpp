@@ -150,9 +150,9 @@ TEST_F(Svg, PixelsHaveASizeOnceItIsTold) {
   const std::string pixels =
       drawing(R"(<rect id="wall" width="400" height="300"/>)", R"(width="800" height="600")");
   EXPECT_THAT(refusal(pixels), HasSubstr("its lengths are pixels; state its scale"));
-  const auto told = imported(pixels, {{0.01}, 0.0});
-  ASSERT_TRUE(told) << told.error().message;
-  EXPECT_NEAR(told->bounds.size().x, 4.0, 1e-9);
+  const auto result = imported(pixels, {{0.01}, 0.0});
+  ASSERT_TRUE(result) << result.error().message;
+  EXPECT_NEAR(result->bounds.size().x, 4.0, 1e-9);
   ImportOptions options;
   options.units.scale = 50.0;
   const auto scaled = imported(pixels, options);
@@ -190,9 +190,9 @@ TEST_F(Svg, WhatIsNoPlanIsNamedWithWhatToDo) {
 
 TEST_F(Svg, DrawingsWithinADrawingHaveTheirViewports) {
   const auto size = [&](const std::string& content) {
-    const auto told = imported(drawing(content));
-    EXPECT_TRUE(told) << told.error().message;
-    return told ? told->bounds.size() : Vec3d{};
+    const auto result = imported(drawing(content));
+    EXPECT_TRUE(result) << result.error().message;
+    return result ? result->bounds.size() : Vec3d{};
   };
   const std::string within = R"(<rect id="wall" x="5" width="40" height="30"/></svg>)";
   const Vec3d whole =
@@ -266,8 +266,8 @@ TEST(SvgText, PathsAreReadAsTheStandardWritesThem) {
   EXPECT_NEAR(reach("0 0").second, 1.0, 0.03);
   EXPECT_NEAR(reach("1 0").second, 9.0, 0.03);
   // Turned by a quarter, its long axis is vertical; radii that are too small grow.
-  const auto standing = svg_path("M0 0A2 1 90 0 1 2 0");
-  EXPECT_NEAR(standing->at(0).points.at(standing->at(0).points.size() / 2)[1], -2.0, 0.02);
+  const auto upright = svg_path("M0 0A2 1 90 0 1 2 0");
+  EXPECT_NEAR(upright->at(0).points.at(upright->at(0).points.size() / 2)[1], -2.0, 0.02);
   EXPECT_EQ(svg_path("M0 0A0 1 0 0 1 2 0")->at(0).points.size(), 2U);
   // A quarter of a circle of radius 1 stays one, to half a percent.
   const double k = 0.5522847498;
