@@ -24,7 +24,7 @@ namespace {
 using Corner = std::array<double, 2>;
 
 constexpr double kUsualHeight = 1.2;  // [m], of a device above the lowest point: `rayloc scene map`
-constexpr double kMaxCells = 4e6;    // a count, chosen: as in `rayloc scene map`
+constexpr double kMaxCells = 4e6;     // a count, chosen: as in `rayloc scene map`
 
 RadioMapGrid map_grid(const Scene& scene,
                       double cell_size,

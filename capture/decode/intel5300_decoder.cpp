@@ -94,7 +94,7 @@ std::optional<std::size_t> only_antenna(const ByteReader& reader) {
 // Antenna of each chain; empty if the field is no permutation. A single chain needs none, and some
 // logs leave the field unset then.
 std::optional<std::array<std::size_t, kMaxChains>> antennas_of(const ByteReader& reader,
-                                                                std::size_t chains) {
+                                                               std::size_t chains) {
   std::array<std::size_t, kMaxChains> antennas{};
   unsigned taken = 0;
   for (std::size_t chain = 0; chain < chains; ++chain) {

@@ -20,7 +20,8 @@ std::uint64_t GapDetector::missing_before(const std::string& topic, std::uint64_
   }
   Received& received = known->second;
   by_age_.splice(by_age_.end(), by_age_, received.age);
-  const std::uint64_t lost = sequence > received.sequence + 1 ? sequence - received.sequence - 1 : 0;
+  const std::uint64_t lost =
+      sequence > received.sequence + 1 ? sequence - received.sequence - 1 : 0;
   received.sequence = sequence;
   return lost;
 }

@@ -59,9 +59,9 @@ void ChainKeeper::restore(const std::vector<ChainLearner*>& learners, const Room
     }
     const RoomAccessPoint& ap = room.access_points[state.access_point];
     notify("access point " + ap.id + ": " +
-         (is_learned ? "its chains are as learned before: " + turns(state, ap)
-                     : "its chains were not known when " + options_.read + " was written; " +
-                           learning(state, room)));
+           (is_learned ? "its chains are as learned before: " + turns(state, ap)
+                       : "its chains were not known when " + options_.read + " was written; " +
+                             learning(state, room)));
   }
   keep(learners.front()->states());
 }
@@ -123,12 +123,12 @@ void ChainKeeper::spread(const ChainLearner& learner,
     }
     const RoomAccessPoint& ap = room.access_points[state.access_point];
     notify(state.knowledge == ChainKnowledge::kLearned
-             ? "access point " + ap.id + ": its chains are learned, turned " +
-                   (ap.are_chains_known ? "since the calibration: " : "by: ") + turns(state, ap)
-             : "access point " + ap.id +
-                   (ap.are_chains_known ? ": its chains have turned; "
-                                        : ": its chains are not known yet; ") +
-                   learning(state, room));
+               ? "access point " + ap.id + ": its chains are learned, turned " +
+                     (ap.are_chains_known ? "since the calibration: " : "by: ") + turns(state, ap)
+               : "access point " + ap.id +
+                     (ap.are_chains_known ? ": its chains have turned; "
+                                          : ": its chains are not known yet; ") +
+                     learning(state, room));
   }
   keep(states);
   if (is_new && !options_.write.empty()) {

@@ -47,7 +47,7 @@ class ChainKeeper {
   Options options_;
   std::map<const ChainLearner*, std::uint64_t> seen_;  // ChainLearner::changes()
   mutable std::mutex mutex_;
-  std::vector<ChainState> known_;  // guarded by mutex_; written by the estimation thread
+  std::vector<ChainState> known_;     // guarded by mutex_; written by the estimation thread
   std::vector<std::string> notices_;  // guarded by mutex_
 };
 

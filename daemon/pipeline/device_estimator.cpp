@@ -350,9 +350,11 @@ void DeviceEstimator::track(std::vector<Work>& works) {
     std::vector<Work*> received;
     for (Work& work : works) {
       if (work.room == &room && !work.frames.empty()) {
-        bursts.push_back(
-            {{work.burst->transmitter, work.frames, work.burst->received_since, work.trust.chain_fault},
-             work.trust.withdrawals});
+        bursts.push_back({{work.burst->transmitter,
+                           work.frames,
+                           work.burst->received_since,
+                           work.trust.chain_fault},
+                          work.trust.withdrawals});
         received.push_back(&work);
       }
     }

@@ -103,8 +103,7 @@ double gaussian_in_polygon(const PlanarGaussian& gaussian, std::span<const Point
   constexpr double kMinVariance = kMinDeviation * kMinDeviation;  // [m^2], of kMinDeviation
   const double deviation_x = std::sqrt(std::max(gaussian.variance_x, kMinVariance));
   const double slope = gaussian.covariance_xy / deviation_x;
-  const double deviation_y =
-      std::sqrt(std::max(gaussian.variance_y - slope * slope, kMinVariance));
+  const double deviation_y = std::sqrt(std::max(gaussian.variance_y - slope * slope, kMinVariance));
   const auto standard = [&](const Point& p) {
     const double u = (p[0] - gaussian.mean[0]) / deviation_x;
     return Point{u, (p[1] - gaussian.mean[1] - slope * u) / deviation_y};

@@ -10,7 +10,7 @@
 namespace rayloc {
 namespace {
 
-constexpr double kMaxCells = 12000.0;  // of a room, approximate count: as many as RayLoc's own map
+constexpr double kMaxCells = 12000.0;   // of a room, approximate count: as many as RayLoc's own map
 constexpr std::size_t kMapGrain = 256;  // cells per task, a count
 
 }  // namespace

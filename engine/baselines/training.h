@@ -31,9 +31,9 @@ struct AccessPointTraining {
 
 // A network that classifies places by their images.
 struct PlaceNetwork {
-  std::vector<Vec3d> places;  // one per class
+  std::vector<Vec3d> places;    // one per class
   bool has_empty_room = false;  // an additional class: the empty room
-  std::vector<double> mean;   // of each plane of an image, and its standard deviation
+  std::vector<double> mean;     // of each plane of an image, and its standard deviation
   std::vector<double> deviation;
   double temperature = 1.0;       // of the weights (weighted_places.h)
   double sigma = 0.0;             // [m]

@@ -167,13 +167,12 @@ void AccessPointCalibrator::fit_error(AccessPointFit& fit) const {
 Expected<AccessPointFit> AccessPointCalibrator::start() const {
   if (samples_.size() < kMinSamples) {
     const std::size_t unreached = given_ - samples_.size();
-    return bad_input("access point " + access_point_.id + ": " + std::to_string(samples_.size()) +
-                     " calibration points can be used, at least " + std::to_string(kMinSamples) +
-                     " are needed" +
-                     (unreached > 0
-                          ? "; no ray of the plan leads from it to " + std::to_string(unreached) +
-                                " more: is the access point inside a wall or furniture?"
-                          : std::string()));
+    return bad_input(
+        "access point " + access_point_.id + ": " + std::to_string(samples_.size()) +
+        " calibration points can be used, at least " + std::to_string(kMinSamples) + " are needed" +
+        (unreached > 0 ? "; no ray of the plan leads from it to " + std::to_string(unreached) +
+                             " more: is the access point inside a wall or furniture?"
+                       : std::string()));
   }
   AccessPointFit fit;
   fit.samples_used = samples_.size();

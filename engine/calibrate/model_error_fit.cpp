@@ -37,7 +37,7 @@ constexpr double kSlopeStep = 0.125;
 constexpr double kCurvatureStep =
     0.5;                             // as kSlopeStep; chosen: second differences need a wider one
 constexpr double kConverged = 1e-6;  // of the cost, a hundredth of a unit in 10 000
-constexpr int kMaxIterations = 40;  // a count, chosen: bounds the time of the fit
+constexpr int kMaxIterations = 40;   // a count, chosen: bounds the time of the fit
 // For a scale, relative to its assumed value: log_evidence is not called beyond it.
 constexpr double kMaxOctaves = 12.0;
 

@@ -10,10 +10,10 @@
 namespace rayloc {
 namespace {
 
-constexpr double kDecidingShare = 0.15;  // of the points that are not held out
-constexpr std::size_t kMinPoints = 4;  // a count, chosen: as AccessPointCalibrator::kMinSamples
-constexpr std::size_t kMinDeciding = 3;  // a median of fewer depends on one point
-constexpr std::size_t kDecidingPart = 4;   // at most one in this many points decides
+constexpr double kDecidingShare = 0.15;   // of the points that are not held out
+constexpr std::size_t kMinPoints = 4;     // a count, chosen: as AccessPointCalibrator::kMinSamples
+constexpr std::size_t kMinDeciding = 3;   // a median of fewer depends on one point
+constexpr std::size_t kDecidingPart = 4;  // at most one in this many points decides
 
 // Number of deciding points among `count` points.
 std::size_t deciding_points(std::size_t count) {
@@ -78,8 +78,8 @@ Expected<void> check_uses(const RoomModel& room,
     }
     if (received > 0 && usable < kMinPoints) {
       return bad_input("access point " + room.access_points[a].id + ": " + std::to_string(usable) +
-                       " calibration points can be fitted, at least " +
-                       std::to_string(kMinPoints) + " are needed");
+                       " calibration points can be fitted, at least " + std::to_string(kMinPoints) +
+                       " are needed");
     }
     anything = anything || received > 0;
   }

@@ -105,9 +105,9 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> reflections(const Scene& sc
 
 // Traces all places and numbers their visible pairs of surface and access point.
 std::vector<SurveyCandidate> candidates_from(const std::vector<Vec3d>& places,
-                                       const RoomModel& room,
-                                       const SurveyPlanOptions& options,
-                                       std::vector<SurfaceSightings>& sightings) {
+                                             const RoomModel& room,
+                                             const SurveyPlanOptions& options,
+                                             std::vector<SurfaceSightings>& sightings) {
   using Met = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
   std::vector<std::vector<Met>> met(places.size(), std::vector<Met>(room.access_points.size()));
   const PathTracer tracer(room.scene, {.max_depth = options.max_depth});
@@ -263,7 +263,8 @@ std::vector<Vec3d> in_order_to_walk(std::vector<Vec3d> points, const Vec3d& from
 
 SurveyPlan plan_survey(const RoomModel& room, const SurveyPlanOptions& options) {
   SurveyPlan plan;
-  const auto candidates = candidates_from(free_places(room, options), room, options, plan.sightings);
+  const auto candidates =
+      candidates_from(free_places(room, options), room, options, plan.sightings);
   plan.candidates = candidates.size();
   for (const SurveyCandidate& candidate : candidates) {
     for_each_pair(candidate, [&](std::uint32_t pair) { ++plan.sightings[pair].candidates; });

@@ -182,7 +182,8 @@ TurnEvidence turn_evidence_at(const PlaceModel& place,
   log_likelihood_of_turns(place, observed, kAllWindows, grid, values);
   TurnEvidence evidence;
   for (const float value : values) {
-    evidence.log_evidence.push_back(likelihood_exponent * (static_cast<double>(value) - null_model));
+    evidence.log_evidence.push_back(likelihood_exponent *
+                                    (static_cast<double>(value) - null_model));
   }
   return evidence;
 }

@@ -19,20 +19,20 @@ constexpr double kTurnedAtStart = 0.1;       // a probability: the age of the ca
 constexpr double kTurnedAfterCycle = 0.98;   // a probability: each chip starts in a new state
 constexpr double kTurnedAfterSilence = 0.3;  // a probability: it may have been off, or only silent
 constexpr auto kSilence = std::chrono::seconds(20);  // chosen: access points start in a minute
-constexpr double kUncertain = 0.2;    // probability of the accepted state; below: states are compared
+constexpr double kUncertain = 0.2;  // probability of the accepted state; below: states are compared
 constexpr double kShaken = 0.9;     // the same; below: no refinement
 constexpr double kSuspected = 0.5;  // the same; below: short evaluation period
 constexpr double kWithdrawnLead = 5.0;     // [nat], required lead of another state
-constexpr double kUnsuspectedLead = 12.0;    // the same, while the belief indicates no change
+constexpr double kUnsuspectedLead = 12.0;  // the same, while the belief indicates no change
 constexpr double kOthersWrong = 0.1;       // least probability that other access points are wrong
-constexpr double kMinEvidence = 3.0;     // [nat], of a burst that the room explains in a state
+constexpr double kMinEvidence = 3.0;       // [nat], of a burst that the room explains in a state
 constexpr double kKnownPlaceSigma = 0.02;  // [m], per axis: a surveyed place
 constexpr double kSameCorrelation = 0.9;   // correlation of bursts with the same information
 constexpr double kMaxNoise = 2e-3;  // of a burst, as share of its power, like ModelError::noise
 // Counts of bursts, chosen.
 constexpr std::size_t kCompareAfter = 3;       // new bursts before states are compared again
 constexpr std::size_t kRefineAfterBursts = 8;  // new bursts before the learned state is refined
-constexpr std::size_t kMaxNeeded = 200;       // largest number stated
+constexpr std::size_t kMaxNeeded = 200;        // largest number stated
 constexpr std::size_t kModes = 6;              // a count of states to compare, chosen
 // [s], chosen: between evaluations.
 constexpr auto kLearningPeriod = std::chrono::milliseconds(250);
@@ -125,7 +125,7 @@ struct ChainLearner::NewArrays {
 };
 
 ChainLearner::NewArrays ChainLearner::new_of(std::span<const CsiFrame> frames,
-                                        Timestamp ChainMemory::*last) {
+                                             Timestamp ChainMemory::*last) {
   NewArrays fresh;
   if (frames.empty()) {
     return fresh;
@@ -221,8 +221,9 @@ std::vector<double> ChainLearner::by_others(const RoomObservation& observation,
                                             const CellsOfEach& unknown,
                                             std::size_t left_out) const {
   RoomObservation others = known_of(observation);
-  std::erase_if(others.arrays,
-                [&](const ArrayObservation& received) { return received.map->number() == left_out; });
+  std::erase_if(others.arrays, [&](const ArrayObservation& received) {
+    return received.map->number() == left_out;
+  });
   CellBelief belief(localizer_->grid().size());
   const Localizer::Evidence evidence =
       others.arrays.empty() ? Localizer::Evidence() : localizer_->evidence(others);
@@ -290,8 +291,9 @@ void ChainLearner::remember(RememberedBurst burst,
   burst.h = received.h;
   burst.time = time;
   burst.noise = received.observed.array.noise;
-  burst.floor = most + localizer_->room().likelihood_exponent * received.map->null_model(received.observed) -
-                ChainBelief::kMaxOfBurst;
+  burst.floor =
+      most + localizer_->room().likelihood_exponent * received.map->null_model(received.observed) -
+      ChainBelief::kMaxOfBurst;
   burst.since.assign(ap.level.size(), 1.0);
   ap.remember(std::move(burst));
   decide(*received.map, time, ap);

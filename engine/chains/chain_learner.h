@@ -96,8 +96,14 @@ class ChainLearner {
              std::span<const double> log_weight,
              Timestamp time,
              ChainMemory& ap);
-  void weigh_known(const ArrayObservation& received, const Vec3d& place, Timestamp time, ChainMemory& ap);
-  void remember(RememberedBurst burst, const ArrayObservation& received, Timestamp time, ChainMemory& ap);
+  void weigh_known(const ArrayObservation& received,
+                   const Vec3d& place,
+                   Timestamp time,
+                   ChainMemory& ap);
+  void remember(RememberedBurst burst,
+                const ArrayObservation& received,
+                Timestamp time,
+                ChainMemory& ap);
   void withdraw(Timestamp time, ChainMemory& ap);
   bool are_all_learning() const;
   void decide(const AccessPointMap& map, Timestamp time, ChainMemory& ap);

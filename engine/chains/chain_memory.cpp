@@ -47,8 +47,9 @@ void ChainMemory::remember(RememberedBurst burst) {
 }
 
 void ChainMemory::forget_until_sure() {
-  const auto after = std::find_if(
-      received.begin(), received.end(), [&](const RememberedBurst& one) { return one.time > last_sure; });
+  const auto after = std::find_if(received.begin(),
+                                  received.end(),
+                                  [&](const RememberedBurst& one) { return one.time > last_sure; });
   received.erase(received.begin(), after);
 }
 

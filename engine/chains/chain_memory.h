@@ -15,7 +15,7 @@ namespace rayloc {
 
 struct ChainMemory {
   // Counts of bursts, chosen.
-  static constexpr std::size_t kMost = 48;        // remembered: a similar burst adds nothing new
+  static constexpr std::size_t kMost = 48;      // remembered: a similar burst adds nothing new
   static constexpr std::size_t kMinBursts = 5;  // before the accepted state is given up
   static constexpr double kSure = 0.999;  // probability of the accepted state: nothing against it
 
@@ -24,7 +24,7 @@ struct ChainMemory {
 
   ChainState state;
   ChainBelief belief;
-  std::vector<RememberedBurst> received;           // oldest first
+  std::vector<RememberedBurst> received;        // oldest first
   std::vector<std::complex<double>> level;      // of the best state, relative to factors
   std::vector<std::complex<double>> favourite;  // factors of that state
   std::size_t unrefined = 0;                    // bursts since factors were refined or compared

@@ -19,10 +19,10 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr int kIterations = 8;     // a count, chosen: bounds the time
-constexpr double kStep = 0.02;     // [rad] and in ln: distance of the points of a difference
+constexpr int kIterations = 8;    // a count, chosen: bounds the time
+constexpr double kStep = 0.02;    // [rad] and in ln: distance of the points of a difference
 constexpr double kMaxStep = 0.3;  // [rad] and in ln, per iteration: places would change
-constexpr double kSmall = 1e-3;    // [rad], step of the last iteration
+constexpr double kSmall = 1e-3;   // [rad], step of the last iteration
 
 // Unknowns: the phases of all chains but the first, then ln |factor| of all.
 class Objective {

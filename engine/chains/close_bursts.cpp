@@ -15,8 +15,8 @@ namespace {
 
 using Value = std::complex<double>;
 
-constexpr std::size_t kMaxKept = 48;    // a count, chosen: 30 kB per burst and access point
-constexpr std::size_t kMinKept = 10;   // a count, chosen: as many as learning a state takes
+constexpr std::size_t kMaxKept = 48;     // a count, chosen: 30 kB per burst and access point
+constexpr std::size_t kMinKept = 10;     // a count, chosen: as many as learning a state takes
 constexpr std::size_t kRefineAfter = 4;  // a count, chosen: new bursts before factors are refined
 constexpr std::size_t kSample = 64;      // a count of places, chosen
 constexpr double kStale = 0.05;          // [rad], chosen: change after which places are drawn again
@@ -82,7 +82,8 @@ bool CloseBursts::sample(const Localizer& localizer, Burst& burst) const {
       const SampledPlace& first = places[boxes[box]];
       const auto evaluator = array.map->evaluator_at(first.cell, first.layer, array.observed);
       for (std::size_t i = boxes[box]; i < boxes[box + 1]; ++i) {
-        moments[i] = chain_moments(evaluator->model_at(places[i].moved), array.observed.array, undoing);
+        moments[i] =
+            chain_moments(evaluator->model_at(places[i].moved), array.observed.array, undoing);
       }
     });
     for (std::size_t i = 0; i < places.size(); ++i) {

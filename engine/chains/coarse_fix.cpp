@@ -6,7 +6,7 @@
 #include "engine/chains/cell_belief.h"
 #include "engine/chains/chain_evidence.h"
 #include "engine/likelihood/chain_kernel.h"
-#include "engine/localize/watched_area.h"
+#include "engine/localize/search_area.h"
 #include "engine/posterior/posterior.h"
 
 namespace rayloc {

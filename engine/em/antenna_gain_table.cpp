@@ -14,12 +14,12 @@
 namespace rayloc {
 namespace {
 
-constexpr std::size_t kFewestPhi = 4;     // a count of columns, chosen: one every 90 degrees
-constexpr std::size_t kFewestTheta = 3;   // a count of lines, chosen: the poles and the horizon
-constexpr double kLowestGain = -200.0;    // [dBi]
-constexpr double kHighestGain = 60.0;     // [dBi]
+constexpr std::size_t kFewestPhi = 4;    // a count of columns, chosen: one every 90 degrees
+constexpr std::size_t kFewestTheta = 3;  // a count of lines, chosen: the poles and the horizon
+constexpr double kLowestGain = -200.0;   // [dBi]
+constexpr double kHighestGain = 60.0;    // [dBi]
 constexpr std::size_t kMaxCells = 3601;  // per line, and maximum of lines: a tenth of a degree
-constexpr double kStepTolerance = 1e-3;   // of a rounded angle, in steps
+constexpr double kStepTolerance = 1e-3;  // of a rounded angle, in steps
 
 struct Line {
   int number = 0;  // from 1

@@ -18,7 +18,7 @@ using C = Complex<double>;
 // Step between samples, in k_t times the radius: the largest, and the smallest for bodies of little
 // loss, whose resonances are narrow.
 constexpr double kWidestStep = 0.1;
-constexpr double kNarrowestStep = 0.02;   // as above, chosen: bounds the size of the table
+constexpr double kNarrowestStep = 0.02;  // as above, chosen: bounds the size of the table
 constexpr std::size_t kMaxOrders = 132;  // cylinder_order_count(kLargestSection), with a reserve
 
 // A resonance is about x |Im eps| / (2 eps) wide.

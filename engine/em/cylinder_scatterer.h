@@ -100,9 +100,9 @@ class CylinderScatterer {
 
   template <typename T>
   HorizontalPath<T> horizontal_path(const Vec3<T>& in,
-                                  const Vec3<T>& out,
-                                  const T& rho_in,
-                                  const T& rho_out) const;
+                                    const Vec3<T>& out,
+                                    const T& rho_in,
+                                    const T& rho_out) const;
   template <typename T>
   Complex<T> window(const CylinderRoute<T>& route) const;
   template <typename T>

@@ -44,9 +44,9 @@ T excess_curvature(const T& rho, const T& rise, const T& dz) {
 
 template <typename T>
 HorizontalPath<T> CylinderScatterer::horizontal_path(const Vec3<T>& in,
-                                                   const Vec3<T>& out,
-                                                   const T& rho_in,
-                                                   const T& rho_out) const {
+                                                     const Vec3<T>& out,
+                                                     const T& rho_in,
+                                                     const T& rho_out) const {
   using std::sqrt;
   const auto between = [](const T& x, const T& y) { return sqrt(x * x + y * y); };
   // The surface reflects from one direction to the other where it faces the middle of both.

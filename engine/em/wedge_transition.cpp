@@ -13,7 +13,7 @@ using C = Complex<double>;
 // Above this the asymptotic series has all digits of a double; below, the knife edge loses none.
 constexpr double kSeriesBegin = 6.0;
 constexpr double kMinTransitionTerm = 1e-17;  // of a term of the series
-constexpr int kMaxTerms = 36;                // the smallest term at kSeriesBegin
+constexpr int kMaxTerms = 36;                 // the smallest term at kSeriesBegin
 
 // The sum over m >= 1 of (2 m - 1)!! (j / (2 w^2))^m.
 C series_excess(double w) {

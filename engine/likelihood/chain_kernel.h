@@ -30,7 +30,7 @@ constexpr std::size_t chain_pair(std::size_t m, std::size_t n) {  // m < n
 
 struct ChainProducts {
   std::array<LaneRow, kMaxChains> power{};                  // |u_m|^2
-  std::array<LaneSums, kChainPairs> cross{};                 // [chain_pair(m, n)] u_m^H u_n
+  std::array<LaneSums, kChainPairs> cross{};                // [chain_pair(m, n)] u_m^H u_n
   std::array<std::array<LaneSums, kMaxChains>, 2> along{};  // [mean][m], (W mu)^H u_m
 };
 

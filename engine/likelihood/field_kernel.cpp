@@ -232,7 +232,8 @@ HWY_INLINE WideVector value_of(
     const WideVector obstructed_power =
         hn::Sub(hn::Sub(power, direct), hn::Set(kWide, terms.gram[0].re[0]));
     value = hn::Max(
-        value, hn::Add(hn::Sub(best_obstructed, obstructed_power), hn::Set(kWide, terms.log_obstructed)));
+        value,
+        hn::Add(hn::Sub(best_obstructed, obstructed_power), hn::Set(kWide, terms.log_obstructed)));
   }
   return hn::Sub(value, hn::Set(kWide, terms.less));
 }

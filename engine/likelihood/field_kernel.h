@@ -41,10 +41,10 @@ void whiten_rays(const Bidiagonal& of, std::span<const RaySums> rays, std::span<
 // Likelihood terms of a burst for the places of a RayField.
 struct FieldTerms {
   std::size_t rays = 0;
-  bool has_direct = false;   // the first ray is a line of sight
+  bool has_direct = false;      // the first ray is a line of sight
   float log_obstructed = 0.0F;  // [nat], log probability that it is obstructed
-  float dimension = 0.0F;    // of the measurement
-  float less = 0.0F;         // ln |Sigma|
+  float dimension = 0.0F;       // of the measurement
+  float less = 0.0F;            // ln |Sigma|
   std::size_t delays = 0;
   std::array<float, kFieldDelays> power_inverse{};  // 1 / |W y|^2
   std::array<float, kFieldDelays> log_power{};

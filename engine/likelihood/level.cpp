@@ -25,7 +25,7 @@ double ReceivedLevel::log_likelihood(double traced_level_db) const {
 }
 
 std::optional<ReceivedLevel> received_level(const RoomAccessPoint& access_point,
-                                      const BurstObservation& burst) {
+                                            const BurstObservation& burst) {
   const auto& levels = access_point.levels;
   const auto known = std::find_if(levels.begin(), levels.end(), [&](const TransmitterLevel& one) {
     return one.transmitter == burst.transmitter;

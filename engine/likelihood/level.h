@@ -31,6 +31,6 @@ struct ReceivedLevel {
 
 // Empty if the transmitter's power was not calibrated or if the burst reports no received power.
 std::optional<ReceivedLevel> received_level(const RoomAccessPoint& access_point,
-                                      const BurstObservation& burst);
+                                            const BurstObservation& burst);
 
 }  // namespace rayloc

@@ -382,8 +382,8 @@ LaneRow NearbyLikelihood::best_of_delays(const LaneRow& power,
 
 // |W mu - W d|^2; along: (W mu)^H w_m, [antenna].
 LaneRow NearbyLikelihood::obstructed_power(const LaneRow& power,
-                                        std::span<const LaneSums> along,
-                                        std::span<const LaneSums> direct) const {
+                                           std::span<const LaneSums> along,
+                                           std::span<const LaneSums> direct) const {
   LaneRow result = power;
   for (std::size_t m = 0; m < direct.size(); ++m) {
     for (std::size_t t = 0; t < kLaneCount; ++t) {

@@ -120,8 +120,8 @@ class NearbyLikelihood {
                           std::span<const LaneSums> direct) const;
   LaneRow best_of_delays(const LaneRow& power, std::span<const LaneSums> along) const;
   LaneRow obstructed_power(const LaneRow& power,
-                        std::span<const LaneSums> along,
-                        std::span<const LaneSums> direct) const;
+                           std::span<const LaneSums> along,
+                           std::span<const LaneSums> direct) const;
   void take_direct(std::size_t k, std::span<const LaneSums> direct, LaneSums& along) const;
 
   std::unique_ptr<const PlaceModel> own_;  // null: model_ has another owner

@@ -411,7 +411,7 @@ ObservationModel::Coarse ObservationModel::coarse(const PlaceModel& place,
 }
 
 std::optional<double> ObservationModel::obstructed_log_odds(const PlaceModel& place,
-                                                         const ObservedArray& observed) {
+                                                            const ObservedArray& observed) {
   if (place.mean.size() <= observed.coordinates()) {
     return std::nullopt;
   }
@@ -420,7 +420,8 @@ std::optional<double> ObservationModel::obstructed_log_odds(const PlaceModel& pl
   for (const ObservedArray::Block& block : observed.windows) {
     const Profile both = profile(place, block);
     open = std::max(open, *std::max_element(both.open.begin(), both.open.end()));
-    obstructed = std::max(obstructed, *std::max_element(both.obstructed.begin(), both.obstructed.end()));
+    obstructed =
+        std::max(obstructed, *std::max_element(both.obstructed.begin(), both.obstructed.end()));
   }
   return static_cast<double>(obstructed) - static_cast<double>(open);
 }

@@ -129,7 +129,7 @@ class ObservationModel {
 
   // Logarithm of the odds that the line of sight is obstructed; empty if there is none.
   static std::optional<double> obstructed_log_odds(const PlaceModel& place,
-                                                const ObservedArray& observed);
+                                                   const ObservedArray& observed);
 
   // The expected array at a place, [antenna][tone], without the unknown parts: for correlation.
   std::vector<std::complex<double>> expected(const Place& place, const ModelError& error) const;

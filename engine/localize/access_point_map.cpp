@@ -9,8 +9,8 @@
 #include "engine/base/parallel.h"
 #include "engine/posterior/access_point_fusion.h"
 #include "engine/posterior/cell_places.h"
-#include "engine/room/raised_ray.h"
 #include "engine/room/ray.h"
+#include "engine/room/ray_at_height.h"
 #include "engine/scene/scene.h"
 #include "engine/trace/path_tracer.h"
 
@@ -99,10 +99,10 @@ struct AccessPointMap::Tracing {
                    .at(array_origin<Receiver>(of.room->access_points[of.access_point].array))) {
     const RoomGrid& grid = source.grid;
     const RoomModel& room = *source.room;
-    rays = make_path_grid(
-        {grid.size(), [&](std::size_t cell) { return rays_to(grid.centre(cell)); }},
-        path_grid_key(room, room.access_points[source.access_point], grid, kMaxRays),
-        store);
+    rays =
+        make_path_grid({grid.size(), [&](std::size_t cell) { return rays_to(grid.centre(cell)); }},
+                       path_grid_key(room, room.access_points[source.access_point], grid, kMaxRays),
+                       store);
   }
 };
 
@@ -182,9 +182,9 @@ void AccessPointMap::build_cells() {
 // Rays from a device in the middle of a layer.
 std::vector<Ray> AccessPointMap::rays_in(std::size_t cell, std::size_t layer) const {
   return rays_at_height(tracing_->rays[cell],
-                     source_.heights.offset[layer],
-                     source_.room->device,
-                     access_point().array);
+                        source_.heights.offset[layer],
+                        source_.room->device,
+                        access_point().array);
 }
 
 double AccessPointMap::log_likelihood_in(std::size_t cell,
@@ -244,9 +244,8 @@ double AccessPointMap::null_model(const ObservedBurst& observed) const {
   return likelihood_->log_likelihood(null_model_, observed);
 }
 
-std::unique_ptr<const BoxEvaluator> AccessPointMap::evaluator_at(std::size_t cell,
-                                                         std::size_t layer,
-                                                         const ObservedBurst& observed) const {
+std::unique_ptr<const BoxEvaluator> AccessPointMap::evaluator_at(
+    std::size_t cell, std::size_t layer, const ObservedBurst& observed) const {
   auto evaluator = std::make_unique<BoxEvaluator>();
   const ModelError& error = access_point().error;
   if (source_.heights.is_known()) {
@@ -257,7 +256,7 @@ std::unique_ptr<const BoxEvaluator> AccessPointMap::evaluator_at(std::size_t cel
     const Likelihood::Place place{
         evaluator->rays_, offsets_, cell_size(), 0.0, source_.heights.thickness};
     evaluator->box_ = close_boxes_->get(cell * source_.heights.size() + layer,
-                                   [&] { return likelihood_->close(place, error); });
+                                        [&] { return likelihood_->close(place, error); });
     evaluator->nearby_ = likelihood_->nearby(place, *evaluator->box_, error, observed);
   }
   return evaluator->nearby_ == nullptr ? nullptr : std::move(evaluator);
@@ -321,7 +320,7 @@ PlaceModel AccessPointMap::model_of(std::span<const Ray> rays, double survey_sig
 }
 
 std::optional<double> AccessPointMap::obstructed_log_odds(std::span<const Ray> rays,
-                                                       const ObservedBurst& observed) const {
+                                                          const ObservedBurst& observed) const {
   return rays.empty() || source_.likelihood != LikelihoodKind::kPartial
              ? std::nullopt
              : ObservationModel::obstructed_log_odds(

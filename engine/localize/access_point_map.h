@@ -107,8 +107,8 @@ class AccessPointMap {
   // Evaluates the burst at places in a cell and a layer; null if the likelihood cannot separate
   // them. REQUIRES: is_reachable(cell).
   std::unique_ptr<const BoxEvaluator> evaluator_at(std::size_t cell,
-                                           std::size_t layer,
-                                           const ObservedBurst& observed) const;
+                                                   std::size_t layer,
+                                                   const ObservedBurst& observed) const;
 
   // True if a burst can be compared with the places of boxes by their RayField.
   bool has_fields() const { return source_.likelihood == LikelihoodKind::kPartial; }
@@ -129,7 +129,7 @@ class AccessPointMap {
   // For a device at the origin of these rays: log odds that its line of sight to the array is
   // obstructed; empty if there is none, and for likelihoods without this case.
   std::optional<double> obstructed_log_odds(std::span<const Ray> rays,
-                                         const ObservedBurst& observed) const;
+                                            const ObservedBurst& observed) const;
 
   // The expected array of a device at the origin of these rays: [antenna][tone].
   std::vector<std::complex<double>> expected(std::span<const Ray> rays) const;

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "engine/localize/heard_array.h"
+#include "engine/localize/array_observation.h"
 #include "engine/posterior/room_map.h"
 #include "engine/room/location_estimate.h"
 #include "engine/room/ray.h"

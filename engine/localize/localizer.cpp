@@ -15,14 +15,14 @@
 #include "engine/likelihood/likelihood.h"
 #include "engine/localize/access_point_map.h"
 #include "engine/localize/fix_warnings.h"
+#include "engine/localize/search_area.h"
 #include "engine/localize/tracked_search.h"
-#include "engine/localize/watched_area.h"
 #include "engine/observe/alignment.h"
 #include "engine/posterior/access_point_fusion.h"
 #include "engine/posterior/cell_places.h"
 #include "engine/posterior/posterior.h"
 #include "engine/posterior/room_map.h"
-#include "engine/room/hear_burst.h"
+#include "engine/room/preprocess_burst.h"
 
 namespace rayloc {
 namespace {
@@ -41,7 +41,7 @@ constexpr double kMinResidual = 1e-30;
 
 // Log-likelihoods of every access point and cell, relative to the null model.
 struct AccessPointMaps {
-  std::vector<double> null_model;            // [array], log-likelihood of the null model
+  std::vector<double> null_model;         // [array], log-likelihood of the null model
   std::vector<std::vector<double>> cell;  // [array][cell]
 };
 
@@ -93,10 +93,10 @@ class Localizer::Impl {
   std::size_t least_antennas() const { return compares_antennas(options_.likelihood) ? 2 : 1; }
 
   std::vector<ArrayObservation> listen(std::span<const CsiFrame> frames,
-                                 LocationEstimate& estimate) const;
+                                       LocationEstimate& estimate) const;
   std::optional<ArrayObservation> received_by(std::size_t number,
-                                     BurstObservation& burst,
-                                     LocationEstimate& estimate) const;
+                                              BurstObservation& burst,
+                                              LocationEstimate& estimate) const;
   AccessPointMaps maps_of(const std::vector<ArrayObservation>& received,
                           double likelihood_exponent,
                           double far_below,
@@ -111,15 +111,16 @@ class Localizer::Impl {
     return {grid_, heights_, kSpeedOfLight / room_->grid.centre_hz, room_->likelihood_exponent};
   }
   LocalRefinement local_refinement(const std::vector<ArrayObservation>& received,
-                           const AccessPointMaps& maps,
-                           const AccessPointFusion& fusion,
-                           double likelihood_exponent,
-                           const SearchFocus& focus,
-                           const ComparedCells& compared) const;
+                                   const AccessPointMaps& maps,
+                                   const AccessPointFusion& fusion,
+                                   double likelihood_exponent,
+                                   const SearchFocus& focus,
+                                   const ComparedCells& compared) const;
   void keep_explained(std::vector<ArrayObservation>& received,
                       AccessPointMaps& maps,
                       LocationEstimate& estimate) const;
-  double model_residual(const std::vector<ArrayObservation>& received, const RaysOfEach& rays) const;
+  double model_residual(const std::vector<ArrayObservation>& received,
+                        const RaysOfEach& rays) const;
 
   std::shared_ptr<const RoomModel> room_;
   LocalizerOptions options_;
@@ -133,8 +134,8 @@ class Localizer::Impl {
 
 // Array of a burst that is a possible channel of this room. Excludes a dead chain.
 std::optional<ArrayObservation> Localizer::Impl::received_by(std::size_t number,
-                                                    BurstObservation& burst,
-                                                    LocationEstimate& estimate) const {
+                                                             BurstObservation& burst,
+                                                             LocationEstimate& estimate) const {
   const AccessPointMap* map = aps_[number].get();
   const RoomAccessPoint& ap = map->access_point();
   if (const auto dead = dead_chain(burst)) {
@@ -160,7 +161,7 @@ std::optional<ArrayObservation> Localizer::Impl::received_by(std::size_t number,
 }
 
 std::vector<ArrayObservation> Localizer::Impl::listen(std::span<const CsiFrame> frames,
-                                                LocationEstimate& estimate) const {
+                                                      LocationEstimate& estimate) const {
   std::vector<ArrayObservation> received;
   ObservationTally tally;
   for (std::size_t number = 0; number < aps_.size(); ++number) {
@@ -222,7 +223,8 @@ AccessPointMaps Localizer::Impl::maps_of(const std::vector<ArrayObservation>& re
       if (sum[n] < least && value < least_of_one[i]) {
         value -= far_below;
       } else if (received[i].map->is_reachable(cell)) {
-        const double fine = received[i].map->log_likelihood(cell, received[i].observed, windows[i][n]);
+        const double fine =
+            received[i].map->log_likelihood(cell, received[i].observed, windows[i][n]);
         value = above(i, cell, fine);
       }
     }
@@ -231,11 +233,11 @@ AccessPointMaps Localizer::Impl::maps_of(const std::vector<ArrayObservation>& re
 }
 
 LocalRefinement Localizer::Impl::local_refinement(const std::vector<ArrayObservation>& received,
-                                          const AccessPointMaps& maps,
-                                          const AccessPointFusion& fusion,
-                                          double likelihood_exponent,
-                                          const SearchFocus& focus,
-                                          const ComparedCells& compared) const {
+                                                  const AccessPointMaps& maps,
+                                                  const AccessPointFusion& fusion,
+                                                  double likelihood_exponent,
+                                                  const SearchFocus& focus,
+                                                  const ComparedCells& compared) const {
   return {grid_,
           heights_,
           kSpeedOfLight / room_->grid.centre_hz,
@@ -313,9 +315,10 @@ LocationEstimate Localizer::Impl::locate(std::span<const CsiFrame> frames,
   const AccessPointFusion fusion(maps.cell, likelihood_exponent, faulty);
   RoomMap map = fuse(maps.cell, fusion);
   refine_locally(
-      local_refinement(observation.arrays, maps, fusion, likelihood_exponent, anywhere, compared), map);
-  const double contradicted = fusion.outlier(
-      log_mean_exp(map.log_likelihood, likelihood_exponent), options_.faults.outlier);
+      local_refinement(observation.arrays, maps, fusion, likelihood_exponent, anywhere, compared),
+      map);
+  const double contradicted = fusion.outlier(log_mean_exp(map.log_likelihood, likelihood_exponent),
+                                             options_.faults.outlier);
   const double outside = take_outside(area_, likelihood_exponent, map.log_likelihood);
   const double outlier = 1.0 - (1.0 - contradicted) * (1.0 - outside);
   if (outlier > SearchArea::kMaxOutlierShare) {
@@ -373,7 +376,8 @@ Localizer::Evidence Localizer::Impl::evidence(const RoomObservation& observation
   if (scan == Scan::kPlaces && is_quick) {
     search_best_boxes(search_room(), received, maps.null_model, fusion, focus, map);
   } else if (scan == Scan::kPlaces) {
-    refine_locally(local_refinement(received, maps, fusion, likelihood_exponent, focus, compared), map);
+    refine_locally(local_refinement(received, maps, fusion, likelihood_exponent, focus, compared),
+                   map);
   }
   return finished(std::move(map), fusion, compared);
 }

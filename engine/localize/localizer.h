@@ -20,10 +20,10 @@
 #include "engine/channel/csi_frame.h"
 #include "engine/likelihood/likelihood.h"
 #include "engine/localize/access_point_map.h"
-#include "engine/localize/close_search.h"
-#include "engine/localize/heard_array.h"
+#include "engine/localize/array_observation.h"
+#include "engine/localize/local_refinement.h"
 #include "engine/localize/path_grid.h"
-#include "engine/localize/watched_area.h"
+#include "engine/localize/search_area.h"
 #include "engine/observe/burst.h"
 #include "engine/posterior/access_point_fusion.h"
 #include "engine/posterior/posterior.h"
@@ -80,7 +80,7 @@ class Localizer {
     std::vector<std::size_t> cells;
     CellWeights weights;
     double outlier = 0.0;  // probability that the burst is uninformative
-    KnownCells within;       // distribution inside the best cells; empty with kCells
+    KnownCells within;     // distribution inside the best cells; empty with kCells
   };
   // `focus`: prior on the position. It selects the cells to evaluate, the cells to refine and the
   // heights, and is not part of the evidence.

@@ -72,8 +72,8 @@ std::vector<SampledPlace> places_in(const SampleBox& box,
   std::vector<std::unique_ptr<const BoxEvaluator>> evaluators;
   for (const ArrayObservation& array : observation.arrays) {
     evaluators.push_back(array.map->is_reachable(box.cell)
-                        ? array.map->evaluator_at(box.cell, box.layer, array.observed)
-                        : nullptr);
+                             ? array.map->evaluator_at(box.cell, box.layer, array.observed)
+                             : nullptr);
     if (evaluators.back() == nullptr) {
       return {};
     }

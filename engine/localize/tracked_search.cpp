@@ -30,7 +30,7 @@ constexpr std::size_t kFewZ = 4;      // a count: ... and every fourth in height
 // A count of cells, and their margin below the best of a room, both as in the local refinement.
 constexpr std::size_t kMaxTrackedColumns = 400;
 constexpr double kTrackedColumnMargin = 12.0;  // [nat], as in the local refinement
-constexpr double kMinSum = 1e-37;            // least sum of a mass in single precision
+constexpr double kMinSum = 1e-37;              // least sum of a mass in single precision
 
 }  // namespace
 
@@ -108,9 +108,9 @@ double TrackedSearch::above(std::size_t array, std::size_t cell, double null_mod
 
 // Evaluates the boxes of one cell: groups of a few layers share their covariance.
 void TrackedSearch::evaluate_cell(std::size_t array,
-                                 std::size_t first,
-                                 std::size_t last,
-                                 double null_model) {
+                                  std::size_t first,
+                                  std::size_t last,
+                                  double null_model) {
   const ArrayObservation& received = received_[array];
   const std::size_t cell = cells_[boxes_[first].number];
   const auto add = static_cast<float>(above(array, cell, null_model));

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "engine/likelihood/ray_field.h"
-#include "engine/localize/close_search.h"
-#include "engine/localize/heard_array.h"
+#include "engine/localize/array_observation.h"
+#include "engine/localize/local_refinement.h"
 #include "engine/posterior/access_point_fusion.h"
 #include "engine/posterior/posterior.h"
 #include "engine/posterior/room_map.h"
@@ -82,10 +82,10 @@ class TrackedSearch {
   std::vector<Row> all_;
   std::vector<std::size_t> cells_;
   std::vector<Box> boxes_;                    // ordered by cell
-  double unevaluated_mass_ = 0.0;                // a probability
+  double unevaluated_mass_ = 0.0;             // a probability
   std::size_t most_closely_ = 0;              // number of boxes evaluated at all their places
   std::vector<std::size_t> first_;            // [cell and the end], index in boxes_
-  std::vector<double> null_model_;               // [array]
+  std::vector<double> null_model_;            // [array]
   std::vector<std::vector<LaneRow>> of_few_;  // [array][box][row]
   std::vector<float> highest_;                // [array]
 };

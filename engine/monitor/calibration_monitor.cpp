@@ -143,7 +143,8 @@ class CalibrationMonitor::AccessPoint {
   std::vector<ReceivedSpot> receive();
   void evaluate(const std::vector<ReceivedSpot>& received);
   std::vector<Value> along(const ReceivedSpot& one) const;
-  double correlation(const std::vector<ReceivedSpot>& received, const std::vector<double>& turn) const;
+  double correlation(const std::vector<ReceivedSpot>& received,
+                     const std::vector<double>& turn) const;
   double correlation(const std::vector<ReceivedSpot>& received, const ArrayMotion& motion) const;
   bool explained_by_motion(const std::vector<ReceivedSpot>& received, double unexplained);
   ArrayMotion scan(const std::vector<ReceivedSpot>& received) const;
@@ -183,7 +184,7 @@ MonitoredSpot& CalibrationMonitor::AccessPoint::spot_of(const Transmitter& trans
 }
 
 void CalibrationMonitor::AccessPoint::set_reference(const Transmitter& transmitter,
-                                           std::vector<Value> array) {
+                                                    std::vector<Value> array) {
   RAYLOC_CHECK(array.size() == ap_.gains.gain.size());
   MonitoredSpot& spot = spot_of(transmitter);
   spot.expected = std::move(array);
@@ -270,11 +271,11 @@ ArrayMotion CalibrationMonitor::AccessPoint::scan(const std::vector<ReceivedSpot
   for (const double step : {0.5, 0.25, 0.125}) {
     for (int round = 0; round < 2; ++round) {
       for (const std::array<double, 3>& direction : {std::array<double, 3>{1, 0, 0},
-                                               {-1, 0, 0},
-                                               {0, 1, 0},
-                                               {0, -1, 0},
-                                               {0, 0, 1},
-                                               {0, 0, -1}}) {
+                                                     {-1, 0, 0},
+                                                     {0, 1, 0},
+                                                     {0, -1, 0},
+                                                     {0, 0, 1},
+                                                     {0, 0, -1}}) {
         ArrayMotion next = best;
         next.shift = next.shift + step * kShiftStep * Vec3d{direction[0], direction[1], 0.0};
         next.yaw += step * kYawStep * direction[2];
@@ -328,7 +329,8 @@ std::vector<double> CalibrationMonitor::AccessPoint::jumps_of_calibration(
 
 // Phase jump of each chain, 0 for chains without one: against the calibration, or else against the
 // first windows; a jump from before these is then not detected.
-std::vector<double> CalibrationMonitor::AccessPoint::jumps(const std::vector<ReceivedSpot>& received) {
+std::vector<double> CalibrationMonitor::AccessPoint::jumps(
+    const std::vector<ReceivedSpot>& received) {
   std::vector<std::vector<Value>> phasors;
   ChainTurns turns(ap_.cores.size());
   for (const ReceivedSpot& one : received) {
@@ -425,7 +427,8 @@ void CalibrationMonitor::AccessPoint::append_warnings(std::vector<CalibrationWar
   }
   if (state_.drifted && !explained) {
     CalibrationWarning one = warning(CalibrationProblem::kResidualDrift);
-    one.text = "residual_drift: access point " + ap_.id + ": " + percent(state_.slow.value_or(0.0)) +
+    one.text = "residual_drift: access point " + ap_.id + ": " +
+               percent(state_.slow.value_or(0.0)) +
                " of the CSI it receives from known transmitters is unexplained, usually " +
                percent(1.0 - state_.usual.value_or(state_.fit)) + "; has the room changed?";
     out.push_back(std::move(one));
@@ -447,8 +450,8 @@ CalibrationMonitor::CalibrationMonitor(std::shared_ptr<const RoomModel> room,
 CalibrationMonitor::~CalibrationMonitor() = default;
 
 void CalibrationMonitor::set_reference(const Transmitter& transmitter,
-                              std::size_t access_point,
-                              std::vector<Value> array) {
+                                       std::size_t access_point,
+                                       std::vector<Value> array) {
   RAYLOC_CHECK(aps_.at(access_point) != nullptr);
   aps_[access_point]->set_reference(transmitter, std::move(array));
 }

@@ -68,10 +68,10 @@ class CalibrationMonitor {
   // Windows from one scan to the next: a scan costs as much as ten fixes.
   static constexpr int kRescan = 10;
   static constexpr double kJump = 0.785;       // [rad]
-  static constexpr double kMaxShift = 0.05;   // [m], along x and y of the room
-  static constexpr double kMaxYaw = 0.105;    // [rad], 6 degrees
+  static constexpr double kMaxShift = 0.05;    // [m], along x and y of the room
+  static constexpr double kMaxYaw = 0.105;     // [rad], 6 degrees
   static constexpr double kDriftRatio = 3.0;   // people and doors change the share by less
-  static constexpr double kMinDrift = 0.05;  // noise changes the unexplained share by less
+  static constexpr double kMinDrift = 0.05;    // noise changes the unexplained share by less
   static constexpr double kPlaceSigma = 0.01;  // [m], of stated positions
 
   // `usual_fit`: median squared normalised correlation of each access point at calibration;
@@ -88,8 +88,8 @@ class CalibrationMonitor {
   // calibrated, with chains removed (PersonLink::empty). It replaces the prediction of the room.
   // Call it before the first burst. REQUIRES: an access point with gains, an array of its size.
   void set_reference(const Transmitter& transmitter,
-            std::size_t access_point,
-            std::vector<std::complex<double>> array);
+                     std::size_t access_point,
+                     std::vector<std::complex<double>> array);
 
   // State of an access point after its windows. Later windows do not reproduce it: a monitor that
   // replaces another one has to be given this state.

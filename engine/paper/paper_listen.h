@@ -8,8 +8,8 @@
 
 #include "engine/channel/csi_frame.h"
 #include "engine/paper/paper_csi_loss.h"
-#include "engine/room/hear_burst.h"
 #include "engine/room/location_estimate.h"
+#include "engine/room/preprocess_burst.h"
 #include "engine/room/room_model.h"
 
 namespace rayloc {

@@ -7,7 +7,7 @@
 #include "engine/paper/paper_listen.h"
 #include "engine/paper/paper_position_loss.h"
 #include "engine/paper/paper_search.h"
-#include "engine/room/hear_burst.h"
+#include "engine/room/preprocess_burst.h"
 #include "engine/trace/path_tracer.h"
 
 namespace rayloc {

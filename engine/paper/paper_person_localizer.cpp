@@ -8,7 +8,7 @@
 #include "engine/paper/paper_listen.h"
 #include "engine/paper/paper_person_loss.h"
 #include "engine/paper/paper_search.h"
-#include "engine/room/hear_burst.h"
+#include "engine/room/preprocess_burst.h"
 
 namespace rayloc {
 

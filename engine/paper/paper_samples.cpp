@@ -28,7 +28,7 @@ Expected<void> check_access_point(const RoomAccessPoint& ap) {
 
 // Every burst of a point that an access point received.
 Expected<std::vector<PaperSample>> received(const RoomModel& room,
-                                         std::span<const CalibrationPoint> points) {
+                                            std::span<const CalibrationPoint> points) {
   std::vector<PaperSample> samples;
   for (std::size_t ap = 0; ap < room.access_points.size(); ++ap) {
     const RoomAccessPoint& access_point = room.access_points[ap];

@@ -13,8 +13,8 @@
 #include "engine/base/check.h"
 #include "engine/base/constants.h"
 #include "engine/likelihood/gain_profile.h"
+#include "engine/person/path_errors.h"
 #include "engine/person/triangle.h"
-#include "engine/person/way_errors.h"
 
 namespace rayloc {
 namespace {
@@ -299,7 +299,7 @@ WhitenedGaussian PersonLikelihood::changed(double share, const PersonModel& mode
 // Sums the covariances of the people's squares, without the noise and the delay that every Gaussian
 // has; keeps the directions in which the sum exceeds the noise.
 OtherPeople PersonLikelihood::co_occupants(std::span<const PersonCandidate> people,
-                                      const PersonModel& model) const {
+                                           const PersonModel& model) const {
   OtherPeople co_occupants;
   if (people.empty()) {
     return co_occupants;
@@ -325,7 +325,8 @@ OtherPeople PersonLikelihood::co_occupants(std::span<const PersonCandidate> peop
            noise * Eigen::MatrixXcd::Identity(n, n);
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXcd> eigen(sum);
-  for (Index i = n; i-- > 0 && co_occupants.spread.size() < OtherPeople::kMaxColumns;) {  // ascending
+  for (Index i = n;
+       i-- > 0 && co_occupants.spread.size() < OtherPeople::kMaxColumns;) {  // ascending
     const double variance = eigen.eigenvalues()(i);
     if (variance <= noise) {
       break;
@@ -378,7 +379,9 @@ struct PersonLikelihood::PlaceEvaluation {
 // The sample places of a square with other people present.
 class PersonLikelihood::AccompaniedPlace {
  public:
-  AccompaniedPlace(const PersonPlace& place, const Observed& observed, const OtherPeople& co_occupants)
+  AccompaniedPlace(const PersonPlace& place,
+                   const Observed& observed,
+                   const OtherPeople& co_occupants)
       : place_(place), with_(place.close, co_occupants) {
     for (std::size_t t = 0; t < kDelays; ++t) {
       const auto u = whiten(place.close, observed.y[t]);
@@ -432,8 +435,9 @@ void PersonLikelihood::log_likelihood(const PersonPlace& place,
     const PlaceEvaluation evaluation = with.at(p);
     double best = -std::numeric_limits<double>::infinity();
     for (std::size_t t = 0; t < kDelays; ++t) {
-      best = std::max(best,
-                      gain_profile(evaluation.power[t], evaluation.along[t], static_cast<double>(dimension())));
+      best = std::max(
+          best,
+          gain_profile(evaluation.power[t], evaluation.along[t], static_cast<double>(dimension())));
     }
     out[p] = best - evaluation.mean_power - with.log_determinant();
   }
@@ -460,7 +464,8 @@ double PersonLikelihood::misfit(const PersonCandidate& candidate,
   const auto d = static_cast<double>(dimension());
   const OtherPeople no_person{std::vector<Value>(dimension()), {}};
   const PlaceEvaluation evaluation =
-      AccompaniedPlace(*candidate.place, observed, co_occupants.empty() ? no_person : co_occupants).at(candidate.sample);
+      AccompaniedPlace(*candidate.place, observed, co_occupants.empty() ? no_person : co_occupants)
+          .at(candidate.sample);
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t t = 0; t < kDelays; ++t) {
     const double a = evaluation.power[t];

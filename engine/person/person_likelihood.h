@@ -6,9 +6,9 @@
 //   Sigma = sum_p (v + u_p) |z_p|^2 s_p s_p^H + w sum_q g_q g_q^H o K_q
 //           + d |z|^2 R + n I / D + (sigma_T)^2 x0' x0'^H
 //
-// g_q are the rays of all antennas over the same surfaces (way_errors.h), u_p is the coherence that
-// a ray loses between two sample places, and R is a diffuse exponential tail. The measurement is
-// known up to a complex factor, profiled out in closed form as in ObservationModel, and a delay:
+// g_q are the rays of all antennas over the same surfaces (path_errors.h), u_p is the coherence
+// that a ray loses between two sample places, and R is a diffuse exponential tail. The measurement
+// is known up to a complex factor, profiled out in closed form as in ObservationModel, and a delay:
 // the burst is aligned to the empty room, a few delays about that are tried, and x0', the change of
 // x0 by a delay, covers those between.
 //
@@ -58,10 +58,10 @@ struct PatchPlan {
 struct ScatteredPatch {
   std::vector<std::complex<float>> sample;     // [place][coordinate]
   std::vector<std::complex<double>> strength;  // sum |z_p|^2 s_p s_p^H, lower triangle by rows
-  std::vector<std::complex<double>> intra_cell_loss;      // the same times u_p
+  std::vector<std::complex<double>> intra_cell_loss;  // the same times u_p
   std::vector<std::complex<double>> path_errors;      // sum g_q g_q^H o K_q
-  std::vector<std::complex<double>> front;     // the same for power without phase (unknown front)
-  double power = 0.0;                          // sum |z_p|^2
+  std::vector<std::complex<double>> front;  // the same for power without phase (unknown front)
+  double power = 0.0;                       // sum |z_p|^2
 };
 
 // A square with the errors of a model.

@@ -12,7 +12,7 @@
 #include "engine/base/parallel.h"
 #include "engine/posterior/access_point_fusion.h"
 #include "engine/posterior/cell_places.h"
-#include "engine/room/hear_burst.h"
+#include "engine/room/preprocess_burst.h"
 
 namespace rayloc {
 namespace {
@@ -105,7 +105,9 @@ class PersonLocalizer::Impl {
   void choose_places(std::span<const std::size_t> cells,
                      std::span<const double> samples,
                      PersonMap& map) const;
-  double misfit_of(const std::vector<ArrayMap>& arrays, const PersonSample& best, PersonMap& map) const;
+  double misfit_of(const std::vector<ArrayMap>& arrays,
+                   const PersonSample& best,
+                   PersonMap& map) const;
   bool is_transmitter_suspect(const std::vector<ArrayMap>& arrays, const PersonSample& best) const;
 
   std::shared_ptr<const RoomModel> room_;
@@ -172,7 +174,8 @@ std::vector<std::size_t> PersonLocalizer::Impl::clear_cells(const PersonContext&
   return cells;
 }
 
-std::vector<std::size_t> PersonLocalizer::Impl::evaluated_cells(const PersonContext& context) const {
+std::vector<std::size_t> PersonLocalizer::Impl::evaluated_cells(
+    const PersonContext& context) const {
   if (context.cells.empty()) {
     return clear_cells(context);
   }
@@ -230,7 +233,8 @@ std::vector<double> PersonLocalizer::Impl::close_map(const std::vector<ArrayMap>
     std::vector<double> one(places_);
     for (const ArrayMap& map : arrays) {
       const PersonLinkMap& link = squares_.links[map.array->link];
-      link.likelihood.log_likelihood(link.cells[cells[n]], map.array->observed, map.co_occupants, one);
+      link.likelihood.log_likelihood(
+          link.cells[cells[n]], map.array->observed, map.co_occupants, one);
       for (std::size_t p = 0; p < places_; ++p) {
         sum[p] += map.over_empty_room(one[p]);
       }
@@ -268,8 +272,8 @@ void PersonLocalizer::Impl::choose_places(std::span<const std::size_t> cells,
 
 // Misfit of the arrays at the best place, 1 as expected; adds warnings on unexplained arrays.
 double PersonLocalizer::Impl::misfit_of(const std::vector<ArrayMap>& arrays,
-                                    const PersonSample& best,
-                                    PersonMap& map) const {
+                                        const PersonSample& best,
+                                        PersonMap& map) const {
   double most = 1.0;
   double explained = 0.0;
   std::vector<double> one(places_);
@@ -285,9 +289,10 @@ double PersonLocalizer::Impl::misfit_of(const std::vector<ArrayMap>& arrays,
       continue;
     }
     explained += 1.0;
-    most = std::max(most,
-                    of.array->weight * link.likelihood.misfit(
-                                           {&place, best.sample}, of.array->observed, of.co_occupants));
+    most = std::max(
+        most,
+        of.array->weight *
+            link.likelihood.misfit({&place, best.sample}, of.array->observed, of.co_occupants));
   }
   map.is_explained = explained > 0.0;
   // If no person explains the change at one access point, the others get less weight, too.
@@ -297,7 +302,7 @@ double PersonLocalizer::Impl::misfit_of(const std::vector<ArrayMap>& arrays,
 // One body obstructs one line of sight; a moved or covered transmitter changes all links. A body
 // right beside it explains that best, because its echoes are strong and not known well.
 bool PersonLocalizer::Impl::is_transmitter_suspect(const std::vector<ArrayMap>& arrays,
-                                                    const PersonSample& best) const {
+                                                   const PersonSample& best) const {
   const Vec3d off = squares_.walkable.grid.centre(best.cell) - reference_.transmitter.position;
   if (std::hypot(off.x, off.y) > kBesideTransmitter) {
     return false;

@@ -23,7 +23,7 @@
 #include "engine/person/person_reference.h"
 #include "engine/person/person_scattering.h"
 #include "engine/person/person_squares.h"
-#include "engine/person/standing_room.h"
+#include "engine/person/walkable_area.h"
 #include "engine/posterior/access_point_fusion.h"
 #include "engine/posterior/posterior.h"
 #include "engine/room/location_estimate.h"

@@ -1,6 +1,6 @@
 #include "engine/person/person_reference.h"
 
-#include "engine/room/hear_burst.h"
+#include "engine/room/preprocess_burst.h"
 
 namespace rayloc {
 

@@ -10,7 +10,7 @@
 #include "engine/person/person_likelihood.h"
 #include "engine/person/person_reference.h"
 #include "engine/person/person_scattering.h"
-#include "engine/person/standing_room.h"
+#include "engine/person/walkable_area.h"
 #include "engine/room/lattice.h"
 #include "engine/room/room_model.h"
 

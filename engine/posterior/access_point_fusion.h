@@ -32,7 +32,7 @@ namespace rayloc {
 // it (kObstructed).
 struct FaultPrior {
   double access_point = 0.015;  // an access point carries no information on the position
-  double outlier = 0.015;     // the device is not in the area
+  double outlier = 0.015;       // the device is not in the area
 };
 
 // Number of cells of a room that each value of a map represents: 1 for the first `ones` values,

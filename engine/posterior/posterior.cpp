@@ -15,17 +15,17 @@ namespace {
 constexpr double kKernel = 0.1;            // [m], standard deviation
 constexpr double kPeakRadius = 0.15;       // [m], the position is the mean within it
 constexpr double kHypothesisRadius = 0.3;  // [m], mass that belongs to one hypothesis
-constexpr double kMinWeight = 0.02;      // least weight of a reported hypothesis
-constexpr double kMinPart = 1e-9;        // share of a peak's mass, for a cell to be part of it
+constexpr double kMinWeight = 0.02;        // least weight of a reported hypothesis
+constexpr double kMinPart = 1e-9;          // share of a peak's mass, for a cell to be part of it
 constexpr double kAmbiguousRatio = 0.3;    // weight of another place's hypothesis to the first
 // Parts of one broad peak: at most this far apart [m], and at most this many of their spreads.
 // Neighbouring parts are 1.5 to 2 apart, peaks with a valley between them 3 and more.
 constexpr double kTouch = 0.65;
-constexpr double kSpreads = 2.3;            // a ratio to the sum of both spreads
+constexpr double kSpreads = 2.3;           // a ratio to the sum of both spreads
 constexpr double kMaxSpread = 0.5;         // share of the room's area: above it the map is flat
 constexpr double kMaxConfidence = 0.9999;  // largest confidence with a reported radius
-constexpr double kHeightSigma = 0.05;       // [m], of the assumed height
-constexpr double kHeightShare = 0.5;        // of the prior's variance: below it z was estimated
+constexpr double kHeightSigma = 0.05;      // [m], of the assumed height
+constexpr double kHeightShare = 0.5;       // of the prior's variance: below it z was estimated
 
 // exp(likelihood_exponent * (l - max)), normalised to 1.
 std::vector<double> weights_of(const std::vector<double>& log_likelihood,

@@ -30,7 +30,8 @@ std::vector<double> fault_probabilities(const RoomMap& map, double likelihood_ex
   for (const std::vector<double>& of_cell : map.fault_probability) {
     double fault_probability = 0.0;
     for (std::size_t cell = 0; cell < of_cell.size(); ++cell) {
-      fault_probability += std::exp(likelihood_exponent * map.log_likelihood[cell] - log_sum) * of_cell[cell];
+      fault_probability +=
+          std::exp(likelihood_exponent * map.log_likelihood[cell] - log_sum) * of_cell[cell];
     }
     result.push_back(fault_probability);
   }

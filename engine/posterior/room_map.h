@@ -10,9 +10,10 @@
 namespace rayloc {
 
 struct RoomMap {
-  std::vector<double> log_likelihood;      // [cell]
-  KnownCells within;                       // of the refined cells
-  std::vector<std::vector<double>> fault_probability;  // [access point][cell], probability that it is wrong
+  std::vector<double> log_likelihood;  // [cell]
+  KnownCells within;                   // of the refined cells
+  std::vector<std::vector<double>>
+      fault_probability;  // [access point][cell], probability that it is wrong
 };
 
 // maps: [access point][cell], the maps of `fusion`. No cell is refined.

@@ -11,8 +11,8 @@ namespace rayloc {
 namespace {
 
 constexpr int kIterations = 30;      // a count, chosen: of expectation and maximisation
-constexpr double kMinGain = 0.1;   // [nat]
-constexpr double kMinMass = 1e-4;  // least share of a component in the peak's mass
+constexpr double kMinGain = 0.1;     // [nat]
+constexpr double kMinMass = 1e-4;    // least share of a component in the peak's mass
 constexpr double kStartShare = 0.5;  // of the peak's mass, the densest, that initialises the core
 
 double determinant(const HillMass& g) { return g.xx * g.yy - g.xy * g.xy; }

@@ -7,9 +7,9 @@
 namespace rayloc {
 namespace {
 
-constexpr double kReach = 2.25;      // standard deviations to either side: 97.6 % of the prior
-constexpr double kThickest = 0.15;   // [m], chosen: a path's direction is the same across a layer
-constexpr double kMinAbove = 0.1;  // [m], chosen: clearance to floor and ceiling
+constexpr double kReach = 2.25;     // standard deviations to either side: 97.6 % of the prior
+constexpr double kThickest = 0.15;  // [m], chosen: a path's direction is the same across a layer
+constexpr double kMinAbove = 0.1;   // [m], chosen: clearance to floor and ceiling
 
 // Probability of a standard normal variable below x.
 double below(double x) { return 0.5 * std::erfc(-x / std::numbers::sqrt2); }

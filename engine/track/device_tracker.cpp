@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "engine/base/parallel.h"
-#include "engine/track/looked_cells.h"
+#include "engine/track/searched_cells.h"
 
 namespace rayloc {
 namespace {
@@ -66,10 +66,10 @@ bool DeviceTracker::coast(Tracks::value_type& track,
 }
 
 void DeviceTracker::receive_moment(Tracks::value_type& track,
-                                std::span<const CsiFrame> frames,
-                                const FrameFault& fault,
-                                TrackerCounters& counters,
-                                std::vector<DeviceUpdate>& updates) const {
+                                   std::span<const CsiFrame> frames,
+                                   const FrameFault& fault,
+                                   TrackerCounters& counters,
+                                   std::vector<DeviceUpdate>& updates) const {
   auto& [device, entry] = track;
   const bool begins = !entry.track.state();
   ++counters.moments;
@@ -95,8 +95,8 @@ void DeviceTracker::receive_moment(Tracks::value_type& track,
 }
 
 TrackerCounters DeviceTracker::receive_moments(Tracks::value_type& track,
-                                            const DeviceBurst& burst,
-                                            std::vector<DeviceUpdate>& updates) const {
+                                               const DeviceBurst& burst,
+                                               std::vector<DeviceUpdate>& updates) const {
   TrackerCounters counters;
   const std::span<const CsiFrame> frames = burst.frames;
   for (std::size_t begin = 0; begin < frames.size();) {
@@ -155,10 +155,10 @@ std::vector<std::vector<DeviceUpdate>> DeviceTracker::receive(std::span<const De
 }
 
 void DeviceTracker::receive(const MacAddress& device,
-                         std::span<const CsiFrame> frames,
-                         std::vector<DeviceUpdate>& updates,
-                         std::optional<Timestamp> received_since,
-                         const FrameFault& fault) {
+                            std::span<const CsiFrame> frames,
+                            std::vector<DeviceUpdate>& updates,
+                            std::optional<Timestamp> received_since,
+                            const FrameFault& fault) {
   const DeviceBurst burst{device, frames, received_since, fault};
   auto received = receive(std::span(&burst, 1));
   std::move(received.front().begin(), received.front().end(), std::back_inserter(updates));

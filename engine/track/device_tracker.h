@@ -73,10 +73,10 @@ class DeviceTracker {
   std::vector<std::vector<DeviceUpdate>> receive(std::span<const DeviceBurst> bursts);
   // As above for one device; the updates are appended.
   void receive(const MacAddress& device,
-            std::span<const CsiFrame> frames,
-            std::vector<DeviceUpdate>& updates,
-            std::optional<Timestamp> received_since = std::nullopt,
-            const FrameFault& fault = {});
+               std::span<const CsiFrame> frames,
+               std::vector<DeviceUpdate>& updates,
+               std::optional<Timestamp> received_since = std::nullopt,
+               const FrameFault& fault = {});
 
   // No frame before `now` will arrive: appends predictions of silent devices, removes lost tracks.
   void advance(Timestamp now, std::vector<DeviceUpdate>& updates);
@@ -110,13 +110,13 @@ class DeviceTracker {
   Tracks::iterator track_of(const DeviceBurst& burst, std::vector<DeviceUpdate>& updates);
   // Updates the track of one device and no other state.
   TrackerCounters receive_moments(Tracks::value_type& track,
-                               const DeviceBurst& burst,
-                               std::vector<DeviceUpdate>& updates) const;
+                                  const DeviceBurst& burst,
+                                  std::vector<DeviceUpdate>& updates) const;
   void receive_moment(Tracks::value_type& track,
-                   std::span<const CsiFrame> frames,
-                   const FrameFault& fault,
-                   TrackerCounters& counters,
-                   std::vector<DeviceUpdate>& updates) const;
+                      std::span<const CsiFrame> frames,
+                      const FrameFault& fault,
+                      TrackerCounters& counters,
+                      std::vector<DeviceUpdate>& updates) const;
 
   std::shared_ptr<const Localizer> localizer_;
   std::shared_ptr<const FreeSpace> space_;

@@ -24,7 +24,7 @@ struct FilteredEstimate {
   TrackState state = TrackState::kTentative;
   bool predicted = false;         // from earlier bursts only
   std::optional<Vec3d> velocity;  // [m/s], over the last second; absent when no burst arrived in it
-  double stationary = 0.0;          // probability
+  double stationary = 0.0;        // probability
   std::optional<TrackTransition> transition;
 };
 

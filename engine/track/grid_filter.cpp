@@ -156,7 +156,8 @@ void GridFilter::weigh_change(double change) {
   const auto walk = static_cast<float>(std::pow(motion_.change_odds, change - 1.0));
   if (away_ > 0.0) {  // being outside carries no information on motion
     const double stationary = this->stationary();
-    away_ *= stationary * static_cast<double>(still) + (1.0 - stationary) * static_cast<double>(walk);
+    away_ *=
+        stationary * static_cast<double>(still) + (1.0 - stationary) * static_cast<double>(walk);
   }
   for (Mode& mode : modes_) {
     const float weight = &mode == &modes_.front() ? still : walk;
@@ -188,7 +189,9 @@ GridFilter::Relative GridFilter::relative(const Sampled& burst,
   return result;
 }
 
-void GridFilter::update(std::span<const double> log_likelihood, double exponent, double burst_outlier) {
+void GridFilter::update(std::span<const double> log_likelihood,
+                        double exponent,
+                        double burst_outlier) {
   RAYLOC_CHECK(log_likelihood.size() == space_->grid.size());
   update(Sampled{log_likelihood, {}, {}}, exponent, burst_outlier);
 }

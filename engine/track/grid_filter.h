@@ -73,7 +73,7 @@ class GridFilter {
   bool is_compact() const { return !kept_.cells.empty(); }
 
   std::vector<double> mass() const;  // [cell of window()], over all modes, sums to 1
-  double stationary() const;           // probability of standing, for a target in the window
+  double stationary() const;         // probability of standing, for a target in the window
 
  private:
   struct Mode {

@@ -289,7 +289,7 @@ void PersonTracker::coast(Timestamp until, std::vector<PersonUpdate>& updates) {
 }
 
 void PersonTracker::receive_moment(std::span<const CsiFrame> frames,
-                                std::vector<PersonUpdate>& updates) {
+                                   std::vector<PersonUpdate>& updates) {
   ++counters_.moments;
   PersonObservation observation = localizer_->receive(frames);
   if (observation.arrays.empty()) {
@@ -334,8 +334,8 @@ void PersonTracker::advance(Timestamp now, std::vector<PersonUpdate>& updates) {
 }
 
 void PersonTracker::receive(std::span<const CsiFrame> frames,
-                         std::vector<PersonUpdate>& updates,
-                         std::optional<Timestamp> received_since) {
+                            std::vector<PersonUpdate>& updates,
+                            std::optional<Timestamp> received_since) {
   if (frames.empty()) {
     return;
   }

@@ -25,7 +25,7 @@
 #include "engine/person/person_localizer.h"
 #include "engine/track/free_space.h"
 #include "engine/track/grid_filter.h"
-#include "engine/track/looked_cells.h"
+#include "engine/track/searched_cells.h"
 #include "engine/track/track.h"
 
 namespace rayloc {
@@ -75,7 +75,7 @@ struct PersonTrackerCounters {
   std::uint64_t lost = 0;          // tracks
   std::uint64_t moments = 0;       // measurements
   std::uint64_t used = 0;          // with a detected person
-  std::uint64_t no_person = 0;        // without a detected person
+  std::uint64_t no_person = 0;     // without a detected person
   std::uint64_t unexplained = 0;   // not explained by a person at any position
   std::uint64_t out_of_order = 0;  // not later than the last moment
   std::uint64_t unusable = 0;      // without usable frames of any access point
@@ -94,11 +94,11 @@ class PersonTracker {
   PersonTracker(std::shared_ptr<const PersonLocalizer> localizer, PersonTrackerOptions options);
 
   // Appends an estimate for every moment of the burst in which there is a track. `frames`: from the
-  // reference's transmitter, in order of time. `received_since`: the transmitter has not been silent
-  // since this time although earlier bursts were left out; without a value, its first frame.
+  // reference's transmitter, in order of time. `received_since`: the transmitter has not been
+  // silent since this time although earlier bursts were left out; without a value, its first frame.
   void receive(std::span<const CsiFrame> frames,
-            std::vector<PersonUpdate>& updates,
-            std::optional<Timestamp> received_since = std::nullopt);
+               std::vector<PersonUpdate>& updates,
+               std::optional<Timestamp> received_since = std::nullopt);
 
   // No frame before `now` will arrive: appends predicted positions of an unseen person, or the loss
   // of the track.
@@ -124,10 +124,10 @@ class PersonTracker {
     std::uint64_t track = 0;
     Timestamp time{};  // time of the filter
     Timestamp seen{};
-    Timestamp clear{};    // last time that a person was seen as clearly as a track needs to begin
-    Timestamp weighed{};  // last moment that was weighed
-    Timestamp searched{};   // last moment that was compared with the whole room
-    Timestamp due{};      // time of the next predicted position, if the transmitter stays silent
+    Timestamp clear{};     // last time that a person was seen as clearly as a track needs to begin
+    Timestamp weighed{};   // last moment that was weighed
+    Timestamp searched{};  // last moment that was compared with the whole room
+    Timestamp due{};       // time of the next predicted position, if the transmitter stays silent
     TrackState state = TrackState::kTentative;
     std::size_t moments = 0;  // number of moments with a detected person
     double credit = 0.0;      // share of a snapshot's weight already given to the present channel

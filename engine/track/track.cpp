@@ -6,13 +6,13 @@
 
 #include "engine/base/highest.h"
 #include "engine/track/filter_summary.h"
-#include "engine/track/looked_cells.h"
+#include "engine/track/searched_cells.h"
 
 namespace rayloc {
 namespace {
 
 constexpr double kMinBurstWeight = 0.02;  // least weight of a burst for which the map is computed
-constexpr double kMinChange = 1e-12;    // of the power; a smaller change is rounding
+constexpr double kMinChange = 1e-12;      // of the power; a smaller change is rounding
 // Counts of cells, chosen: kept by a resting track, with 17 modes 29 KiB ...
 constexpr std::size_t kCompactCells = 400;
 constexpr std::size_t kCompactRefined = 64;  // a count, chosen: ... with positions in the cell
@@ -367,7 +367,7 @@ void Track::forget_place() {
 }
 
 tl::expected<FilteredEstimate, MomentRefusal> Track::receive(std::span<const CsiFrame> frames,
-                                                          const FrameFault& fault) {
+                                                             const FrameFault& fault) {
   filter_.wake();
   RoomObservation observation = localizer_->receive(frames);
   const Timestamp time = observation.estimate.time;

@@ -73,7 +73,7 @@ class Track {
 
   // Updates with frames of the target within a moment in which it does not move.
   tl::expected<FilteredEstimate, MomentRefusal> receive(std::span<const CsiFrame> frames,
-                                                     const FrameFault& fault = {});
+                                                        const FrameFault& fault = {});
 
   // Earlier bursts may have been wrong: the target may be anywhere, and the track continues.
   void forget_place();
@@ -121,16 +121,17 @@ class Track {
   Aligner aligner_;
   std::shared_ptr<const FreeSpace> space_;
   GridFilter filter_;
-  std::optional<TrackState> state_;                    // empty before the first usable burst
-  Timestamp time_;                                     // time of the filter
-  Timestamp received_;                                    // last usable burst
-  Timestamp searched_;                                   // last evaluation of the whole room
-  Duration whole_room_period_;                         // time to its next evaluation
-  std::vector<std::optional<Timestamp>> searched_with_;  // its last evaluation, [ArrayObservation::ap]
-  std::size_t bursts_ = 0;                             // usable bursts
+  std::optional<TrackState> state_;  // empty before the first usable burst
+  Timestamp time_;                   // time of the filter
+  Timestamp received_;               // last usable burst
+  Timestamp searched_;               // last evaluation of the whole room
+  Duration whole_room_period_;       // time to its next evaluation
+  std::vector<std::optional<Timestamp>>
+      searched_with_;         // its last evaluation, [ArrayObservation::ap]
+  std::size_t bursts_ = 0;    // usable bursts
   bool is_unlocated_ = true;  // no usable burst yet, or the place was forgotten
-  double credit_ = 0.0;        // share of a snapshot's weight already given to the present channel
-  double loss_ = 0.0;          // at the last position
+  double credit_ = 0.0;       // share of a snapshot's weight already given to the present channel
+  double loss_ = 0.0;         // at the last position
   // From the last frames: all evidence of the filter relies on the same chains, equally suspect.
   FrameFault fault_;
   // Distribution inside the best cells, from the last weighed burst.

@@ -20,7 +20,7 @@
 #include "daemon/site/survey/points_csv.h"
 #include "engine/observe/alignment.h"
 #include "engine/person/people.h"
-#include "engine/room/hear_burst.h"
+#include "engine/room/preprocess_burst.h"
 
 namespace rayloc::bench {
 namespace {

@@ -19,7 +19,7 @@
 
 #include "engine/person/calibrate/empty_room.h"
 #include "engine/person/person_localizer.h"
-#include "engine/room/hear_burst.h"
+#include "engine/room/preprocess_burst.h"
 #include "engine/trace/scattering/scattering.h"
 #include "engine/track/person_tracker.h"
 #include "tests/bench/best_times.h"

@@ -43,7 +43,7 @@ struct Fault {
 std::chrono::seconds lasts(const Fault& fault) {
   return fault.kind == "SIGSTOP"  ? kFrozen
          : fault.kind == "absent" ? kAbsent
-                                 : std::chrono::seconds(0);
+                                  : std::chrono::seconds(0);
 }
 
 std::string words(const Fault& fault) { return fault.machine + " " + fault.kind; }
@@ -75,7 +75,7 @@ class Faults : public OneSite {
     if (name == "broker") {
       fault.kind == "SIGSTOP"   ? server_.freeze()
       : fault.kind == "restart" ? server_.stop()
-                               : server_.kill();
+                                : server_.kill();
     } else if (fault.kind == "SIGSTOP") {
       machines_.at(name)->signal(SIGSTOP);
     } else {

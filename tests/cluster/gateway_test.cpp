@@ -103,8 +103,9 @@ TEST(Gateway, SaysWhatOwnersSayOnceAndNothingOfThoseThatWereReplaced) {
     stale.set_number(99);
     *stale.mutable_output() = output_at("hall", 30);
     ASSERT_TRUE(broker->publish(output_subject("hall"), seal(stale)));
-    ASSERT_TRUE(eventually(
-        kPatience, [&] { return second->append(output_at("hall", 8)) == OwnerLog::Outcome::kStored; }));
+    ASSERT_TRUE(eventually(kPatience, [&] {
+      return second->append(output_at("hall", 8)) == OwnerLog::Outcome::kStored;
+    }));
     EXPECT_TRUE(eventually(kPatience, [&] {
       const std::vector<int> now = seconds(daemon, "hall");
       return !now.empty() && now.back() == 28;

@@ -439,9 +439,11 @@ TEST_F(RealBroker, EveryDatagramThatIsCapturedIsReadOnceOrMarked) {
   ASSERT_TRUE(is_read_on());
   first.end();
   second.end();
-  ASSERT_TRUE(eventually(
-      kPatience,
-      [&] { return reading.all("ap1") == first.received() && reading.all("ap2") == second.received(); }))
+  ASSERT_TRUE(eventually(kPatience,
+                         [&] {
+                           return reading.all("ap1") == first.received() &&
+                                  reading.all("ap2") == second.received();
+                         }))
       << reading.all("ap1") << " of " << first.received() << ", " << reading.all("ap2") << " of "
       << second.received();
   reading.end();

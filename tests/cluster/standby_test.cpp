@@ -80,8 +80,9 @@ class HotStandby : public ::testing::Test {
   v1::StandbyState standby(const std::string& worker) const {
     const std::lock_guard lock(mutex_);
     const auto found = last_states_.find(worker);
-    return found == last_states_.end() || found->second.stands_by().empty() ? v1::StandbyState()
-                                                                   : found->second.stands_by(0);
+    return found == last_states_.end() || found->second.stands_by().empty()
+               ? v1::StandbyState()
+               : found->second.stands_by(0);
   }
   std::string owner() const {
     const auto message = broker_->last_of(std::string(kClaimStream), claim_subject("hall"));
@@ -101,7 +102,8 @@ class HotStandby : public ::testing::Test {
   NatsServer server_{folder_.path()};
   std::shared_ptr<Broker> broker_;
   mutable std::mutex mutex_;
-  std::map<std::string, v1::WorkerState> last_states_;  // guarded by mutex_; the last of each worker
+  std::map<std::string, v1::WorkerState>
+      last_states_;  // guarded by mutex_; the last of each worker
   std::unique_ptr<Broker::Subscription> states_;
 };
 

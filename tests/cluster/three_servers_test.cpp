@@ -27,7 +27,8 @@ namespace {
 
 // Longer than the servers need to elect another leader, which is 4 to 9 s.
 constexpr std::chrono::seconds kLasts{12};
-constexpr std::array kKinds = {"killed", "hangs", "begun again", "cut from servers", "cut from all"};
+constexpr std::array kKinds = {
+    "killed", "hangs", "begun again", "cut from servers", "cut from all"};
 constexpr std::array kMachines = {"worker", "node", "gateway"};
 
 std::size_t faults() {

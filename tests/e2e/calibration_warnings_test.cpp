@@ -90,7 +90,8 @@ TEST_F(CalibrationWarnings, OfANewPowerCycleReachJournalHeartbeatAndLocations) {
 
   replay("same", daemon);
   const std::size_t received = daemon.bodies("heartbeat").size();
-  ASSERT_TRUE(eventually(kPatience, [&] { return daemon.bodies("heartbeat").size() > received + 1; }));
+  ASSERT_TRUE(
+      eventually(kPatience, [&] { return daemon.bodies("heartbeat").size() > received + 1; }));
   EXPECT_EQ(warnings_of(daemon.bodies("heartbeat").back()), "[]");
   EXPECT_THAT(daemon.errors(), Not(HasSubstr("chain_phase_jump")));
 

@@ -39,7 +39,7 @@ std::vector<std::string> load(const LiveDaemon& daemon, const std::string& recor
 
 struct JoinTally {
   std::set<std::string> topics;  // that a snapshot must contain: published before, CSI aside
-  std::uint64_t snapshots = 0;        // messages of snapshots
+  std::uint64_t snapshots = 0;   // messages of snapshots
   std::uint64_t live = 0;        // other messages
 };
 
@@ -153,8 +153,8 @@ TEST(Endurance, LateSubscribersGetEverySequenceOnce) {
   std::printf("%d joins: %zu topics, %llu messages of snapshots, %llu others\n",
               joins,
               tally.topics.size(),
-              static_cast<unsigned long long>(tally.snapshots),   // NOLINT(google-runtime-int)
-              static_cast<unsigned long long>(tally.live));  // NOLINT(google-runtime-int)
+              static_cast<unsigned long long>(tally.snapshots),  // NOLINT(google-runtime-int)
+              static_cast<unsigned long long>(tally.live));      // NOLINT(google-runtime-int)
   EXPECT_TRUE(sender.running()) << sender.errors();
   EXPECT_EQ(daemon.stop(), 0) << daemon.errors();
 }

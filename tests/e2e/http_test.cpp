@@ -196,8 +196,8 @@ TEST(Field, OverloadIsSaidEverywhere) {
   EXPECT_TRUE(eventually(kPatience, [&] {
     return daemon.log().find(overload) != std::string::npos;
   })) << daemon.log();
-  const std::string status =
-      run_verb(folder.path(), {"status", "--http", "127.0.0.1:" + std::to_string(daemon.http_port())});
+  const std::string status = run_verb(
+      folder.path(), {"status", "--http", "127.0.0.1:" + std::to_string(daemon.http_port())});
   EXPECT_THAT(status, HasSubstr("  warning: " + overload));
   EXPECT_THAT(status, ::testing::ContainsRegex("; [1-9][0-9]* bursts gave way to newer ones,"));
   EXPECT_TRUE(eventually(kPatience, [&] {
@@ -231,8 +231,8 @@ TEST(Field, TheLogSaysReadyWhenTheStatusDoes) {
                   "--duration",
                   "5"});
   EXPECT_TRUE(logs("info ready: every access point is received")) << daemon.log();
-  const std::string status =
-      run_verb(folder.path(), {"status", "--http", "127.0.0.1:" + std::to_string(daemon.http_port())});
+  const std::string status = run_verb(
+      folder.path(), {"status", "--http", "127.0.0.1:" + std::to_string(daemon.http_port())});
   EXPECT_THAT(status, HasSubstr(": ready\n"));
   EXPECT_THAT(status,
               ::testing::ContainsRegex("ap2 .* frames \\([0-9]+ partial\\) .* [0-9.]+ s ago\n"));

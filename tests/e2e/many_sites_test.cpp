@@ -142,7 +142,7 @@ TEST(ManySites, EachHasTopicsPathsMetricsAndRecordingsOfItsOwn) {
   EXPECT_THAT(one, Not(HasSubstr("office")));
   const std::string top =
       run_verb(folder.path(),
-              {"top", "--once", "--endpoint", daemon.endpoint(), "--snapshot", daemon.snapshot()});
+               {"top", "--once", "--endpoint", daemon.endpoint(), "--snapshot", daemon.snapshot()});
   EXPECT_THAT(top, HasSubstr("site hall"));
   EXPECT_THAT(top, HasSubstr("site lab 2"));
 

@@ -135,7 +135,9 @@ TEST_F(People, AreFoundByTheDaemonAndPublished) {
   }
   auto sent =
       std::async(std::launch::async, [&] { return send(folder(), "send", daemon, arguments); });
-  const auto is_located = [&] { return state(daemon).find(", 0 of people; ") == std::string::npos; };
+  const auto is_located = [&] {
+    return state(daemon).find(", 0 of people; ") == std::string::npos;
+  };
   EXPECT_TRUE(eventually(kPatience, is_located)) << daemon.errors();
   ASSERT_EQ(sent.get(), 0);
   EXPECT_EQ(daemon.stop(), 0) << daemon.errors();

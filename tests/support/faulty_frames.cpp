@@ -124,9 +124,9 @@ void turn_chain(std::vector<CsiFrame>& frames, int access_point, std::uint8_t co
 }
 
 void obstruct(std::vector<CsiFrame>& frames,
-           int access_point,
-           const RoomModel& room,
-           const Vec3d& device) {
+              int access_point,
+              const RoomModel& room,
+              const Vec3d& device) {
   constexpr double kTaken = 0.97;
   const auto number = static_cast<std::size_t>(access_point);
   const Expected expected = expected_of(room, number, device);

@@ -28,9 +28,9 @@ void turn_chain(std::vector<CsiFrame>& frames, int access_point, std::uint8_t co
 // Places an obstruction that passes 3 % of the direct path's amplitude in front of an access point.
 // `room`: as calibrated, gives the direct path's strength; `device`: the true position.
 void obstruct(std::vector<CsiFrame>& frames,
-           int access_point,
-           const RoomModel& room,
-           const Vec3d& device);
+              int access_point,
+              const RoomModel& room,
+              const Vec3d& device);
 
 // [core][tone] of a channel that no test room produces: taps of random phase that decay with 30 ns,
 // independent for every antenna.

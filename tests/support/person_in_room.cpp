@@ -1,7 +1,7 @@
 #include "tests/support/person_in_room.h"
 
 #include "engine/person/calibrate/empty_room.h"
-#include "engine/room/hear_burst.h"
+#include "engine/room/preprocess_burst.h"
 #include "engine/trace/scattering/scattering.h"
 
 namespace rayloc::test {

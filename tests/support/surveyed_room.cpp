@@ -202,10 +202,10 @@ std::vector<Vec3d> places(const std::vector<SceneBox>& furniture,
 
 // [core][tone], with the chain gains, noise, and the unknown factor and delay of a burst.
 std::vector<Value> received(const RoomModel& room,
-                         const RoomAccessPoint& ap,
-                         const Vec3d& position,
-                         double snr_db,
-                         unsigned seed) {
+                            const RoomAccessPoint& ap,
+                            const Vec3d& position,
+                            double snr_db,
+                            unsigned seed) {
   const PathTracer tracer(room.scene, room.trace);
   const Transmitter device{{position, {}, room.device.pattern, room.device.polarization}};
   std::vector<Value> h;
@@ -279,10 +279,10 @@ SurveyedRoom make_surveyed_room(const SurveyedRoomOptions& options) {
     CalibrationPoint& point = room.points[p];
     for (std::size_t a = 0; a < room.built.access_points.size(); ++a) {
       point.h.push_back(received(room.built,
-                              room.built.access_points[a],
-                              point.position + room.survey_error[p],
-                              options.snr_db,
-                              static_cast<unsigned>(1 + 8 * p + a) + 1000 * options.seed));
+                                 room.built.access_points[a],
+                                 point.position + room.survey_error[p],
+                                 options.snr_db,
+                                 static_cast<unsigned>(1 + 8 * p + a) + 1000 * options.seed));
     }
   });
   return room;

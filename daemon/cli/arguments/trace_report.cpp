@@ -84,7 +84,7 @@ std::string path_line(const Path& path, const Scene& scene) {
 
 // Power by delay, in bins of a nanosecond from the first echo on.
 std::string diffuse_json(const DiffuseDensity& density) {
-  constexpr double kBin = 1e-9;           // [s]
+  constexpr double kBin = 1e-9;          // [s]
   constexpr double kMaxBins = 10'000.0;  // a count, chosen: 3 km
   double first = density.echoes().empty() ? 0.0 : density.echoes().front().tau;
   double last = first;

@@ -294,7 +294,7 @@ Expected<void> run_cluster_doctor(const BrokerOptions& options) {
   }
   const auto broker = connect(options);
   const Expected<void> inspected = broker ? inspect_broker(**broker, servers_are_several, findings)
-                                       : tl::make_unexpected(broker.error());
+                                          : tl::make_unexpected(broker.error());
   if (!inspected) {
     findings.push_back({Kind::kProblem, inspected.error().message, ""});
   }

@@ -66,9 +66,9 @@ void check_site_setup(const SiteSetup& setup, std::vector<Finding>& findings) {
 
 // Adds the entries of a /readyz list, except those that have been found here as well.
 void add_reported(const nlohmann::json& list,
-              Finding::Kind kind,
-              const std::function<bool(const std::string&)>& is_known,
-              std::vector<Finding>& findings) {
+                  Finding::Kind kind,
+                  const std::function<bool(const std::string&)>& is_known,
+                  std::vector<Finding>& findings) {
   for (const nlohmann::json& one : list) {
     const std::string words = one.get<std::string>();
     const bool is_found = std::any_of(
@@ -118,8 +118,8 @@ Finding silent_daemon(pid_t process, bool has_http) {
 Expected<HttpQuery> query_of(HttpOptions options, const HttpConfig& config) {
   if (options.address.empty()) {
     const bool is_any_address = config.host == "0.0.0.0";
-    options.address =
-        (is_any_address ? std::string("127.0.0.1") : config.host) + ":" + std::to_string(config.port);
+    options.address = (is_any_address ? std::string("127.0.0.1") : config.host) + ":" +
+                      std::to_string(config.port);
   }
   if (options.token_file.empty() && access(config.token_file.c_str(), R_OK) == 0) {
     options.token_file = config.token_file.string();

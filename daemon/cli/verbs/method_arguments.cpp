@@ -97,7 +97,8 @@ Expected<MethodOptions> method_options(const MethodArguments& options) {
       return make_error(ErrorKind::kUsage,
                         "--baseline: method " + options.name + " has no such settings");
     }
-    if (auto read = read_baseline_value(text, method.name, method.baseline_settings, settings.values);
+    if (auto read =
+            read_baseline_value(text, method.name, method.baseline_settings, settings.values);
         !read) {
       return make_error(ErrorKind::kUsage, "--baseline " + read.error().message);
     }

@@ -24,9 +24,9 @@ namespace rayloc::cli {
 namespace {
 
 constexpr std::size_t kMaxConfused = 5;  // count, chosen: as many as a person reads
-constexpr double kMinSpotStep = 0.4;        // [m], chosen: a finer grid adds no information
-constexpr double kUsualPlaces = 60.0;       // count, chosen: 180 bursts, so shares to 4 %
-constexpr double kCentimetre = 0.01;        // [m]
+constexpr double kMinSpotStep = 0.4;     // [m], chosen: a finer grid adds no information
+constexpr double kUsualPlaces = 60.0;    // count, chosen: 180 bursts, so shares to 4 %
+constexpr double kCentimetre = 0.01;     // [m]
 
 struct PredictArguments {
   std::string site;

@@ -27,7 +27,7 @@
 #include "engine/person/calibrate/person_certainty.h"
 #include "engine/person/calibrate/person_fit.h"
 #include "engine/person/calibrate/two_days.h"
-#include "engine/room/hear_burst.h"
+#include "engine/room/preprocess_burst.h"
 
 namespace rayloc::cli {
 namespace {
@@ -66,7 +66,8 @@ class Reference {
   Expected<void> read();
   Expected<Frames> read_captures(const std::vector<std::string>& arguments);
   Expected<void> learn_empty_room();
-  Expected<std::vector<EmptyRoom>> receive_empty(const std::vector<CsiFrame>& frames, bool occupied);
+  Expected<std::vector<EmptyRoom>> receive_empty(const std::vector<CsiFrame>& frames,
+                                                 bool occupied);
   Expected<void> learn_two_days();
   Expected<void> add_reference(const MacAddress& mac,
                                const Transmitter& surveyed,
@@ -184,7 +185,7 @@ Transmitter surveyed_place(const SiteTransmitter& transmitter) {
 }
 
 Expected<std::vector<EmptyRoom>> Reference::receive_empty(const std::vector<CsiFrame>& frames,
-                                                       bool occupied) {
+                                                          bool occupied) {
   BurstOptions burst_options;
   burst_options.max_frames = kMaxEmptyFrames;
   std::vector<EmptyRoom> received;

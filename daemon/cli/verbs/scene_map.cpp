@@ -27,10 +27,10 @@
 namespace rayloc::cli {
 namespace {
 
-constexpr double kUsualCells = 10'000.0;       // count, chosen: resolution of a picture
+constexpr double kUsualCells = 10'000.0;      // count, chosen: resolution of a picture
 constexpr std::size_t kMaxCells = 4'000'000;  // count, chosen: at most a gibibyte of memory
-constexpr double kMinCellStep = 0.05;          // [m], chosen: finer cells add nothing (no phases)
-constexpr double kUsualMapHeight = 1.2;        // [m], device height if no site states one
+constexpr double kMinCellStep = 0.05;         // [m], chosen: finer cells add nothing (no phases)
+constexpr double kUsualMapHeight = 1.2;       // [m], device height if no site states one
 
 struct SceneMapArguments {
   std::string scene;

@@ -282,7 +282,8 @@ Expected<CaptureReport> simulate(const Simulation& simulation,
   for (const SimulatedSpot& spot : simulation.spots) {
     const auto received = simulator.receive(spot);
     if (!received) {
-      return bad_input("point of line " + std::to_string(spot.line) + ": " + received.error().message);
+      return bad_input("point of line " + std::to_string(spot.line) + ": " +
+                       received.error().message);
     }
     std::vector<Datagram> batch;
     batch.reserve(received->datagrams.size());

@@ -64,11 +64,11 @@ Expected<SiteSetup> configured_site(const SurveyVerbArguments& arguments, const 
   std::vector<std::function<bool(const SiteSetup&)>> criteria;
   if (arguments.name.empty()) {
     criteria = {[&](const SiteSetup&) { return setup->sites.size() == 1; },
-            [&](const SiteSetup& one) {
-              std::error_code ignored;
-              return std::filesystem::equivalent(one.directory, arguments.site, ignored);
-            },
-            [&](const SiteSetup& one) { return one.site.name == site.name; }};
+                [&](const SiteSetup& one) {
+                  std::error_code ignored;
+                  return std::filesystem::equivalent(one.directory, arguments.site, ignored);
+                },
+                [&](const SiteSetup& one) { return one.site.name == site.name; }};
   } else {
     criteria = {[&](const SiteSetup& one) { return one.site.name == arguments.name; }};
   }

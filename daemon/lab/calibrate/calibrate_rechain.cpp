@@ -75,19 +75,19 @@ struct RefitAccessPoint {
 };
 
 Expected<Received> receive_points(const Site& site,
-                            const RoomModel& room,
-                            const std::vector<CaptureArgument>& captures,
-                            const RechainArguments& arguments) {
+                                  const RoomModel& room,
+                                  const std::vector<CaptureArgument>& captures,
+                                  const RechainArguments& arguments) {
   auto inputs = read_calibration_inputs(
       with_bounds(site, room), captures, arguments.points, arguments.time_offset);
   if (!inputs) {
     return tl::make_unexpected(std::move(inputs.error()));
   }
   Received received{{},
-              std::move(inputs->recorded),
-              std::move(inputs->refused),
-              inputs->content,
-              std::move(inputs->notes)};
+                    std::move(inputs->recorded),
+                    std::move(inputs->refused),
+                    inputs->content,
+                    std::move(inputs->notes)};
   for (SurveyedFrames& spot : inputs->points) {
     received.spots.push_back({spot.point.position, room.device, std::move(spot.frames), {}});
   }
@@ -107,14 +107,15 @@ Expected<Received> receive_fixed(const Site& site, const std::vector<CaptureArgu
   for (const SiteTransmitter& transmitter : site.transmitters) {
     if (has_place(transmitter)) {
       received.spots.push_back({*transmitter.position,
-                             device_model(transmitter),
-                             std::move((*frames)[transmitter.mac]),
-                             transmitter.mac});
+                                device_model(transmitter),
+                                std::move((*frames)[transmitter.mac]),
+                                transmitter.mac});
     }
   }
   received.recorded.resize(site.access_points.size());
   for (const CaptureArgument& capture : captures) {
-    received.recorded[static_cast<std::size_t>(*find_access_point(site, capture.access_point))] = true;
+    received.recorded[static_cast<std::size_t>(*find_access_point(site, capture.access_point))] =
+        true;
   }
   return received;
 }
@@ -242,7 +243,7 @@ Expected<void> Rechain::read() {
     return tl::make_unexpected(captures.error());
   }
   auto received = arguments_.points.empty() ? receive_fixed(site_, *captures)
-                                         : receive_points(site_, room_, *captures, arguments_);
+                                            : receive_points(site_, room_, *captures, arguments_);
   if (!received) {
     return tl::make_unexpected(std::move(received.error()));
   }
@@ -271,11 +272,11 @@ std::vector<KnownSpot> Rechain::spots_of(std::size_t access_point, ContentHash& 
         combine_burst(spot.frames, {static_cast<int>(access_point), room_.grid, ap.cores, {}});
     if (!burst) {
       received_.refused.push_back({fmt::format("{} at ({:g}, {:g}, {:g})",
-                                            ap.id,
-                                            spot.position.x,
-                                            spot.position.y,
-                                            spot.position.z),
-                                burst.error().message});
+                                               ap.id,
+                                               spot.position.x,
+                                               spot.position.y,
+                                               spot.position.z),
+                                   burst.error().message});
       continue;
     }
     for (const auto& value : burst->h) {

@@ -67,8 +67,10 @@ std::vector<CalibratedAccessPoint> calibrated_access_points(
     ap.yaw_offset.value += result.fit.yaw_offset.value;
     // If the yaw was held in this stage, the preceding room fit has estimated it.
     ap.yaw_offset.sigma = std::max(ap.yaw_offset.sigma, result.fit.yaw_offset.sigma);
-    ap.pitch_offset = changed(new_pose.orientation.pitch - old_pose.orientation.pitch, Quantity::kPitch);
-    ap.roll_offset = changed(new_pose.orientation.roll - old_pose.orientation.roll, Quantity::kRoll);
+    ap.pitch_offset =
+        changed(new_pose.orientation.pitch - old_pose.orientation.pitch, Quantity::kPitch);
+    ap.roll_offset =
+        changed(new_pose.orientation.roll - old_pose.orientation.roll, Quantity::kRoll);
     ap.plan_tolerance = result.fit.error.plan_tolerance;
     ap.diffuse = result.fit.error.diffuse;
     ap.diffuse_exponent = result.fit.error.diffuse_exponent;

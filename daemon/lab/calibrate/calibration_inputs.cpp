@@ -99,8 +99,10 @@ std::optional<MacAddress> device_of(const Site& site, const CalibrationInputs& i
   if (lists_devices(site)) {
     std::erase_if(received, [&](const auto& one) { return !is_listed(site, one.first); });
   }
-  const auto most = std::max_element(
-      received.begin(), received.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  const auto most =
+      std::max_element(received.begin(), received.end(), [](const auto& a, const auto& b) {
+        return a.second < b.second;
+      });
   return most == received.end() ? std::nullopt : std::optional(most->first);
 }
 
@@ -241,10 +243,10 @@ std::string explain_silence(const Site& site,
                      "carried from point to point"
                : "received no device; the recording holds no frame that can be decoded" + all_notes;
   }
-  auto found =
-      device ? received.find(*device) : std::find_if(received.begin(), received.end(), [&](const auto& one) {
-        return is_listed(site, one.first);
-      });
+  auto found = device ? received.find(*device)
+                      : std::find_if(received.begin(), received.end(), [&](const auto& one) {
+                          return is_listed(site, one.first);
+                        });
   if (found == received.end() && (device || lists_devices(site))) {
     return "received no frame of " +
            (device ? "the device of the survey, " + to_string(*device)

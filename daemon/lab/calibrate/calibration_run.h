@@ -83,7 +83,7 @@ class Calibration {
   std::vector<HeldOutFixes> fixes_;
   std::string id_;  // hash of all inputs
   CalibrationProgressLine line_{options_.quiet, options_.progress};
-  bool unkept_ = false;        // last state could not be written
+  bool unkept_ = false;       // last state could not be written
   bool is_stopping_ = false;  // and that was reported
 };
 

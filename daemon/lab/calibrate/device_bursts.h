@@ -21,7 +21,7 @@ struct DeviceBursts {
   // transmitters included if the site states their positions.
   std::vector<std::vector<CsiFrame>> bursts;
   std::set<std::size_t> received;  // access points that received bursts
-  bool is_any_device = false;   // false: only fixed transmitters
+  bool is_any_device = false;      // false: only fixed transmitters
 };
 
 // `notes` as in for_each_frame().

@@ -8,7 +8,7 @@
 
 #include "daemon/lab/evaluate/error_statistics.h"
 #include "engine/localize/localizer.h"
-#include "engine/posterior/judged_exponent.h"
+#include "engine/posterior/tempering_exponent.h"
 
 namespace rayloc {
 namespace {
@@ -63,7 +63,8 @@ Tried fixes_with(const Localizer& localizer,
   }
   result.sigma_floor = room.sigma_floor;
   if (!estimates.empty()) {
-    tried.evaluated = evaluate_exponent(likelihood_exponent, estimates, room.sigma_floor, known, sigmas);
+    tried.evaluated =
+        evaluate_exponent(likelihood_exponent, estimates, room.sigma_floor, known, sigmas);
     result.sigma_floor = tried.evaluated.sigma_floor;
     result.log_score = tried.evaluated.score;
     result.dishonesty = tried.evaluated.dishonesty;

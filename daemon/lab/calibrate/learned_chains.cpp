@@ -24,9 +24,9 @@ std::size_t learned_of(const std::vector<ChainState>& states) {
 // Processes all bursts again from the learned chains: calibrated access points then locate the
 // devices, which was not possible for early bursts in the first pass.
 std::vector<ChainState> received_once_more(const Site& site,
-                                        const std::shared_ptr<const Localizer>& localizer,
-                                        const DeviceBursts& received,
-                                        const std::vector<ChainState>& before) {
+                                           const std::shared_ptr<const Localizer>& localizer,
+                                           const DeviceBursts& received,
+                                           const std::vector<ChainState>& before) {
   ChainLearner learner(localizer);
   for (const std::size_t access_point : received.received) {
     const auto known = std::find_if(before.begin(), before.end(), [&](const ChainState& state) {

@@ -13,7 +13,7 @@
 #include "engine/baselines/settings.h"
 #include "engine/baselines/training.h"
 #include "engine/person/calibrate/empty_room.h"
-#include "engine/room/hear_burst.h"
+#include "engine/room/preprocess_burst.h"
 
 namespace rayloc {
 namespace {

@@ -21,7 +21,7 @@ namespace {
 
 constexpr double kClear = 0.05;              // [m], between a box and its neighbours
 constexpr double kClearOfAccessPoint = 0.3;  // [m]
-constexpr double kMinTolerance = 2e-3;     // [m]: tolerance of the best calibration
+constexpr double kMinTolerance = 2e-3;       // [m]: tolerance of the best calibration
 constexpr const char* kWood = "clutter_wood";
 constexpr const char* kMetal = "clutter_metal";
 

@@ -57,7 +57,7 @@ SimulatedSpot spot_of(const Vec3d& position, std::size_t number, std::size_t fra
 }
 
 Expected<std::vector<CsiFrame>> received_at(const SimulatedSpot& spot,
-                                         std::vector<Listener>& listeners) {
+                                            std::vector<Listener>& listeners) {
   std::vector<CsiFrame> frames;
   for (Listener& listener : listeners) {
     auto capture = listener.simulator.receive(spot);
@@ -153,7 +153,7 @@ Expected<Prediction> predict(const std::shared_ptr<const RoomModel>& room,
   std::size_t number = 0;
   for (const Vec3d& position : places) {
     report(kMaking + (1.0 - kMaking) * static_cast<double>(prediction.places.size()) /
-                      static_cast<double>(places.size()));
+                         static_cast<double>(places.size()));
     PredictedPlace place{position, {}, {}};
     for (std::size_t draw = 0; draw < options.draws; ++draw) {
       const auto frames = received_at(spot_of(position, number++, options.frames), listeners);

@@ -15,8 +15,8 @@
 namespace rayloc {
 namespace {
 
-constexpr double kHandTime = 2.0;     // [s], correlation time of a moving hand
-constexpr std::size_t kWaves = 32;    // in a smooth random function: enough to be normal
+constexpr double kHandTime = 2.0;    // [s], correlation time of a moving hand
+constexpr std::size_t kWaves = 32;   // in a smooth random function: enough to be normal
 constexpr int kMaxRedraws = 10'000;  // for a height that is not free
 
 // A random function of time with normal values of unit

@@ -35,9 +35,10 @@ struct SimulatedTruth {
 };
 
 // One object on a line: `seed, transmitter, depth, transmission, frames, impairments{key: value},
-// access_points[{id, file, datagrams, lost, unreceived_lines[], chains[{core, gain_db, phase_deg}]}],
-// points[{line, x, y, z}]`, with the true points of the device. Gain and phase of a chain are means
-// over the tones relative to the access point's first chain, as in `rayloc calibrate`.
+// access_points[{id, file, datagrams, lost, unreceived_lines[], chains[{core, gain_db,
+// phase_deg}]}], points[{line, x, y, z}]`, with the true points of the device. Gain and phase of a
+// chain are means over the tones relative to the access point's first chain, as in `rayloc
+// calibrate`.
 //
 // For a device that hops, `channels[{centre_hz, bandwidth_mhz}]`; the chains are then those on the
 // first of them. For hand-held devices, `handling{height_sigma_m, tilt_deg, power_sigma_db}` and,

@@ -101,7 +101,7 @@ class BatchSender {
   std::deque<Tap> taps_;
   StageProgress progress_;
   std::uint64_t connections_ = 0;  // used by the thread alone: at the last check of the stream
-  Time checked_;                    // used by the thread alone; end of that check
+  Time checked_;                   // used by the thread alone; end of that check
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   std::vector<Open> open_;          // guarded by mutex_; by access point
@@ -114,7 +114,7 @@ class BatchSender {
   FillQueue fill_;                  // guarded by mutex_
   std::uint64_t refused_ = 0;       // guarded by mutex_
   std::string trouble_;             // guarded by mutex_
-  bool is_stream_suspect_ = true;     // guarded by mutex_
+  bool is_stream_suspect_ = true;   // guarded by mutex_
   bool awake_ = false;              // guarded by mutex_: work is pending
   bool finishing_ = false;          // guarded by mutex_
   std::unique_ptr<Broker::AckedPublisher> publisher_;

@@ -19,7 +19,7 @@ constexpr milliseconds kFeedRound{20};     // between checks for missing data
 constexpr milliseconds kFull{5};           // between checks for free room
 constexpr std::chrono::seconds kAgain{1};  // until an unanswered request or record is repeated
 constexpr milliseconds kPlaces{100};       // between places for resuming
-constexpr std::size_t kMaxPlaces = 4096;  // some minutes; then every other one is dropped
+constexpr std::size_t kMaxPlaces = 4096;   // some minutes; then every other one is dropped
 
 // Keeps the entries with wanted times; returns the number of removed entries.
 template <typename Wanted>

@@ -94,8 +94,8 @@ class SiteFeed {
   class Lane;
   class Source;
   struct Node {
-    Time received;           // by our clock
-    Time reported;            // last report of its silence
+    Time received;        // by our clock
+    Time reported;        // last report of its silence
     bool silent = false;  // according to the stream
   };
   struct Checkpoint {

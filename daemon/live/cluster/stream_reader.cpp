@@ -10,7 +10,7 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr milliseconds kReaderCheckInterval{500};  // for a missing stream
-constexpr milliseconds kPause{20};                // while the broker is away or does not answer
+constexpr milliseconds kPause{20};                 // while the broker is away or does not answer
 // For a message that is reported missing although later ones exist.
 constexpr std::chrono::seconds kGonePatience{2};
 // An isolated leader considers itself the leader for ten seconds (NATS), and lacks messages

@@ -75,15 +75,15 @@ class StreamReader {
   Place place_;
   std::uint64_t connections_ = 0;  // at the last check of the stream; 0: it did not exist
   Time checked_;
-  Time received_;                   // or last requested
+  Time received_;                // or last requested
   std::optional<Time> missing_;  // since when the next message is missing while later ones exist
   std::optional<Time> shorter_;  // since when the stream ends before the last message read
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   std::deque<BrokerMessage> waiting_;  // guarded by mutex_; ascending
   std::size_t waiting_bytes_ = 0;      // guarded by mutex_
-  std::uint64_t last_sequence_ = 0;        // guarded by mutex_
-  bool is_suspect_ = false;              // guarded by mutex_: the stream may be another one
+  std::uint64_t last_sequence_ = 0;    // guarded by mutex_
+  bool is_suspect_ = false;            // guarded by mutex_: the stream may be another one
   Counters counters_;                  // guarded by mutex_
   std::string trouble_;                // guarded by mutex_
   std::unique_ptr<Broker::Subscription> subscription_;  // last: ends before the members it uses

@@ -67,7 +67,8 @@ void Saturation::check(const v1::Heartbeat& heartbeat, Time now) {
           now,
           bursts_);
   const v1::EstimationCounters& counters = heartbeat.estimation();
-  samples_.push_back({now, counters.bursts(), counters.bursts_merged() + counters.bursts_dropped()});
+  samples_.push_back(
+      {now, counters.bursts(), counters.bursts_merged() + counters.bursts_dropped()});
   while (samples_.size() > 2 && now - samples_[1].time >= kLately) {
     samples_.pop_front();
   }

@@ -28,7 +28,7 @@ Json amplitudes(std::span<const std::complex<double>> row, double scale) {
   return list;
 }
 
-constexpr std::size_t kMaxPaths = 6;   // for one access point: more would be unreadable
+constexpr std::size_t kMaxPaths = 6;    // for one access point: more would be unreadable
 constexpr double kWeakestPath = -20.0;  // [dB] below the strongest
 
 // Paths of the wave from the device to the access point, the strongest first.

@@ -72,11 +72,11 @@ class LateSubscriber {
   std::unique_ptr<Question> question_;
   std::vector<std::string> prefixes_;
   std::chrono::milliseconds patience_;
-  std::optional<std::uint64_t> epoch_;         // epoch received last
-  bool joining_ = true;                        // the snapshot has not arrived yet
-  std::optional<Clock::time_point> asked_;     // time of the first request for it
+  std::optional<std::uint64_t> epoch_;                // epoch received last
+  bool joining_ = true;                               // the snapshot has not arrived yet
+  std::optional<Clock::time_point> asked_;            // time of the first request for it
   std::map<std::string, std::uint64_t> in_snapshot_;  // sequence of each topic of the snapshot
-  std::deque<Early> early_;                    // messages received before the snapshot
+  std::deque<Early> early_;                           // messages received before the snapshot
   std::deque<PublishedMessage> ready_;
 };
 

@@ -200,11 +200,11 @@ void Service::note_trouble(const std::string& name, const std::string& trouble, 
   }
   stages_changed_ = true;
   constexpr std::array kStateTexts = {"is left as it was",
-                                 "has ended and does not begin, reload again",
-                                 "does not begin, reload again"};
-  log_line(
-      LogLevel::kError,
-      "reload: site '" + name + "' " + kStateTexts.at(static_cast<std::size_t>(state)) + ": " + trouble);
+                                      "has ended and does not begin, reload again",
+                                      "does not begin, reload again"};
+  log_line(LogLevel::kError,
+           "reload: site '" + name + "' " + kStateTexts.at(static_cast<std::size_t>(state)) + ": " +
+               trouble);
 }
 
 void Service::reload_sites(std::vector<SiteSetup> setups, const std::set<std::string>& changed) {

@@ -403,8 +403,8 @@ std::vector<std::string> SiteRuntime::new_warnings() {
     return fresh;
   }
   for (const CalibrationWarning& warning : estimator()->calibration_warnings()) {
-    const auto reported =
-        std::find_if(reported_warnings_.begin(), reported_warnings_.end(), [&](const ReportedWarning& one) {
+    const auto reported = std::find_if(
+        reported_warnings_.begin(), reported_warnings_.end(), [&](const ReportedWarning& one) {
           return one.warning.same_as(warning);
         });
     if (reported == reported_warnings_.end()) {

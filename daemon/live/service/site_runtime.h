@@ -158,14 +158,14 @@ class SiteRuntime {
   RecordingClock recording_clock_;
   std::vector<std::unique_ptr<RecorderStage>> recorders_;
   std::vector<std::unique_ptr<DatagramRing>> rings_;
-  std::unique_ptr<RingSnapshots> snapshots_of_rings_;  // null without rings
-  std::shared_ptr<BatchSender> sender_;                // null: not a capture node
-  std::optional<StandbyStart> along_;                  // of a worker that was a standby
-  std::unique_ptr<OwnerLog> log_;                      // of a worker, from claim() to open()
-  SiteStart start_;                                    // as in `log_`
-  std::unique_ptr<SiteFeed> feed_;                     // null: not a worker
-  std::unique_ptr<LaterFrames> later_frames_;          // null: not a worker
-  std::unique_ptr<OutStage> results_;                  // null: not a worker
+  std::unique_ptr<RingSnapshots> snapshots_of_rings_;    // null without rings
+  std::shared_ptr<BatchSender> sender_;                  // null: not a capture node
+  std::optional<StandbyStart> along_;                    // of a worker that was a standby
+  std::unique_ptr<OwnerLog> log_;                        // of a worker, from claim() to open()
+  SiteStart start_;                                      // as in `log_`
+  std::unique_ptr<SiteFeed> feed_;                       // null: not a worker
+  std::unique_ptr<LaterFrames> later_frames_;            // null: not a worker
+  std::unique_ptr<OutStage> results_;                    // null: not a worker
   std::unique_ptr<Broker::Subscription> owner_records_;  // null: no standby
   std::unique_ptr<Pipeline> pipeline_;
   StatusSources status_;

@@ -22,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kNiceness = 10;                    // chosen: for work that is not time-critical
-constexpr off_t kMaxReported = off_t{1} << 16;      // [bytes], chosen: end of its standard error
+constexpr off_t kMaxReported = off_t{1} << 16;   // [bytes], chosen: end of its standard error
 constexpr std::string_view kFirstToGo = "1000";  // for oom_score_adj: proc(5)
 constexpr std::string_view kNotStarted = "the program rayloc cannot be started\n";
 constexpr int kCannotStart = 127;  // as in a shell

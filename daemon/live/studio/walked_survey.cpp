@@ -42,10 +42,9 @@ Expected<Json> WalkedSurvey::state() const {
   }
   if (stay_) {
     const Vec3d& p = stay_->position;
-    state["standing"] = {
-        {"position", {p.x, p.y, p.z}},
-        {"seconds", to_seconds(std::chrono::system_clock::now() - stay_->since)},
-        {"frames", received()}};
+    state["standing"] = {{"position", {p.x, p.y, p.z}},
+                         {"seconds", to_seconds(std::chrono::system_clock::now() - stay_->since)},
+                         {"frames", received()}};
   }
   return state;
 }
@@ -73,8 +72,7 @@ Expected<void> WalkedSurvey::keep() {
   if (!file) {
     return tl::make_unexpected(std::move(file.error()));
   }
-  auto written =
-      file->append({stay_->since, std::chrono::system_clock::now(), stay_->position, 0});
+  auto written = file->append({stay_->since, std::chrono::system_clock::now(), stay_->position, 0});
   if (written) {
     stay_.reset();
   }

@@ -172,7 +172,8 @@ Debounce verdict_of(const v1::CarriedVerdict& message) {
   return Debounce(CalibrationMonitor::kSteady, message.state(), static_cast<int>(message.run()));
 }
 
-void set_monitor_state(const CalibrationMonitor::MonitorState& state, v1::CarriedCalibration* message) {
+void set_monitor_state(const CalibrationMonitor::MonitorState& state,
+                       v1::CarriedCalibration* message) {
   message->set_access_point(static_cast<std::uint32_t>(state.access_point));
   message->set_bursts(static_cast<std::uint32_t>(state.bursts));
   if (state.usual) {

@@ -115,9 +115,9 @@ void RingSnapshots::write(const File& file) {
   remove_oldest_recordings(folder_, limits.max_total_bytes);
   lock.lock();
   (datagrams ? counters_.files : counters_.failed) += 1;
-  notices_.push_back("snapshot: " + (datagrams
-                                      ? file.path + ": " + std::to_string(*datagrams) + " datagrams"
-                                      : datagrams.error().message));
+  notices_.push_back("snapshot: " +
+                     (datagrams ? file.path + ": " + std::to_string(*datagrams) + " datagrams"
+                                : datagrams.error().message));
 }
 
 // Returns the number of its datagrams.

@@ -73,11 +73,11 @@ class RingSnapshots {
   StageProgress progress_;
   mutable std::mutex mutex_;
   std::condition_variable wake_;
-  Limits limits_;                  // guarded by mutex_
-  std::vector<File> waiting_;      // guarded by mutex_
-  bool writing_ = false;           // guarded by mutex_
-  bool ending_ = false;            // guarded by mutex_
-  RingSnapshotCounters counters_;  // guarded by mutex_
+  Limits limits_;                     // guarded by mutex_
+  std::vector<File> waiting_;         // guarded by mutex_
+  bool writing_ = false;              // guarded by mutex_
+  bool ending_ = false;               // guarded by mutex_
+  RingSnapshotCounters counters_;     // guarded by mutex_
   std::vector<std::string> notices_;  // guarded by mutex_
   std::thread thread_;
 };

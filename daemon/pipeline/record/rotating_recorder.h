@@ -105,7 +105,7 @@ class RotatingRecorder {
   std::vector<RecordingGap> gaps_;        // without a mark in a file yet
   Timestamp last_{};                      // time of the last datagram written
   Debounce opened_;                       // the file
-  Debounce checked_;                       // last check of the disk
+  Debounce checked_;                      // last check of the disk
   Debounce tidied_;                       // last clean-up of the folder
   Debounce rotate_next_{};                // earliest next attempt: the last one failed
   std::string rotate_error_;              // of that attempt

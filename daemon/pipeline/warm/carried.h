@@ -41,7 +41,7 @@ struct Carried {
   ZoneStays zones;
   std::vector<ChainState> chains;  // by access point, of those that differ from the calibration
   std::vector<CalibrationMonitor::MonitorState> calibration;  // by access point
-  std::vector<Watched> watched;                       // by transmitter
+  std::vector<Watched> watched;                               // by transmitter
 };
 
 }  // namespace rayloc

@@ -219,9 +219,9 @@ void ZoneWatch::forget_silent(Timestamp before) {
 }
 
 ZoneEvent& ZoneWatch::add_event(ZoneEventKind kind,
-                          std::size_t zone,
-                          const Targets::value_type& target,
-                          Timestamp time) {
+                                std::size_t zone,
+                                const Targets::value_type& target,
+                                Timestamp time) {
   const ZoneStay& stay = target.second.stays[zone];
   ZoneEvent& event = pending_.emplace_back();
   event.kind = kind;

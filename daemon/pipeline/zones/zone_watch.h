@@ -77,16 +77,16 @@ class ZoneWatch {
   void leave_all(Targets::iterator target, Timestamp time, const std::string& reason);
   void forget_silent(Timestamp before);
   ZoneEvent& add_event(ZoneEventKind kind,
-                 std::size_t zone,
-                 const Targets::value_type& target,
-                 Timestamp time);
+                       std::size_t zone,
+                       const Targets::value_type& target,
+                       Timestamp time);
 
   const std::vector<SiteZone> zones_;
   Timestamp done_ = Timestamp::min();  // of the predecessor
   std::multimap<std::pair<Timestamp, std::string>, Sighting> held_;
   Targets targets_;                               // by target_component()
   std::vector<std::vector<std::string>> inside_;  // for each zone, in the order of entry
-  std::vector<ZoneEvent> pending_;                   // since the last advance()
+  std::vector<ZoneEvent> pending_;                // since the last advance()
 };
 
 }  // namespace rayloc

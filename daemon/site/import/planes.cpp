@@ -21,14 +21,14 @@ namespace {
 constexpr std::size_t kDenseTriangles = 1000;  // chosen; more than are drawn by hand
 constexpr std::size_t kDenseInScan = 48;       // chosen: four times a box
 constexpr double kDenseArea = 0.01;            // [m^2] per triangle, chosen
-constexpr double kSmoothing = 0.12;        // [m], chosen: ten times the roughness of a phone's scan
+constexpr double kSmoothing = 0.12;      // [m], chosen: ten times the roughness of a phone's scan
 constexpr double kMinCosine = 0.85;      // in neighbourhoods of one plane, chosen: 32 degrees
-constexpr double kSeedCoherence = 0.85;    // share of the median, chosen: across a right angle 0.71
+constexpr double kSeedCoherence = 0.85;  // share of the median, chosen: across a right angle 0.71
 constexpr double kMinTolerance = 0.004;  // [m], chosen
-constexpr double kMaxTolerance = 0.05;    // [m], chosen; more joins a wall and objects at it
+constexpr double kMaxTolerance = 0.05;   // [m], chosen; more joins a wall and objects at it
 constexpr double kMinRegion = 0.03;      // [m^2], chosen; smaller areas reflect little
-constexpr double kSnap = 0.08;             // [m], chosen: an edge this close ends at the plane
-constexpr double kMinWidth = 0.01;  // [m], chosen; narrower strips are rounding of the outline
+constexpr double kSnap = 0.08;           // [m], chosen: an edge this close ends at the plane
+constexpr double kMinWidth = 0.01;       // [m], chosen; narrower strips are rounding of the outline
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
 struct Triangle {
@@ -397,9 +397,8 @@ ScanPlanes find_planes(const Mesh& mesh, double tolerance) {
   std::vector<Triangle> triangles = triangles_of(mesh);
   smooth(triangles);
   ScanPlanes found;
-  found.tolerance = tolerance > 0.0
-                        ? tolerance
-                        : std::clamp(roughness(triangles), kMinTolerance, kMaxTolerance);
+  found.tolerance =
+      tolerance > 0.0 ? tolerance : std::clamp(roughness(triangles), kMinTolerance, kMaxTolerance);
   std::vector<std::uint32_t> seeds(triangles.size());
   std::iota(seeds.begin(), seeds.end(), 0U);
   std::stable_sort(seeds.begin(), seeds.end(), [&](std::uint32_t a, std::uint32_t b) {

@@ -22,8 +22,8 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr std::array<int, 2> kVersions = {1, 2};
-constexpr double kRigid = 0.01;           // chosen: axes, deviation from unit length and square
-constexpr double kFarthest = 1000.0;      // [m], chosen: distance from the start of the scan
+constexpr double kRigid = 0.01;          // chosen: axes, deviation from unit length and square
+constexpr double kFarthest = 1000.0;     // [m], chosen: distance from the start of the scan
 constexpr std::size_t kMaxParts = 5000;  // count, chosen: per list
 // Keys that are read, and keys without information on the shape of the room.
 constexpr std::array<std::string_view, 6> kLists = {

@@ -185,10 +185,10 @@ class RoomMaker {
     }
     model_.parts.push_back({"floor", "", floor_mesh(room)});
     model_.parts.push_back({"ceiling", "", ceiling_mesh(room)});
-    model_.remarks.push_back(
-        fmt::format("floor and ceiling are {}, {:.2f} m apart",
-                    has_outline ? "the scan's outline of the floor" : "the rectangle around the walls",
-                    room.height - room.level));
+    model_.remarks.push_back(fmt::format(
+        "floor and ceiling are {}, {:.2f} m apart",
+        has_outline ? "the scan's outline of the floor" : "the rectangle around the walls",
+        room.height - room.level));
   }
 
   void add_object(const ScannedBox& object) {

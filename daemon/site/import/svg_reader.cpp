@@ -25,7 +25,7 @@ namespace {
 
 constexpr int kMaxGroupDepth = 64;      // groups within groups, chosen
 constexpr int kCorners = 16;            // for a circle, chosen
-constexpr double kMinRoom = 1.5;      // [m], chosen: the longer side of a plan of rooms
+constexpr double kMinRoom = 1.5;        // [m], chosen: the longer side of a plan of rooms
 constexpr double kPixel = 0.0254 / 96;  // [m] on paper; CSS 2.1, 4.3.2
 
 constexpr std::array<std::string_view, 4> kGroups = {"g", "svg", "a", "switch"};

@@ -21,7 +21,8 @@ DeviceModel device_of(const Site& site) {
 }
 
 // Levels of the transmitters that the site still states to have constant power.
-std::vector<TransmitterLevel> constant_levels(std::vector<TransmitterLevel> levels, const Site& site) {
+std::vector<TransmitterLevel> constant_levels(std::vector<TransmitterLevel> levels,
+                                              const Site& site) {
   std::erase_if(levels, [&](const TransmitterLevel& level) {
     const SiteTransmitter* stated = find_transmitter(site, level.transmitter);
     return stated == nullptr || !stated->constant_power;

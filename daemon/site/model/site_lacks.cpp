@@ -5,7 +5,7 @@
 #include <numeric>
 #include <utility>
 
-#include "engine/room/hear_burst.h"
+#include "engine/room/preprocess_burst.h"
 
 namespace rayloc {
 namespace {

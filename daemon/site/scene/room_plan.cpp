@@ -14,7 +14,7 @@
 namespace rayloc {
 namespace {
 
-constexpr double kMinSize = 1e-3;       // [m]; smaller ones are typing errors
+constexpr double kMinSize = 1e-3;         // [m]; smaller ones are typing errors
 constexpr double kLargestRoom = 1'000.0;  // [m]
 constexpr std::array<std::string_view, 4> kWalls = {"west", "east", "south", "north"};
 

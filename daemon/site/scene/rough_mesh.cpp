@@ -24,15 +24,15 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180.0;  // [rad]
 constexpr double kWallSize = 2.0;                     // [m], chosen: for the two larger extents
 constexpr std::size_t kFewestTriangles = 200;         // count, chosen: fewer are drawn by hand
-constexpr double kMinBend = 0.06 * kDegree;         // for faces that are not coplanar (surface.h)
+constexpr double kMinBend = 0.06 * kDegree;           // for faces that are not coplanar (surface.h)
 // A noise of 1 cm bends triangles of 10 cm by 15 degrees; corners of furniture are right angles.
 constexpr double kMaxBend = 50.0 * kDegree;
 constexpr double kMinBentShare = 0.6;  // ratio, chosen: a scan has 0.9 and more
 constexpr double kPatchRadius =
     0.6;  // [m], chosen: a third of the patches of a small room have no corner
 constexpr double kPatchEdges = 3.0;    // minimum triangle edges per patch radius, chosen
-constexpr double kMaxNoise = 0.04;    // [m], rms, chosen: twice that of a phone's scan
-constexpr double kMaxGrowth = 1.5;    // ratio, chosen: 1 for noise, 2 for a bent surface
+constexpr double kMaxNoise = 0.04;     // [m], rms, chosen: twice that of a phone's scan
+constexpr double kMaxGrowth = 1.5;     // ratio, chosen: 1 for noise, 2 for a bent surface
 constexpr double kFlatShare = 0.2;     // of the patches, chosen: the others contain corners
 constexpr std::size_t kPatches = 300;  // count, chosen
 
@@ -197,8 +197,7 @@ bool has_bent_sides(const std::vector<double>& angles) {
     return angle > kMinBend;
   });
   return !bends.empty() &&
-         static_cast<double>(bends.size()) >=
-             kMinBentShare * static_cast<double>(angles.size()) &&
+         static_cast<double>(bends.size()) >= kMinBentShare * static_cast<double>(angles.size()) &&
          quantile(bends, 0.5) <= kMaxBend;
 }
 

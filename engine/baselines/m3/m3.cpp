@@ -11,13 +11,13 @@
 #include "engine/baselines/plan_map.h"
 #include "engine/baselines/two_pi.h"
 #include "engine/observe/alignment.h"
-#include "engine/room/hear_burst.h"
+#include "engine/room/preprocess_burst.h"
 
 namespace rayloc {
 namespace {
 
 constexpr int kAlignments = 5;              // of the hops to the paths, a count
-constexpr double kMinSigmaTau = 1e-9;     // [s], of a delay after the first path
+constexpr double kMinSigmaTau = 1e-9;       // [s], of a delay after the first path
 constexpr double kSigmaOfResolution = 0.1;  // of 1 / band, a ratio
 constexpr double kDelays = 70e-9;           // [s], range of the delays of an unknown path
 
@@ -166,7 +166,8 @@ M3Paths M3::find_paths(const M3Received& received) const {
 double M3::log_likelihood(const M3Paths& received, const Vec3d& place) const {
   const AntennaArray& array = room_->access_points[received.access_point].array;
   const Vec3d& at = array.pose.position;
-  const double turns = kTwoPi * received.line.spacing / received.wavelength;  // [rad], phase of u = 1
+  const double turns =
+      kTwoPi * received.line.spacing / received.wavelength;  // [rad], phase of u = 1
   // Difference between the sine of a path and that of a place, for the nearest alias.
   const auto off = [&](double u, const Vec3d& from) {
     return wrapped(turns * u - psi_of(array, received.line, from, received.wavelength)) / turns;

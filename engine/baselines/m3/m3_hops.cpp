@@ -8,7 +8,7 @@
 
 #include "engine/base/median.h"
 #include "engine/baselines/paths/living_line.h"
-#include "engine/room/hear_burst.h"
+#include "engine/room/preprocess_burst.h"
 
 namespace rayloc {
 namespace {

@@ -8,7 +8,7 @@
 namespace rayloc {
 namespace {
 
-constexpr double kMinArea = 1.0;   // [m^2], of a mirror that M3 uses
+constexpr double kMinArea = 1.0;     // [m^2], of a mirror that M3 uses
 constexpr double kUpright = 0.02;    // sine of the tilt of a vertical plane, chosen
 constexpr double kParallel = 0.999;  // cosine of the angle between the planes of one wall, chosen
 constexpr double kThickest = 0.3;    // [m], of a wall, chosen: its two faces form one mirror
@@ -33,8 +33,7 @@ Vec3d mirrored(const Plane<double>& plane, const Vec3d& place) {
 std::vector<Plane<double>> reflectors_of(const RoomModel& room, const Vec3d& from) {
   std::vector<Plane<double>> all;
   for (const Surface& surface : room.scene->surfaces()) {
-    if (surface.area() >= kMinArea &&
-        (is_vertical(surface.plane()) || is_level(surface.plane()))) {
+    if (surface.area() >= kMinArea && (is_vertical(surface.plane()) || is_level(surface.plane()))) {
       all.push_back(surface.plane());
     }
   }

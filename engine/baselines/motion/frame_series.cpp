@@ -8,7 +8,8 @@
 namespace rayloc {
 namespace {
 
-constexpr std::size_t kReliableFrames = 20;  // frames, a count, chosen: fewer give no reliable median
+constexpr std::size_t kReliableFrames =
+    20;  // frames, a count, chosen: fewer give no reliable median
 
 }  // namespace
 

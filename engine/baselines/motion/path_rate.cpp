@@ -12,9 +12,9 @@
 namespace rayloc {
 namespace {
 
-constexpr int kSmoothingPasses = 3;   // a count, of the published release
-constexpr std::size_t kChord = 2;     // samples from end to end of a tangent
-constexpr double kMinRange = 1e-3;  // [rad/s], chosen: lower limit of a rotation's range
+constexpr int kSmoothingPasses = 3;  // a count, of the published release
+constexpr std::size_t kChord = 2;    // samples from end to end of a tangent
+constexpr double kMinRange = 1e-3;   // [rad/s], chosen: lower limit of a rotation's range
 
 int odd_samples(double seconds, double step_s) {
   return 2 * static_cast<int>(std::lround(0.5 * (seconds / step_s - 1.0))) + 1;

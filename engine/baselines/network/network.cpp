@@ -13,7 +13,7 @@ namespace {
 
 // Three poolings or strides by two leave at least one of so many columns.
 constexpr std::size_t kMinColumns = 8;  // a count
-constexpr std::size_t kLeNetRows = 5;     // a count: its last pooling covers all
+constexpr std::size_t kLeNetRows = 5;   // a count: its last pooling covers all
 
 // --- The networks, from the image at the end to the loss at the beginning. ---------------------
 

@@ -86,8 +86,9 @@ double score_of(const Eigen::MatrixXcd& found,
                 const Eigen::MatrixXcd& signal,
                 const Eigen::VectorXcd& vector) {
   const double left = vector.squaredNorm() - (found.adjoint() * vector).squaredNorm();
-  return left > kMinRemaining * vector.squaredNorm() ? (signal.adjoint() * vector).squaredNorm() / left
-                                                  : 0.0;
+  return left > kMinRemaining * vector.squaredNorm()
+             ? (signal.adjoint() * vector).squaredNorm() / left
+             : 0.0;
 }
 
 }  // namespace
@@ -100,7 +101,8 @@ PathAtArray Music::highest(const Subspace& space) const {
   best.score = -1.0;
   for (Eigen::Index tau = 0; tau < signal.cols(); ++tau) {
     for (Eigen::Index psi = 0; psi < signal.rows(); ++psi) {
-      if (left(psi, tau) > kMinRemaining * whole && signal(psi, tau) / left(psi, tau) > best.score) {
+      if (left(psi, tau) > kMinRemaining * whole &&
+          signal(psi, tau) / left(psi, tau) > best.score) {
         best = {std::arg(antenna_(psi, 1)),
                 options_.most_tau *
                     (2.0 * static_cast<double>(tau) / static_cast<double>(tone_.rows() - 1) - 1.0),

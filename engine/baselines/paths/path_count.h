@@ -19,7 +19,7 @@ enum class PathCountRule {
 std::span<const std::string_view> path_count_rule_names();
 
 inline constexpr std::size_t kFewestPaths = 2;  // a count, lower limit
-inline constexpr std::size_t kMaxPaths = 5;    // a count, of a room [SF]
+inline constexpr std::size_t kMaxPaths = 5;     // a count, of a room [SF]
 
 // From kFewestPaths to kMaxPaths. `eigenvalues`: descending, not negative; `snapshots`: number of
 // snapshots in the covariance.

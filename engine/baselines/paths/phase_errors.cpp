@@ -10,8 +10,8 @@ namespace {
 
 constexpr std::size_t kLeast = 10;  // errors, a count, chosen
 constexpr int kRounds = 500;  // of expectation maximisation, a count: it converges far earlier
-constexpr double kMinPhaseSigma = 0.02;   // [rad], chosen: below that of any known array
-constexpr double kMinOutliers = 0.005;  // a share, chosen: none in a few dozen is no proof
+constexpr double kMinPhaseSigma = 0.02;  // [rad], chosen: below that of any known array
+constexpr double kMinOutliers = 0.005;   // a share, chosen: none in a few dozen is no proof
 
 }  // namespace
 

@@ -6,8 +6,8 @@ namespace rayloc {
 namespace {
 
 constexpr std::size_t kMaxTones = 32;  // of a comb, a count: the cost of a fix grows with its cube
-constexpr std::size_t kMinTones = 8;  // of a comb, a count, chosen: fewer resolve no delays
-constexpr int kLargestStep = 64;        // [tones], for a channel of 160 MHz with HE's narrow tones
+constexpr std::size_t kMinTones = 8;   // of a comb, a count, chosen: fewer resolve no delays
+constexpr int kLargestStep = 64;       // [tones], for a channel of 160 MHz with HE's narrow tones
 
 }  // namespace
 

@@ -4,7 +4,7 @@
 #include <random>
 
 #include "engine/base/constants.h"
-#include "engine/room/hear_burst.h"
+#include "engine/room/preprocess_burst.h"
 
 namespace rayloc {
 namespace {

@@ -47,7 +47,7 @@ ImageShape image_shape(const RoomModel& room,
 
 struct BurstImages {
   std::vector<std::vector<float>> images;  // [plane][row][tone] each; empty: no usable frames
-  std::vector<bool> received;                 // [access point]; planes of absent ones are 0
+  std::vector<bool> received;              // [access point]; planes of absent ones are 0
 };
 
 // estimate: receives the numbers of frames and the warnings.

@@ -5,12 +5,13 @@
 #include <utility>
 
 #include "engine/baselines/places/place_weights.h"
-#include "engine/room/hear_burst.h"
+#include "engine/room/preprocess_burst.h"
 
 namespace rayloc {
 namespace {
 
-constexpr double kNoPerson = 0.5;  // a probability: of the empty room, above which no person is seen
+constexpr double kNoPerson =
+    0.5;  // a probability: of the empty room, above which no person is seen
 
 }  // namespace
 
@@ -72,11 +73,11 @@ LocationEstimate PlaceClassifier::locate(std::span<const CsiFrame> frames, std::
   }
   const PlaceNetwork& learned = *training_->network;
   BurstImages received = burst_images(*room_,
-                                   access_points_,
-                                   frames,
-                                   options_.kind,
-                                   {options_.images, options_.seed + repeat},
-                                   estimate);
+                                      access_points_,
+                                      frames,
+                                      options_.kind,
+                                      {options_.images, options_.seed + repeat},
+                                      estimate);
   if (received.images.empty()) {
     estimate.reason = "no access point that the network was trained with heard the burst";
     return estimate;

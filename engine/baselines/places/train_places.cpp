@@ -6,14 +6,14 @@
 
 #include "engine/baselines/places/place_classifier.h"
 #include "engine/baselines/places/place_weights.h"
-#include "engine/room/hear_burst.h"
+#include "engine/room/preprocess_burst.h"
 
 namespace rayloc {
 namespace {
 
 constexpr std::size_t kMinSurveyPlaces = 10;  // a count, chosen: fewer are no survey
 constexpr std::size_t kHeldOutEvery = 5;      // one in so many classes is held out at first
-constexpr double kMinDeviation = 1e-6;      // of a plane's values, chosen: for a constant plane
+constexpr double kMinDeviation = 1e-6;        // of a plane's values, chosen: for a constant plane
 constexpr std::size_t kStages = 2;            // of learning, a count
 // Weight of the empty room in places, a count, chosen: it is not one place among many.
 constexpr std::size_t kEmptyRoomCounts = 8;

@@ -17,12 +17,12 @@ namespace {
 constexpr double kMinSurroundings = 0.05;  // [m], chosen: a survey is no finer
 constexpr double kMinWeight = 1e-9;        // a share, chosen: negligible in the map
 constexpr double kMinResidual = 0.02;      // a probability, chosen
-constexpr double kRegion = 0.99;             // a probability: region for the share of missed truths
-constexpr double kCoolest = 0.25;            // a ratio, chosen: lowest temperature tried
-constexpr double kWarmest = 64.0;            // a ratio, chosen: highest temperature tried
-constexpr double kNextTemperature = 1.15;    // a ratio, chosen: step between temperatures
-constexpr std::size_t kRings = 12;           // rings of equal probability of a Gaussian, a count
-constexpr std::size_t kSpokes = 8;           // directions, a count
+constexpr double kRegion = 0.99;           // a probability: region for the share of missed truths
+constexpr double kCoolest = 0.25;          // a ratio, chosen: lowest temperature tried
+constexpr double kWarmest = 64.0;          // a ratio, chosen: highest temperature tried
+constexpr double kNextTemperature = 1.15;  // a ratio, chosen: step between temperatures
+constexpr std::size_t kRings = 12;         // rings of equal probability of a Gaussian, a count
+constexpr std::size_t kSpokes = 8;         // directions, a count
 
 double square_in_plan(const Vec3d& a, const Vec3d& b) {
   return (a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y);

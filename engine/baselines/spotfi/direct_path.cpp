@@ -12,7 +12,7 @@
 #include "engine/baselines/paths/music.h"
 #include "engine/baselines/paths/sanitise.h"
 #include "engine/baselines/paths/smoothed_csi.h"
-#include "engine/room/hear_burst.h"
+#include "engine/room/preprocess_burst.h"
 
 namespace rayloc {
 namespace {

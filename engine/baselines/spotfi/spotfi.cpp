@@ -9,7 +9,7 @@
 #include "engine/base/constants.h"
 #include "engine/baselines/paths/turn.h"
 #include "engine/baselines/plan_map.h"
-#include "engine/room/hear_burst.h"
+#include "engine/room/preprocess_burst.h"
 
 namespace rayloc {
 namespace {

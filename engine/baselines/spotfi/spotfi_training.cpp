@@ -8,7 +8,7 @@
 #include "engine/baselines/paths/phase_errors.h"
 #include "engine/baselines/paths/turn.h"
 #include "engine/baselines/spotfi/spotfi.h"
-#include "engine/room/hear_burst.h"
+#include "engine/room/preprocess_burst.h"
 
 namespace rayloc {
 namespace {

@@ -15,7 +15,7 @@ namespace {
 constexpr double kRateStep = 0.3;          // [m/s]
 constexpr double kDelayStep = 15e-9;       // [s]
 constexpr double kPsiStep = 0.6;           // [rad]
-constexpr double kMaxCost = 8.0;          // a logarithm, measured with a prototype
+constexpr double kMaxCost = 8.0;           // a logarithm, measured with a prototype
 constexpr double kMinEnergyShare = 1e-12;  // of the energy
 
 double square(double x) { return x * x; }

@@ -13,21 +13,21 @@
 #include "engine/baselines/paths/turn.h"
 #include "engine/baselines/plan_map.h"
 #include "engine/observe/chain_gains.h"
-#include "engine/room/hear_burst.h"
+#include "engine/room/preprocess_burst.h"
 
 namespace rayloc {
 namespace {
 
 constexpr double kLowest = 2.0;             // [Hz], of the band of motion, as published
 constexpr double kHighest = 50.0;           // [Hz], as published
-constexpr double kMaxOfBand = 0.45;        // of the frame rate, if that is less
+constexpr double kMaxOfBand = 0.45;         // of the frame rate, if that is less
 constexpr double kBefore = 1.5;             // [s], before a window, for the filter to settle
 constexpr double kAfter = 0.5;              // [s], the same after it
 constexpr double kWidar2StillTime = 1.0;    // [s], without motion: no estimate
 constexpr double kWidar2MotionRatio = 2.0;  // energy of the band over that of noise, 3 dB
-constexpr double kMinDetour = 0.1;        // [m], of a path via a person
-constexpr std::size_t kMinSamples = 10;   // of a window, a count, chosen
-constexpr double kOutlier = 0.1;          // a probability, chosen: wrong path
+constexpr double kMinDetour = 0.1;          // [m], of a path via a person
+constexpr std::size_t kMinSamples = 10;     // of a window, a count, chosen
+constexpr double kOutlier = 0.1;            // a probability, chosen: wrong path
 
 Vec3d in_plan(const Vec3d& v) { return {v.x, v.y, 0.0}; }
 

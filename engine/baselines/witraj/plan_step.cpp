@@ -9,7 +9,7 @@ namespace rayloc {
 namespace {
 
 constexpr double kMinDeterminant = 0.05;  // of the normal equations, 1 for good geometry, chosen
-constexpr double kRidge = 0.1;              // added to their diagonal if that is smaller, chosen
+constexpr double kRidge = 0.1;            // added to their diagonal if that is smaller, chosen
 constexpr double kMinAntennaDistance = 0.05;  // [m], chosen: a person cannot be inside an antenna
 
 Eigen::Vector2d away_from(const Vec3d& from, double x, double y) {

@@ -11,7 +11,7 @@
 #include "engine/baselines/witraj/plan_step.h"
 #include "engine/observe/chain_gains.h"
 #include "engine/observe/csi_ratio.h"
-#include "engine/room/hear_burst.h"
+#include "engine/room/preprocess_burst.h"
 
 namespace rayloc {
 namespace {
@@ -21,7 +21,8 @@ constexpr double kBeginning = 1.0;          // [s], time to determine the strong
 constexpr double kWitrajStillTime = 0.5;    // [s], without motion: the place is held
 constexpr double kWitrajMotionRatio = 2.0;  // variance of a ratio over that of its noise, 3 dB
 constexpr double kMotionWindow = 0.1;       // [s], on each side
-constexpr double kMaxObserved = 0.97;  // probability of the Gaussian; RayLoc's outlier share is 0.03
+constexpr double kMaxObserved =
+    0.97;  // probability of the Gaussian; RayLoc's outlier share is 0.03
 // The two of the published release, in seconds.
 constexpr std::array kRateSmoothings = {PathRateOptions{0.0275, 0.15},
                                         PathRateOptions{0.0425, 0.24}};

@@ -40,9 +40,9 @@ StatedSurvey::StatedSurvey(const RoomModel& room, std::span<const CalibrationPoi
 }
 
 StatedSurvey::Received StatedSurvey::receive(const RoomModel& room,
-                                       std::size_t access_point,
-                                       const Rows& rows,
-                                       const std::function<Vec3d(std::size_t)>& place) const {
+                                             std::size_t access_point,
+                                             const Rows& rows,
+                                             const std::function<Vec3d(std::size_t)>& place) const {
   std::vector<CalibrationSample> samples;
   std::vector<std::size_t> point;
   for (std::size_t i = 0; i < points_.size(); ++i) {
@@ -56,7 +56,7 @@ StatedSurvey::Received StatedSurvey::receive(const RoomModel& room,
 }
 
 StatedSurvey::Received StatedSurvey::receive_stated(const RoomModel& room,
-                                              std::size_t access_point) const {
+                                                    std::size_t access_point) const {
   return receive(
       room,
       access_point,
@@ -87,7 +87,8 @@ std::vector<PointFit> StatedSurvey::fits() const {
     if (!fit) {
       continue;
     }
-    const Correlations each = of_points(received_[ap], received_[ap].calibrator.correlations(&*fit));
+    const Correlations each =
+        of_points(received_[ap], received_[ap].calibrator.correlations(&*fit));
     for (std::size_t i = 0; i < each.size(); ++i) {
       if (each[i]) {
         fits.push_back({i, ap, *each[i], *each[i], 0.0});
@@ -127,7 +128,8 @@ Correlations StatedSurvey::by_chance(const Meant& meant) const {
 Correlations StatedSurvey::at_carrier(std::size_t access_point, double centre_hz) const {
   const Received& received = received_[access_point];
   const auto offsets = offsets_of(room_.access_points[access_point].array);
-  return of_points(received, received.calibrator.at_carrier(centre_hz).crossed_correlations(offsets));
+  return of_points(received,
+                   received.calibrator.at_carrier(centre_hz).crossed_correlations(offsets));
 }
 
 }  // namespace rayloc

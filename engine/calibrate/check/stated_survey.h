@@ -52,9 +52,9 @@ class StatedSurvey {
   };
   using Rows = std::function<std::vector<std::complex<double>>(std::size_t point)>;
   Received receive(const RoomModel& room,
-             std::size_t access_point,
-             const Rows& rows,
-             const std::function<Vec3d(std::size_t)>& place) const;
+                   std::size_t access_point,
+                   const Rows& rows,
+                   const std::function<Vec3d(std::size_t)>& place) const;
   Received receive_stated(const RoomModel& room, std::size_t access_point) const;
   Correlations of_points(const Received& received, const Correlations& samples) const;
   Correlations evaluated(const Received& received, const AntennaArray& array) const;

@@ -9,8 +9,8 @@
 #include "engine/base/parallel.h"
 #include "engine/calibrate/chain_ripple.h"
 #include "engine/calibrate/joint/joint_run.h"
+#include "engine/calibrate/joint/reported_sigma.h"
 #include "engine/calibrate/joint/stated_parameter.h"
-#include "engine/calibrate/joint/stated_widths.h"
 #include "engine/calibrate/joint/surface_scan.h"
 #include "engine/calibrate/joint/wave_cycles.h"
 #include "engine/scene/scene.h"
@@ -21,12 +21,12 @@ namespace {
 using Kind = Unknown::Kind;
 
 constexpr double kTolerance = 0.01;  // largest decrease of the correlation in a round
-constexpr double kMinStep = 0.2;   // share of the least-squares step
+constexpr double kMinStep = 0.2;     // share of the least-squares step
 constexpr int kShortenedPasses = 3;  // passes of a round with shortened steps
 // Selection of the surfaces whose other half-wave cycles are tried.
-constexpr double kTriedShare = 0.05;   // of the strongest's power, at least
+constexpr double kTriedShare = 0.05;  // of the strongest's power, at least
 constexpr std::size_t kMaxTried = 8;  // a count, chosen: bounds the time of the trials
-constexpr int kTrialIterations = 5;    // a count, chosen: a better state is then fitted fully
+constexpr int kTrialIterations = 5;   // a count, chosen: a better state is then fitted fully
 // Progress steps of a part besides the iterations: the scan, and Ceres's call before the first.
 constexpr int kStepsBesides = 2;
 // [m], chosen: initial value for a survey of unknown accuracy. If the assumed value is too small,
@@ -348,10 +348,10 @@ std::vector<RoomParameter> JointCalibration::parameters(const JointRound& round)
   const JointContext about = context(samples);
   const std::vector<double> sigma =
       reported_sigma(about,
-                    joint_options(round, free),
-                    state_,
-                    other_cycles_,
-                    {power_, mean_unexplained(about, state_), half_wave()});
+                     joint_options(round, free),
+                     state_,
+                     other_cycles_,
+                     {power_, mean_unexplained(about, state_), half_wave()});
   std::vector<RoomParameter> result;
   for (std::uint32_t i = 0; i < unknowns_.size(); ++i) {
     const bool chain =

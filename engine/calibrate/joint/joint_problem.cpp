@@ -18,7 +18,7 @@ namespace rayloc {
 namespace {
 
 constexpr double kMinSurveySigma = 0.001;  // [m], chosen: no survey is better ...
-constexpr double kMaxSurveySigma = 0.1;     // [m], chosen: ... or worse than this
+constexpr double kMaxSurveySigma = 0.1;    // [m], chosen: ... or worse than this
 
 // All values that Ceres changes, contiguous: its parameter blocks point into them.
 struct Values {

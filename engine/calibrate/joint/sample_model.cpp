@@ -16,8 +16,8 @@ namespace {
 using Value = std::complex<double>;
 
 constexpr double kTurn = 2.0 * std::numbers::pi;  // [rad], one full cycle
-constexpr double kMinLeftOver = 0.03;           // of the largest residual of a coordinate
-constexpr int kAlignmentSteps = 3;    // a count, chosen: each is linear in the remaining delay
+constexpr double kMinLeftOver = 0.03;             // of the largest residual of a coordinate
+constexpr int kAlignmentSteps = 3;  // a count, chosen: each is linear in the remaining delay
 constexpr double kMinShare = 0.02;  // residual of a sample, below which its weight saturates
 
 // A ray's delay and amplitude at the requested point.

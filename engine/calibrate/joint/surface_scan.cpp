@@ -11,7 +11,7 @@
 namespace rayloc {
 namespace {
 
-constexpr double kMinScanPower = 1e-3;     // of the strongest surface's power
+constexpr double kMinScanPower = 1e-3;    // of the strongest surface's power
 constexpr std::size_t kMaxSurfaces = 40;  // largest number of scanned surfaces
 // Other surfaces that would move are held: an alternative is likelier than the scan indicates.
 constexpr double kHeldOthers = 0.5;

@@ -40,7 +40,9 @@ double first_length(const std::vector<Ray>& rays) {
 
 class EmptyRoomFit {
  public:
-  EmptyRoomFit(const RoomModel& room, const Transmitter& surveyed, std::span<const EmptyRoom> received)
+  EmptyRoomFit(const RoomModel& room,
+               const Transmitter& surveyed,
+               std::span<const EmptyRoom> received)
       : room_(room),
         surveyed_(surveyed),
         device_{surveyed.position.z, 0.0, surveyed.pattern, surveyed.polarization},

@@ -4,7 +4,7 @@
 #include <complex>
 
 #include "engine/observe/alignment.h"
-#include "engine/room/hear_burst.h"
+#include "engine/room/preprocess_burst.h"
 
 namespace rayloc {
 namespace {
@@ -22,10 +22,10 @@ struct Received {
 }  // namespace
 
 std::optional<BurstObservation> receive_background(const RoomModel& room,
-                                                std::size_t access_point,
-                                                std::span<const CsiFrame> frames,
-                                                const BurstOptions& options,
-                                                std::vector<std::string>& warnings) {
+                                                   std::size_t access_point,
+                                                   std::span<const CsiFrame> frames,
+                                                   const BurstOptions& options,
+                                                   std::vector<std::string>& warnings) {
   auto background = receive(room, access_point, frames, options, warnings);
   std::vector<Received> received;
   for (const CsiFrame& frame : frames) {

@@ -21,9 +21,9 @@ namespace rayloc {
 
 // As hear() of engine/room/preprocess_burst.h, for the frames that differ least.
 std::optional<BurstObservation> receive_background(const RoomModel& room,
-                                                std::size_t access_point,
-                                                std::span<const CsiFrame> frames,
-                                                const BurstOptions& options,
-                                                std::vector<std::string>& warnings);
+                                                   std::size_t access_point,
+                                                   std::span<const CsiFrame> frames,
+                                                   const BurstOptions& options,
+                                                   std::vector<std::string>& warnings);
 
 }  // namespace rayloc

@@ -7,7 +7,7 @@
 
 #include "engine/base/check.h"
 #include "engine/person/people.h"
-#include "engine/posterior/judged_exponent.h"
+#include "engine/posterior/tempering_exponent.h"
 
 namespace rayloc {
 namespace {
@@ -77,7 +77,8 @@ Expected<PersonCertainty> fit_person_certainty(const RoomModel& room,
     const std::array usual{PosteriorOptions{}.sigma_floor};
     std::vector<TemperingExponent> evaluated;
     for (std::size_t t = 0; t < kExponents.size(); ++t) {
-      evaluated.push_back(evaluate_exponent(kExponents[t], estimates[t], usual.front(), known, usual));
+      evaluated.push_back(
+          evaluate_exponent(kExponents[t], estimates[t], usual.front(), known, usual));
     }
     certainty.likelihood_exponent = evaluated[best_exponent(evaluated)].exponent;
   }

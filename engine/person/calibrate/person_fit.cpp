@@ -112,8 +112,8 @@ Expected<std::vector<FitLink>> PersonFitter::listen(const PersonModel& person) c
       const auto rays = spots_[s].h[l].empty() ? std::nullopt : scattering->at(spots_[s].place);
       if (rays) {
         received[s] = ReceivedSpot{s,
-                             fit.likelihood.patch(*rays, plan, person.front_sigma),
-                             fit.likelihood.observe(spots_[s].h[l])};
+                                   fit.likelihood.patch(*rays, plan, person.front_sigma),
+                                   fit.likelihood.observe(spots_[s].h[l])};
       }
     });
     for (auto& one : received) {
@@ -260,8 +260,7 @@ Expected<PersonFit> fit_body(const RoomModel& room,
   }
   if (fit.spots < kMinPersonSpots) {
     return bad_input("people were observed at " + std::to_string(fit.spots) + " places; " +
-                     std::to_string(kMinPersonSpots) +
-                     " are needed to fit the model of a person");
+                     std::to_string(kMinPersonSpots) + " are needed to fit the model of a person");
   }
   person = fitter.best_errors(*links, scales, person);
   for (std::size_t l = 0; l < scales.size(); ++l) {

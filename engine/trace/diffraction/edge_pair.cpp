@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kMinEdgeDistance = 1e-6;  // [m], chosen: closer points have no bend
 constexpr double kExact = 1e-12;           // [m], chosen: length of a negligible step
-constexpr int kMaxSteps = 60;             // a count, chosen: a few are usual
+constexpr int kMaxSteps = 60;              // a count, chosen: a few are usual
 
 using Edges = std::pair<EdgeLine<double>, EdgeLine<double>>;
 

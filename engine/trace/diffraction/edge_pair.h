@@ -25,9 +25,9 @@ struct EdgePairRoute {
 
 template <typename T>
 EdgePairRoute<T> edge_pair_route(const std::pair<EdgeLine<T>, EdgeLine<T>>& edges,
-                             const Vec3<T>& source,
-                             const Vec3<T>& observer,
-                             const EdgePairBends<T>& bends) {
+                                 const Vec3<T>& source,
+                                 const Vec3<T>& observer,
+                                 const EdgePairBends<T>& bends) {
   const Vec3<T> at_first = edges.first.from + bends.first * edges.first.along;
   const Vec3<T> at_second = edges.second.from + bends.second * edges.second.along;
   EdgePairRoute<T> route;

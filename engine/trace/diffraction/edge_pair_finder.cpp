@@ -44,7 +44,7 @@ bool EdgePairFinder::may_follow(std::uint32_t first, std::uint32_t second) const
 }
 
 std::vector<EdgePairFinder::Between> EdgePairFinder::routes_between(std::uint32_t first,
-                                                                  std::uint32_t second) const {
+                                                                    std::uint32_t second) const {
   std::vector<Between> routes;
   for (const bool along_face_n : {false, true}) {
     if (shared_side({context_->wedges[first], context_->wedges[second]}, along_face_n)) {
@@ -69,7 +69,7 @@ bool EdgePairFinder::find(const Pair& pair,
   const Wedge& second = context_->wedges[pair.second];
   const auto image = [](const LitRoute& route) {
     return route.lit.node == kRootNode ? route.end.end()
-                                     : route.end.tree().image(route.end.root(), route.lit.node);
+                                       : route.end.tree().image(route.end.root(), route.lit.node);
   };
   const auto bends =
       shortest_over({edge_line<double>(first), edge_line<double>(second)}, image(from), image(to));

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "engine/base/vec3.h"
-#include "engine/trace/diffuse/scattered_way.h"
+#include "engine/trace/diffuse/scattered_path.h"
 #include "engine/trace/path.h"
 #include "engine/trace/power_delay.h"
 

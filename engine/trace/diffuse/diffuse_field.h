@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "engine/trace/diffuse/rough_materials.h"
-#include "engine/trace/diffuse/scattered_way.h"
+#include "engine/trace/diffuse/scattered_path.h"
 #include "engine/trace/paths.h"
 #include "engine/trace/radio_device.h"
 #include "engine/trace/trace_context.h"

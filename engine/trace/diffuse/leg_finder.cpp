@@ -22,8 +22,8 @@ std::shared_ptr<const ImageTree> tree_at(const TraceContext& context,
   options.max_depth = most_mirrors;
   if (options.transmission && most_mirrors > 0) {
     // The tree omits a mirror behind more faces than its depth allows to cross.
-    options.max_depth = std::max(
-        most_mirrors, std::min(context.options.max_depth - 1, most_mirrors + kMaxCrossed));
+    options.max_depth =
+        std::max(most_mirrors, std::min(context.options.max_depth - 1, most_mirrors + kMaxCrossed));
   }
   return std::make_shared<const ImageTree>(*context.scene, end, options);
 }

@@ -8,7 +8,7 @@
 
 #include "engine/base/expected.h"
 #include "engine/em/scattering_lobe.h"
-#include "engine/trace/diffuse/scattered_way.h"
+#include "engine/trace/diffuse/scattered_path.h"
 #include "engine/trace/dual_link.h"
 #include "engine/trace/trace_context.h"
 

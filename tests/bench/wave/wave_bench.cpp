@@ -100,7 +100,8 @@ class Judge {
         std::vector<double> each(count);
         parallel_for(count, 4, [&](std::size_t i) {
           if (i % kFolds == fold) {
-            each[i] = ObservationModel::log_likelihood(model(i, error), received.samples[i].observed);
+            each[i] =
+                ObservationModel::log_likelihood(model(i, error), received.samples[i].observed);
           }
         });
         return kEvidence * std::accumulate(each.begin(), each.end(), 0.0);

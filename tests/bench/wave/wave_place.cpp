@@ -24,8 +24,8 @@ TraceOptions one_deeper(TraceOptions options) {
 using Value = std::complex<double>;
 
 constexpr std::size_t kMaxEdges = 64;  // a count, chosen: rays over an edge that are kept
-constexpr double kRoughness = 0.3;      // S, chosen: the power is fitted, so that only 0 is not 0.3
-constexpr double kTolerance = 0.03;     // of a density's power, chosen: likelihoods resolve less
+constexpr double kRoughness = 0.3;     // S, chosen: the power is fitted, so that only 0 is not 0.3
+constexpr double kTolerance = 0.03;    // of a density's power, chosen: likelihoods resolve less
 
 // The surfaces that a path meets, from the transmitter on.
 using PathKey = std::vector<std::tuple<InteractionKind, std::uint32_t, std::uint32_t>>;
@@ -181,8 +181,8 @@ std::vector<EdgeRay> WaveTracer::edges_to(const Transmitter& device) const {
       const auto found = one.find(key_of(path));
       const bool is_received = found != one.end();
       edge.factor.push_back(is_received ? Value(found->second->a.re, found->second->a.im) /
-                                           Value(path.a.re, path.a.im)
-                                     : Value());
+                                              Value(path.a.re, path.a.im)
+                                        : Value());
       edge.longer.push_back(is_received ? (found->second->tau - path.tau) * kSpeedOfLight : 0.0);
     }
     edges.push_back(std::move(edge));

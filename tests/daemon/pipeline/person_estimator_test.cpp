@@ -240,8 +240,9 @@ TEST_F(PeopleOfTwoTransmitters, AreLostOnceEach) {
   EXPECT_EQ(outcome().counters.lost, 2U);
   EXPECT_GE(outcome().counters.used, 30U);
   EXPECT_EQ(outcome().counters.moments,
-            outcome().counters.used + outcome().counters.no_person + outcome().counters.unexplained +
-                outcome().counters.out_of_order + outcome().counters.unusable);
+            outcome().counters.used + outcome().counters.no_person +
+                outcome().counters.unexplained + outcome().counters.out_of_order +
+                outcome().counters.unusable);
 
   // At fixed times after the last detection, independent of the times of other frames.
   EXPECT_EQ(plug[2].second, outcome().last_seen(1) + std::chrono::milliseconds(500));

@@ -68,7 +68,8 @@ Writer replay(const Received& received, const WarmStart& start, Duration carry_e
     const std::string id = "ap" + std::to_string(index + 1);
     SourceWorker::Input input;
     input.access_point = id;
-    input.source = PcapFileSource::open(kSite + (received.recording + "-" + id + ".pcap.gz")).value();
+    input.source =
+        PcapFileSource::open(kSite + (received.recording + "-" + id + ".pcap.gz")).value();
     if (start.listen_from != Timestamp::min()) {
       input.source = std::make_unique<LaterSource>(std::move(input.source), start.listen_from);
     }

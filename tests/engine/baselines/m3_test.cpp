@@ -177,10 +177,10 @@ TEST(M3, FindsThePlaceOfExactPaths) {
 // The channel of an access point from a device and `walls` of its images; every hop has its own
 // factor, delay and noise (40 dB).
 M3Received received_by_hops(const RoomModel& room,
-                      const Vec3d& place,
-                      std::span<const int> hops,
-                      std::size_t walls,
-                      unsigned seed) {
+                            const Vec3d& place,
+                            std::span<const int> hops,
+                            std::size_t walls,
+                            unsigned seed) {
   std::mt19937 random(seed);
   std::normal_distribution<double> normal(0.0, 0.01 / std::sqrt(2.0));
   std::uniform_real_distribution<double> uniform;
@@ -196,8 +196,9 @@ M3Received received_by_hops(const RoomModel& room,
       for (Eigen::Index k = 0; k < hop.h.cols(); ++k) {
         const auto tone = static_cast<std::size_t>(k);
         for (std::size_t i = 0; i < seen.size(); ++i) {
-          const double r = norm(
-              seen[i] - element_position(array, received.line.element[static_cast<std::size_t>(m)]));
+          const double r =
+              norm(seen[i] -
+                   element_position(array, received.line.element[static_cast<std::size_t>(m)]));
           hop.h(m, k) += std::polar((i == 0 ? 1.0 : 0.6) / r,
                                     -kTwoPi * hop.grid.frequency_hz(tone) * r / kLight);
         }

@@ -228,7 +228,8 @@ std::vector<CsiFrame> walk(double seconds, double step, const std::function<Vec3
 std::vector<LocationEstimate> received(Widar2& widar2, const std::vector<CsiFrame>& frames) {
   std::vector<LocationEstimate> out;
   for (std::size_t i = 0; i < frames.size(); i += 240) {  // bursts of 0.2 s
-    widar2.receive(std::span(frames).subspan(i, std::min<std::size_t>(240, frames.size() - i)), out);
+    widar2.receive(std::span(frames).subspan(i, std::min<std::size_t>(240, frames.size() - i)),
+                   out);
   }
   return out;
 }
@@ -286,17 +287,17 @@ TEST(Widar2, OneLinkLeavesItsAliases) {
 TEST(Widar2, RefusesInWords) {
   auto still = *Widar2::create(room(), kLink, {});
   const auto estimates = received(still, walk(3.5, kStep, [](double) {
-                                 return Vec3d{0.2, 0.3, 1.2};
-                               }));
+                                    return Vec3d{0.2, 0.3, 1.2};
+                                  }));
   EXPECT_EQ(still.problem(), "nothing moves: widar2 sees only what moves");
   EXPECT_LT(estimates.size(), 8U) << "until a second without motion is over";
   auto slow = *Widar2::create(room(), kLink, {});
   EXPECT_TRUE(received(slow,
-                    walk(2.0,
-                         0.02,
-                         [](double t) {
-                           return Vec3d{0.3 * t, 0.0, 1.2};
-                         }))
+                       walk(2.0,
+                            0.02,
+                            [](double t) {
+                              return Vec3d{0.3 * t, 0.0, 1.2};
+                            }))
                   .empty());
   EXPECT_THAT(slow.problem(),
               HasSubstr("50 frames/s of 02:00:00:00:00:09 at a: widar2 needs 104 (4 v_max / "

@@ -144,7 +144,8 @@ std::vector<CsiFrame> walk(double seconds,
 std::vector<LocationEstimate> received(Witraj& witraj, const std::vector<CsiFrame>& frames) {
   std::vector<LocationEstimate> out;
   for (std::size_t i = 0; i < frames.size(); i += 240) {  // bursts of 0.2 s
-    witraj.receive(std::span(frames).subspan(i, std::min<std::size_t>(240, frames.size() - i)), out);
+    witraj.receive(std::span(frames).subspan(i, std::min<std::size_t>(240, frames.size() - i)),
+                   out);
   }
   return out;
 }
@@ -209,11 +210,11 @@ TEST(Witraj, RefusesInWords) {
             "site has a");
   auto slow = *Witraj::create(room(), kLink, Vec3d{}, {});
   EXPECT_TRUE(received(slow,
-                    walk(1.5,
-                         0.02,
-                         [](double t) {
-                           return Vec3d{0.3 * t, 0.0, 1.2};
-                         }))
+                       walk(1.5,
+                            0.02,
+                            [](double t) {
+                              return Vec3d{0.3 * t, 0.0, 1.2};
+                            }))
                   .empty());
   EXPECT_THAT(slow.problem(),
               HasSubstr("50 frames/s of 02:00:00:00:00:09 at a: witraj needs 182 (5 frames in a "

@@ -147,7 +147,7 @@ TEST(CalibrationInputCheck, ReadsChainsInTheOrderOfTheOtherAccessPoint) {
   const InputCheck check = check_calibration_inputs(room, points);
   ASSERT_EQ(check.found.size(), 1U);
   EXPECT_TRUE(contains(check.found.front().message,
-                   "given for access point 'b' fits the place of access point 'a'"));
+                       "given for access point 'b' fits the place of access point 'a'"));
 }
 
 TEST(CalibrationInputCheck, RefusesTheOnePointThatStoodElsewhere) {
@@ -224,8 +224,8 @@ TEST(Field, CalibrationCheckNamesExchangedCores) {
   const auto found = found_where({{0, exchange_first_two}});
   ASSERT_EQ(found.size(), 1U);
   EXPECT_TRUE(contains(found.front().message,
-                   "with cores " + std::to_string(cores[0]) + " and " + std::to_string(cores[1]) +
-                       " exchanged"));
+                       "with cores " + std::to_string(cores[0]) + " and " +
+                           std::to_string(cores[1]) + " exchanged"));
 }
 
 TEST(Field, CalibrationCheckNamesCoresInAnotherOrder) {
@@ -237,8 +237,8 @@ TEST(Field, CalibrationCheckNamesCoresInAnotherOrder) {
   const RoomModel room = surveyed_room();
   const auto& cores = room.access_points[2].cores;
   EXPECT_TRUE(contains(found.front().remedy,
-                   "core = " + std::to_string(cores[1]) + ", " + std::to_string(cores[2]) + ", " +
-                       std::to_string(cores[0])));
+                       "core = " + std::to_string(cores[1]) + ", " + std::to_string(cores[2]) +
+                           ", " + std::to_string(cores[0])));
 }
 
 TEST(Field, CalibrationCheckNamesEachAccessPointThatStandsOtherwise) {

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "engine/observe/alignment.h"
-#include "engine/room/hear_burst.h"
+#include "engine/room/preprocess_burst.h"
 #include "tests/support/person_in_room.h"
 
 namespace rayloc::occupied_room_test {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/room/hear_burst.h"
+#include "engine/room/preprocess_burst.h"
 #include "tests/support/person_in_room.h"
 
 namespace rayloc::person_fit_test {

@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "engine/person/person_localizer.h"
-#include "engine/room/hear_burst.h"
+#include "engine/room/preprocess_burst.h"
 #include "tests/support/person_in_room.h"
 
 namespace rayloc::two_days_test {

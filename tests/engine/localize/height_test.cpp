@@ -8,7 +8,7 @@
 
 #include "engine/localize/localizer.h"
 #include "engine/room/height_layers.h"
-#include "engine/room/raised_ray.h"
+#include "engine/room/ray_at_height.h"
 #include "tests/support/synthetic_room.h"
 
 namespace rayloc::height_test {

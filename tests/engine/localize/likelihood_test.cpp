@@ -322,7 +322,9 @@ TEST(Likelihoods, PartialHasCoherentAndPathCovarianceAsItsLimits) {
 TEST(Likelihoods, PathCovarianceDoesNotSeePhasesOfRays) {
   const auto received = link().channel(kTruth);
   auto rays = link().rays(kTruth);
-  const auto of = [&](LikelihoodKind kind) { return on_delays(kind, rays, link().error(), received); };
+  const auto of = [&](LikelihoodKind kind) {
+    return on_delays(kind, rays, link().error(), received);
+  };
   const double covariance = of(LikelihoodKind::kPathCovariance);
   const double coherent = of(LikelihoodKind::kCoherent);
   std::mt19937 random(3);

@@ -52,9 +52,9 @@ std::string shape(const std::string& inside) {
 }
 
 struct Mistake {
-  std::string xml;    // in place of a scene's content
-  std::string place;  // of the message
-  std::string expected;   // in it
+  std::string xml;       // in place of a scene's content
+  std::string place;     // of the message
+  std::string expected;  // in it
 };
 
 void expect_refused(const std::vector<Mistake>& mistakes) {

@@ -252,8 +252,8 @@ TEST(Diffuse, PatchScattersWhatItDoesNotReflect) {
             for (const auto received : {Polarization::kVertical, Polarization::kHorizontal}) {
               const auto scattered_ray = scattered_path<double>(
                   material, context.facets[0], in, leg(to, received), kWavelength);
-              scattered +=
-                  solid_angle * scattered_ray.power(material) * 9.0 * std::pow(4.0 * kPi / kWavelength, 2);
+              scattered += solid_angle * scattered_ray.power(material) * 9.0 *
+                           std::pow(4.0 * kPi / kWavelength, 2);
             }
           }
         }
@@ -415,11 +415,14 @@ TEST(Diffuse, WhatHasNoDerivativeIsRefused) {
     return found ? std::string() : found.error().message;
   };
   const RadioMaterial lambertian = rough(test::kConcrete, kLambertian);
-  EXPECT_NE(message_of(lambertian, Parameter::surface_offset(0)).find("trace anew"), std::string::npos);
-  EXPECT_NE(message_of(lambertian, Parameter::scattering(Kind::kAlphaReflected, 0)).find("no such lobe"),
+  EXPECT_NE(message_of(lambertian, Parameter::surface_offset(0)).find("trace anew"),
             std::string::npos);
-  EXPECT_NE(message_of(test::kConcrete, Parameter::scattering(Kind::kXpdCoefficient, 0)).find("above 0"),
-            std::string::npos);
+  EXPECT_NE(
+      message_of(lambertian, Parameter::scattering(Kind::kAlphaReflected, 0)).find("no such lobe"),
+      std::string::npos);
+  EXPECT_NE(
+      message_of(test::kConcrete, Parameter::scattering(Kind::kXpdCoefficient, 0)).find("above 0"),
+      std::string::npos);
 }
 
 // --- Realisations. ----------------------------------------------------------------------------

@@ -159,7 +159,8 @@ TEST(DeviceTracker, ATrackTakesLittleMemory) {
       const MacAddress address{{2, 0, 0, 0, 1, static_cast<std::uint8_t>(device)}};
       for (int ms = 0; ms <= 200; ms += 50) {
         const Vec3d place = walker(80 * device + ms);
-        tracker->receive(address, frames(localizer(access_points)->room(), place, ms, 20.0), updates);
+        tracker->receive(
+            address, frames(localizer(access_points)->room(), place, ms, 20.0), updates);
       }
     }
     ASSERT_EQ(tracker->size(), static_cast<std::size_t>(kDevices));
@@ -197,7 +198,8 @@ TEST(DeviceTracker, SaysTheSameWhateverTheOrderOfDevices) {
       if (mode == Mode::kBackwards) {
         std::reverse(bursts.begin(), bursts.end());
       }
-      const std::size_t at_once = mode == Mode::kTogether || mode == Mode::kOneThread ? kDevices : 1;
+      const std::size_t at_once =
+          mode == Mode::kTogether || mode == Mode::kOneThread ? kDevices : 1;
       for (std::size_t i = 0; i < bursts.size(); i += at_once) {
         for (const auto& updates : tracker.receive(std::span(bursts).subspan(i, at_once))) {
           ASSERT_FALSE(updates.empty());
@@ -385,7 +387,7 @@ TEST(DeviceTracker, CoastingGrowsTheRegionAndHearingEndsIt) {
       EXPECT_GT(estimate.location.accuracy_m, updates[received - 1].estimate.location.accuracy_m);
       // It is about the position, which may go over to another hill.
       EXPECT_TRUE(i == received || estimate.location.covariance[0] >=
-                                    0.9 * updates[i - 1].estimate.location.covariance[0]);
+                                       0.9 * updates[i - 1].estimate.location.covariance[0]);
     }
   }
   updates.clear();

@@ -115,7 +115,7 @@ std::vector<double> surface_displacements(const Scene& before, const Scene& afte
 
 Drawing draw_displacements(const CalibrationReport& report) {
   RAYLOC_CHECK(report.before.scene != nullptr);
-  constexpr double kUpright = 0.3;     // |z| of the normal of a wall
+  constexpr double kUpright = 0.3;   // |z| of the normal of a wall
   constexpr double kMinScale = 1.0;  // [mm], so that pure rounding stays grey
   const Scene& before = *report.before.scene;
   const auto& after = report.methods.front().calibration.room.scene;

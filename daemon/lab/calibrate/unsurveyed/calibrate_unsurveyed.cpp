@@ -11,8 +11,8 @@
 
 #include "daemon/lab/calibrate/calibrate.h"
 #include "daemon/lab/calibrate/calibrate_rechain.h"
-#include "daemon/lab/calibrate/unsurveyed/heard_places.h"
 #include "daemon/lab/calibrate/unsurveyed/plan_calibration.h"
+#include "daemon/lab/calibrate/unsurveyed/received_places.h"
 #include "daemon/site/model/room_model.h"
 #include "daemon/site/model/site_copy.h"
 
@@ -22,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kFewestPoints = 24;  // count, chosen: two of the smallest usual survey
-constexpr double kMinSigma = 0.005;      // [m], no position is surer than a tape measurement
+constexpr double kMinSigma = 0.005;        // [m], no position is surer than a tape measurement
 
 // A temporary folder of this run, removed at its end.
 class WorkFolder {
@@ -50,7 +50,7 @@ class WorkFolder {
 };
 
 Expected<ReceivedPlaces> places_in(const std::string& site_folder,
-                                const std::vector<std::string>& stated) {
+                                   const std::vector<std::string>& stated) {
   const auto site = load_site(site_folder);
   if (!site) {
     return tl::make_unexpected(site.error());
@@ -138,7 +138,8 @@ Expected<void> fit_room(const std::string& learned,
     return tl::make_unexpected(outcome.error());
   }
   if (*outcome == CalibrationOutcome::kFails) {
-    print_note(arguments,
+    print_note(
+        arguments,
         arguments.out + " has the walls of the plan, and the chains that were learned with them");
     if (auto kept = keep_plan(learned, arguments); !kept) {
       return kept;
@@ -168,7 +169,8 @@ Expected<void> run_unsurveyed(const UnsurveyedArguments& arguments) {
     return done;
   }
   if (is_one_alone(arguments.captures)) {
-    print_note(arguments,
+    print_note(
+        arguments,
         "chains that were learned with one access point alone may be wrong although they fit: its "
         "regions are wide; verify them with more access points or a survey");
   }
@@ -177,7 +179,8 @@ Expected<void> run_unsurveyed(const UnsurveyedArguments& arguments) {
     return tl::make_unexpected(places.error());
   }
   if (places->points.size() < kFewestPoints) {
-    print_note(arguments,
+    print_note(
+        arguments,
         fmt::format("{} of {} bursts have a certain position, and walls need {}: the walls stay as "
                     "in the plan; record a device that is carried through the whole room while all "
                     "access points receive it",
@@ -186,7 +189,8 @@ Expected<void> run_unsurveyed(const UnsurveyedArguments& arguments) {
                     kFewestPoints));
     return keep_plan(learned, arguments);
   }
-  print_note(arguments,
+  print_note(
+      arguments,
       fmt::format(
           "{} of {} bursts have a certain position, to {:.3f} m: they are the survey of the walls",
           places->points.size(),

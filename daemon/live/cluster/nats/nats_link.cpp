@@ -150,7 +150,8 @@ void NatsLink::ignore(const std::shared_ptr<NatsSlot>& slot) {
 
 void NatsLink::note_connected(natsConnection*, void* self) {
   auto& link = *static_cast<NatsLink*>(self);
-  link.callbacks_.connected();  // first: a caller that observes the connection must see the new count
+  link.callbacks_
+      .connected();  // first: a caller that observes the connection must see the new count
   link.connected_ = true;
 }
 

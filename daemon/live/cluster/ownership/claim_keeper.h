@@ -144,8 +144,8 @@ class ClaimKeeper {
   std::vector<Change> changes_;                     // guarded by mutex_
   v1::WorkerState condition_;                       // guarded by mutex_; as reported
   bool finishing_ = false;                          // guarded by mutex_
-  bool send_now_ = false;                            // guarded by mutex_
-  bool check_now_ = false;                           // guarded by mutex_
+  bool send_now_ = false;                           // guarded by mutex_
+  bool check_now_ = false;                          // guarded by mutex_
   std::unique_ptr<Broker::Subscription> states_;    // these end before the members they use
   std::unique_ptr<Broker::Subscription> claimed_;
   std::unique_ptr<Broker::Subscription> drains_;

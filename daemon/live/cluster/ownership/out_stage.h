@@ -130,7 +130,7 @@ class OutStage final : public LocationSink {
   bool finishing_ = false;               // guarded by mutex_
   Time finish_until_{};                  // guarded by mutex_; then unwritten results are dropped
   Counters counters_;                    // guarded by mutex_
-  std::uint64_t reported_ = 0;               // guarded by mutex_: reported part of left_out
+  std::uint64_t reported_ = 0;           // guarded by mutex_: reported part of left_out
   std::thread thread_;
 };
 

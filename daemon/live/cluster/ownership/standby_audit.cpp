@@ -99,7 +99,8 @@ void StandbyAudit::compare_results(const Window& window, const std::vector<v1::O
   ++counters_.windows;
   counters_.results += published.size();
   std::size_t same = 0;
-  while (same < std::min(published.size(), found.size()) && published[same].first == found[same].first) {
+  while (same < std::min(published.size(), found.size()) &&
+         published[same].first == found[same].first) {
     ++same;
   }
   if (same == published.size() && same == found.size()) {
@@ -121,8 +122,9 @@ void StandbyAudit::compare_state(const v1::Carried& theirs, const std::deque<Car
   if (!reported) {
     return;  // its reader reports the error
   }
-  const auto own = std::find_if(
-      states.rbegin(), states.rend(), [&](const Carried& one) { return one.done == reported->done; });
+  const auto own = std::find_if(states.rbegin(), states.rend(), [&](const Carried& one) {
+    return one.done == reported->done;
+  });
   if (own == states.rend()) {
     return;
   }

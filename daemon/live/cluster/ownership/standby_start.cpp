@@ -45,8 +45,8 @@ bool has_all(const StreamState& stream, const StreamReader::Place& place) {
 
 // Time of the first batch after that place; nothing where there is no batch.
 std::optional<Timestamp> received_behind(Broker& broker,
-                                      const std::string& site,
-                                      const StreamReader::Place& place) {
+                                         const std::string& site,
+                                         const StreamReader::Place& place) {
   const auto message = broker.get(csi_stream(site), place.sequence + 1);
   const auto batch = message && *message ? decode_batch((*message)->data)
                                          : Expected<Batch>(bad_input("there is none"));

@@ -9,9 +9,9 @@
 namespace rayloc {
 namespace {
 
-constexpr double kLongestStep = 2.0;      // [s] between estimates of a target that remains present
+constexpr double kLongestStep = 2.0;     // [s] between estimates of a target that remains present
 constexpr std::size_t kMaxTracks = 512;  // maximum number summed at once
-constexpr double kFarthest = 1e6;         // [m] from the origin
+constexpr double kFarthest = 1e6;        // [m] from the origin
 
 }  // namespace
 

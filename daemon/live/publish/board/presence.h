@@ -22,8 +22,8 @@ class Envelope;
 
 class Presence {
  public:
-  static constexpr double kCell = 0.25;            // [m], along each side
-  static constexpr std::size_t kSlots = 24;        // slices of time
+  static constexpr double kCell = 0.25;           // [m], along each side
+  static constexpr std::size_t kSlots = 24;       // slices of time
   static constexpr std::size_t kMaxCells = 1500;  // 94 m^2 occupied within a slot
 
   // `kept`: retention time, positive; data is discarded slot by slot.

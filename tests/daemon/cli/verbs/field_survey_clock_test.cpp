@@ -130,7 +130,8 @@ class Walk {
       }
       points_.push_back({start + milliseconds(700), time - milliseconds(700), {}, index + 2});
       const Timestamp leaves = time;
-      const auto pause = seconds(3) + milliseconds(std::uniform_int_distribution<>(0, 4000)(random_));
+      const auto pause =
+          seconds(3) + milliseconds(std::uniform_int_distribution<>(0, 4000)(random_));
       for (; time < leaves + pause; time += milliseconds(50)) {
         if (transmits_between) {
           trace_.add(frame(time, channel()));

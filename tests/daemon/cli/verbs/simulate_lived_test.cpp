@@ -117,7 +117,8 @@ TEST_F(SimulateLived, TheTruthIsWhereTheRecordingWasMade) {
       for (std::size_t k = 0; k < frames[i][element].size(); ++k) {
         const double turns = site->carrier.grid.frequency_hz(k) * length / kSpeedOfLight;
         const Value& received = frames[i][element][k];
-        turned.push_back(received / std::abs(received) * std::polar(1.0, 2.0 * std::numbers::pi * turns));
+        turned.push_back(received / std::abs(received) *
+                         std::polar(1.0, 2.0 * std::numbers::pi * turns));
         sum += turned.back();
       }
     }

@@ -99,7 +99,9 @@ class TrainPlaces : public ::testing::Test {
     return places;
   }
   // Rows of a person at rest at each place, and of a person who walks.
-  static std::string survey_rows(double begin, const std::vector<Place>& places, const std::string& z) {
+  static std::string survey_rows(double begin,
+                                 const std::vector<Place>& places,
+                                 const std::string& z) {
     std::string rows = "t_start,t_end,x,y,z\n";
     for (std::size_t i = 0; i < places.size(); ++i) {
       const double t = begin + 3.0 * static_cast<double>(i);

@@ -121,7 +121,8 @@ TEST(SimulatedRadio, TimingOffsetFillsItsRangeAndHasOutliers) {
     // Tones -58 and -57: a turn is 3.2 us.
     const double delay_ns =
         -std::arg(received[1][1] / received[1][0]) / (2.0 * std::numbers::pi * kSpacing) * 1e9;
-    EXPECT_NEAR(std::arg(received[0][80] / received[2][80]), 0.0, 1e-9) << "one offset for all cores";
+    EXPECT_NEAR(std::arg(received[0][80] / received[2][80]), 0.0, 1e-9)
+        << "one offset for all cores";
     if (delay_ns < 500.0) {
       usual.push_back(delay_ns);
     } else {

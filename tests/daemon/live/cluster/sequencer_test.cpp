@@ -145,7 +145,8 @@ TEST_P(LossyWay, EverythingIsTakenOrMarked) {
     if (is_broken) {
       std::shuffle(in_transit.begin(), in_transit.end(), random);
     }
-    for (std::uint64_t i = is_broken ? any(30) : in_transit.size(); i > 0 && !in_transit.empty(); --i) {
+    for (std::uint64_t i = is_broken ? any(30) : in_transit.size(); i > 0 && !in_transit.empty();
+         --i) {
       sequencer.push(kNode, *decode_batch(in_transit.front()), taken);
       in_transit.pop_front();
     }

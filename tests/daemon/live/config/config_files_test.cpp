@@ -147,8 +147,8 @@ TEST(ConfigManual, DescribesEveryKeyAndIsSoundRoff) {
   }
   const fs::path messages = file.string() + ".said";
   ASSERT_EQ(
-      std::system(
-          ("groff -man -Tascii -ww " + file.string() + " >/dev/null 2>" + messages.string()).c_str()),
+      std::system(("groff -man -Tascii -ww " + file.string() + " >/dev/null 2>" + messages.string())
+                      .c_str()),
       0);
   EXPECT_EQ(fs::file_size(messages), 0U) << "groff warns: " << messages;
 }

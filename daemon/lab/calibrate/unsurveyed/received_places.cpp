@@ -1,4 +1,4 @@
-#include "daemon/lab/calibrate/unsurveyed/heard_places.h"
+#include "daemon/lab/calibrate/unsurveyed/received_places.h"
 
 #include <algorithm>
 #include <chrono>
@@ -14,8 +14,8 @@
 namespace rayloc::cli {
 namespace {
 
-constexpr double kSure = 0.9;             // probability of the first hypothesis, chosen
-constexpr double kLargestSigma = 0.1;     // [m], largest error of a survey
+constexpr double kSure = 0.9;            // probability of the first hypothesis, chosen
+constexpr double kLargestSigma = 0.1;    // [m], largest error of a survey
 constexpr std::size_t kMaxPoints = 200;  // count, chosen: as in a survey of a large room
 
 // Every n-th index, so that at most kMaxPoints are left.
@@ -32,9 +32,9 @@ std::vector<std::size_t> spread(std::size_t count) {
 }  // namespace
 
 Expected<ReceivedPlaces> received_places(const Site& site,
-                                   const RoomModel& room,
-                                   const std::vector<CaptureArgument>& captures,
-                                   std::vector<std::string>& notes) {
+                                         const RoomModel& room,
+                                         const std::vector<CaptureArgument>& captures,
+                                         std::vector<std::string>& notes) {
   const auto received = read_device_bursts(site, captures, notes);
   if (!received) {
     return tl::make_unexpected(received.error());

@@ -36,9 +36,9 @@ void widen_by_unmodelled_echo(const RoomUnknowns& unknowns,
 // Standard deviation of every released unknown, 0 for the others: that of the Gaussian with all of
 // the above.
 std::vector<double> reported_sigma(const JointContext& context,
-                                  const JointOptions& options,
-                                  const JointState& state,
-                                  std::span<const WaveCycle> other_cycles,
-                                  const UnmodelledPower& power);
+                                   const JointOptions& options,
+                                   const JointState& state,
+                                   std::span<const WaveCycle> other_cycles,
+                                   const UnmodelledPower& power);
 
 }  // namespace rayloc

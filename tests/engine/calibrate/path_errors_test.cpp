@@ -1,4 +1,4 @@
-#include "engine/person/way_errors.h"
+#include "engine/person/path_errors.h"
 
 #include <array>
 #include <cmath>

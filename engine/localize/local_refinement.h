@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "engine/localize/heard_array.h"
+#include "engine/localize/array_observation.h"
 #include "engine/posterior/access_point_fusion.h"
 #include "engine/posterior/posterior.h"
 #include "engine/posterior/room_map.h"

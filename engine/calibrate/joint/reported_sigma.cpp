@@ -1,4 +1,4 @@
-#include "engine/calibrate/joint/stated_widths.h"
+#include "engine/calibrate/joint/reported_sigma.h"
 
 #include <algorithm>
 #include <cmath>
@@ -61,10 +61,10 @@ void widen_by_unmodelled_echo(const RoomUnknowns& unknowns,
 }
 
 std::vector<double> reported_sigma(const JointContext& context,
-                                  const JointOptions& options,
-                                  const JointState& state,
-                                  std::span<const WaveCycle> other_cycles,
-                                  const UnmodelledPower& power) {
+                                   const JointOptions& options,
+                                   const JointState& state,
+                                   std::span<const WaveCycle> other_cycles,
+                                   const UnmodelledPower& power) {
   std::vector<double> sigma = JointProblem(context).posterior(options, state);
   widen_by_other_cycles(context, options.floor, state, sigma);
   widen_by_wave_cycles(other_cycles, context.unknowns, state, sigma);

@@ -1,4 +1,4 @@
-#include "engine/person/standing_room.h"
+#include "engine/person/walkable_area.h"
 
 #include <algorithm>
 #include <cmath>

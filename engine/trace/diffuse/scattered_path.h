@@ -112,10 +112,10 @@ T smooth_reflectance(const T& cosine, const Facet<T>& facet, const T& wavelength
 // `facet`: the patch's. REQUIRES: both legs come from the same side of it, and not along it.
 template <typename T>
 ScatteredPath<T> scattered_path(const RoughMaterial<T>& rough,
-                              const Facet<T>& facet,
-                              const LegToPatch<T>& in,
-                              const LegToPatch<T>& out,
-                              const T& wavelength) {
+                                const Facet<T>& facet,
+                                const LegToPatch<T>& in,
+                                const LegToPatch<T>& out,
+                                const T& wavelength) {
   const Vec3<T>& normal = facet.plane.normal;
   const auto mirrored = [&](const Vec3<T>& v) {
     return interactions::Reflection::mirrored(v, normal);

@@ -1,4 +1,4 @@
-#include "engine/track/looked_cells.h"
+#include "engine/track/searched_cells.h"
 
 #include <algorithm>
 #include <cmath>

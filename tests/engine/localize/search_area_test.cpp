@@ -1,4 +1,4 @@
-#include "engine/localize/watched_area.h"
+#include "engine/localize/search_area.h"
 
 #include <gtest/gtest.h>
 

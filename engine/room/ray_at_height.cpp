@@ -1,4 +1,4 @@
-#include "engine/room/raised_ray.h"
+#include "engine/room/ray_at_height.h"
 
 #include <algorithm>
 
@@ -7,7 +7,7 @@
 namespace rayloc {
 namespace {
 
-constexpr double kMinGain = 0.05;  // a ratio, chosen: near a null the ratio is unreliable
+constexpr double kMinGain = 0.05;   // a ratio, chosen: near a null the ratio is unreliable
 constexpr double kMaxChange = 3.0;  // a ratio, chosen: largest change of an amplitude
 
 double gain(const AntennaPattern& pattern,
@@ -20,9 +20,9 @@ double gain(const AntennaPattern& pattern,
 }  // namespace
 
 std::vector<Ray> rays_at_height(std::span<const Ray> rays,
-                             double by,
-                             const DeviceModel& device,
-                             const AntennaArray& array) {
+                                double by,
+                                const DeviceModel& device,
+                                const AntennaArray& array) {
   std::vector<Ray> raised(rays.begin(), rays.end());
   if (by == 0.0) {
     return raised;

@@ -1,4 +1,4 @@
-#include "engine/posterior/judged_exponent.h"
+#include "engine/posterior/tempering_exponent.h"
 
 #include <array>
 #include <cmath>
@@ -116,12 +116,14 @@ TemperingExponent evaluated(double exponent, double dishonesty, double mean) {
 }
 
 TEST(BestExponent, IsTheMostHonestOfThoseThatAreAsGood) {
-  const std::vector all = {evaluated(1.0, 5.0, 0.0), evaluated(0.8, 1.0, 0.05), evaluated(0.6, 3.0, 0.05)};
+  const std::vector all = {
+      evaluated(1.0, 5.0, 0.0), evaluated(0.8, 1.0, 0.05), evaluated(0.6, 3.0, 0.05)};
   EXPECT_EQ(best_exponent(all), 1U);
 }
 
 TEST(BestExponent, IsTheLeastOfTheHonest) {
-  const std::vector all = {evaluated(1.0, 1.0, 0.0), evaluated(0.8, 1.5, 0.05), evaluated(0.6, 2.0, 0.05)};
+  const std::vector all = {
+      evaluated(1.0, 1.0, 0.0), evaluated(0.8, 1.5, 0.05), evaluated(0.6, 2.0, 0.05)};
   EXPECT_EQ(best_exponent(all), 1U);
 }
 

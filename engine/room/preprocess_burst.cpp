@@ -1,4 +1,4 @@
-#include "engine/room/hear_burst.h"
+#include "engine/room/preprocess_burst.h"
 
 #include <algorithm>
 #include <cmath>
@@ -58,10 +58,10 @@ std::string no_usable_csi(const RoomModel& room, const std::vector<std::string>&
 }
 
 std::optional<BurstObservation> receive(const RoomModel& room,
-                                     std::size_t access_point,
-                                     std::span<const CsiFrame> frames,
-                                     const BurstOptions& options,
-                                     std::vector<std::string>& warnings) {
+                                        std::size_t access_point,
+                                        std::span<const CsiFrame> frames,
+                                        const BurstOptions& options,
+                                        std::vector<std::string>& warnings) {
   const RoomAccessPoint& ap = room.access_points[access_point];
   const auto index = static_cast<int>(access_point);
   if (std::none_of(frames.begin(), frames.end(), [&](const CsiFrame& frame) {

@@ -1,5 +1,5 @@
-// SearchedCells: the cells that a target's burst is compared with, chosen from its filter: the cells
-// that may hold the target, and a lattice that represents the rest of the room.
+// SearchedCells: the cells that a target's burst is compared with, chosen from its filter: the
+// cells that may hold the target, and a lattice that represents the rest of the room.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-#include "engine/person/way_errors.h"
+#include "engine/person/path_errors.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,10 +13,10 @@ PathErrors::PathErrors(std::size_t antennas, std::size_t numbers)
     : antennas_(antennas), numbers_(numbers) {}
 
 void PathErrors::add(std::size_t antenna,
-                    const ScatteredRay& ray,
-                    Value field,
-                    std::span<const Value> s,
-                    double unknown) {
+                     const ScatteredRay& ray,
+                     Value field,
+                     std::span<const Value> s,
+                     double unknown) {
   while (ray.path >= paths_.size()) {
     const Values none(antennas_ * numbers_);
     const std::vector<double> zero(antennas_);

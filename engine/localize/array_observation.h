@@ -28,8 +28,9 @@ struct ArrayObservation {
 
 // A burst received by the access points of the room.
 struct RoomObservation {
-  std::vector<ArrayObservation> arrays;  // for one Localizer; empty: nothing usable, see estimate.reason
-  LocationEstimate estimate;       // times, counts and warnings, no position
+  std::vector<ArrayObservation>
+      arrays;                 // for one Localizer; empty: nothing usable, see estimate.reason
+  LocationEstimate estimate;  // times, counts and warnings, no position
 };
 
 }  // namespace rayloc

@@ -22,9 +22,9 @@ struct ReceivedPlaces {
 // Bursts of devices with a certain position: one hypothesis, and a decimetre at most. `site`: with
 // known chains. `notes` as in for_each_frame().
 Expected<ReceivedPlaces> received_places(const Site& site,
-                                   const RoomModel& room,
-                                   const std::vector<CaptureArgument>& captures,
-                                   std::vector<std::string>& notes);
+                                         const RoomModel& room,
+                                         const std::vector<CaptureArgument>& captures,
+                                         std::vector<std::string>& notes);
 
 // In the format of load_points_csv().
 std::string to_csv(const std::vector<SurveyPoint>& points);

@@ -1,4 +1,4 @@
-#include "engine/localize/watched_area.h"
+#include "engine/localize/search_area.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,8 +12,8 @@ namespace {
 // About this many cells per room: 5 cm in a small room, larger cells in a large one.
 constexpr double kCells = 12000.0;
 constexpr double kFinestStep = 0.05;  // [m]
-constexpr double kMaxBeside = 2.0;   // [m]
-constexpr double kMinBeside = 0.5;  // [m], less is the thickness of a wall
+constexpr double kMaxBeside = 2.0;    // [m]
+constexpr double kMinBeside = 0.5;    // [m], less is the thickness of a wall
 
 std::size_t cells_beside(double reach, double step) {
   return reach < kMinBeside

@@ -1,4 +1,4 @@
-#include "engine/localize/close_search.h"
+#include "engine/localize/local_refinement.h"
 
 #include <algorithm>
 #include <cmath>
@@ -18,15 +18,14 @@ namespace {
 // margin of the best.
 constexpr double kRefinedMargin = 6.0;
 constexpr std::size_t kMaxRefined = 100;  // a count of cells, chosen: bounds the time of a fix
-constexpr std::size_t kMaxFine =
-    25;  // at most this many at half the distance, which costs as much
+constexpr std::size_t kMaxFine = 25;  // at most this many at half the distance, which costs as much
 // For an unknown height. A whole cell is less informative than its places, so more cells are
 // evaluated, layer by layer: those whose tempered log-likelihood is within this of the best.
 constexpr double kColumnMargin = 12.0;
 constexpr std::size_t kMaxCloseColumns = 400;  // a count of cells, chosen: bounds the time of a fix
 constexpr double kBoxMargin = 8.0;             // the same for boxes that are refined place by place
 constexpr std::size_t kMaxCloseBoxes = 480;    // a count, of all access points together
-constexpr double kMinWeight = 1e-4;          // least weight of an evaluated layer
+constexpr double kMinWeight = 1e-4;            // least weight of an evaluated layer
 
 // The entries with the highest scores, best first, at most `margin` below the best.
 std::vector<std::size_t> best_of(const std::vector<double>& score,
@@ -164,8 +163,8 @@ struct RefinedBox {
   std::size_t number = 0;  // of the cell, in the map
   std::size_t cell = 0;
   std::size_t layer = 0;
-  double log_mass = 0.0;      // of the box, including its prior
-  CellMass mass;              // distribution inside the box
+  double log_mass = 0.0;                  // of the box, including its prior
+  CellMass mass;                          // distribution inside the box
   std::vector<double> fault_probability;  // [array], probability that it is wrong there
 };
 
@@ -248,7 +247,8 @@ class BoxSearch {
                                                 static_cast<double>(slices.size() - 1)
                                           : 0.0;
     const double lowest = slices.front().offset - search_.heights.offset[box.layer];
-    const Places places = searcher_.on(box.cell, evaluators, lattice_, {lowest, step, slices.size()});
+    const Places places =
+        searcher_.on(box.cell, evaluators, lattice_, {lowest, step, slices.size()});
     const std::vector<double> fused = searcher_.fused(places);
     std::vector<PlacesAtHeight> at_heights;
     for (std::size_t h = 0; h < slices.size(); ++h) {

@@ -46,10 +46,10 @@ struct TemperingExponent {
 // estimates: one for each spot, with that exponent and `stated_sigma` as the least width [m], which
 // is replaced by each of `sigma_floors`. REQUIRES: an estimate for each spot, and a width.
 TemperingExponent evaluate_exponent(double exponent,
-                              std::span<const LocationEstimate> estimates,
-                              double stated_sigma,
-                              const KnownSpots& spots,
-                              std::span<const double> sigma_floors = kMinSigmas);
+                                    std::span<const LocationEstimate> estimates,
+                                    double stated_sigma,
+                                    const KnownSpots& spots,
+                                    std::span<const double> sigma_floors = kMinSigmas);
 
 // The index of the best one. REQUIRES: not empty; all for the same spots, exponents descending.
 std::size_t best_exponent(std::span<const TemperingExponent> evaluated);

@@ -1,5 +1,5 @@
 // The effect of an echo that the model lacks on the stated place of a surface.
-#include "engine/calibrate/joint/stated_widths.h"
+#include "engine/calibrate/joint/reported_sigma.h"
 
 #include <gtest/gtest.h>
 

@@ -15,8 +15,8 @@ namespace rayloc {
 
 // The rays to the centre of `array` from a device `by` [m] above their traced starting point.
 std::vector<Ray> rays_at_height(std::span<const Ray> rays,
-                             double by,
-                             const DeviceModel& device,
-                             const AntennaArray& array);
+                                double by,
+                                const DeviceModel& device,
+                                const AntennaArray& array);
 
 }  // namespace rayloc

@@ -1,4 +1,4 @@
-#include "engine/posterior/judged_exponent.h"
+#include "engine/posterior/tempering_exponent.h"
 
 #include <algorithm>
 #include <cmath>
@@ -60,10 +60,10 @@ double dishonesty(std::vector<double> reaching) {
 }  // namespace
 
 TemperingExponent evaluate_exponent(double exponent,
-                              std::span<const LocationEstimate> estimates,
-                              double stated_sigma,
-                              const KnownSpots& spots,
-                              std::span<const double> sigma_floors) {
+                                    std::span<const LocationEstimate> estimates,
+                                    double stated_sigma,
+                                    const KnownSpots& spots,
+                                    std::span<const double> sigma_floors) {
   RAYLOC_CHECK(!estimates.empty() && estimates.size() == spots.places.size());
   RAYLOC_CHECK(!sigma_floors.empty());
   const auto with = [&](std::size_t spot, double sigma) {
@@ -95,8 +95,9 @@ TemperingExponent evaluate_exponent(double exponent,
 
 std::size_t best_exponent(std::span<const TemperingExponent> evaluated) {
   RAYLOC_CHECK(!evaluated.empty());
-  const auto top = std::max_element(
-      evaluated.begin(), evaluated.end(), [](const auto& a, const auto& b) { return a.score < b.score; });
+  const auto top = std::max_element(evaluated.begin(),
+                                    evaluated.end(),
+                                    [](const auto& a, const auto& b) { return a.score < b.score; });
   std::vector<std::size_t> as_good;
   double least = top->dishonesty;
   for (std::size_t i = 0; i < evaluated.size(); ++i) {
