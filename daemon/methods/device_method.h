@@ -73,8 +73,8 @@ class DeviceMethod {
 
   // Receive chains learned from devices; null: frames are used unchanged.
   virtual ChainLearner* chains() { return nullptr; }
-  // Must be called after `believed` frames were received, before other frames are processed.
-  virtual ChainTrust trust(std::span<const CsiFrame> /*believed*/) const { return {}; }
+  // Must be called after `accepted` frames were received, before other frames are processed.
+  virtual ChainTrust trust(std::span<const CsiFrame> /*accepted*/) const { return {}; }
 
   // The channel model behind a position, for viewers; null: the method has none.
   virtual std::shared_ptr<const Localizer> localizer() const { return nullptr; }

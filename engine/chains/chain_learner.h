@@ -54,7 +54,7 @@ class ChainLearner {
   std::vector<CsiFrame> undone(std::span<const CsiFrame> frames) const;
   // Probability that the accepted state is wrong for every access point of accepted frames.
   FrameFault suspect(std::span<const CsiFrame> accepted) const;
-  // True if believed() and undone() would change nothing.
+  // True if accepted() and undone() would change nothing.
   bool leaves_alone() const;
 
   // In order of access points, for those with received frames or a restored state.

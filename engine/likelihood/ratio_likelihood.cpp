@@ -158,7 +158,7 @@ Likelihood::Coarse RatioLikelihood::coarse(const PlaceLikelihood& place,
 double RatioLikelihood::log_likelihood(const PlaceLikelihood& place,
                                        const ObservedBurst& observed,
                                        std::uint8_t /*windows*/) const {
-  if (place.features.empty()) {  // null model, see nowhere()
+  if (place.features.empty()) {  // null model, see null_model()
     return of_residual(kWorst);
   }
   const auto scale = static_cast<double>(observed.scale);

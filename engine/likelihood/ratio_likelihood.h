@@ -8,7 +8,7 @@
 //                e^2 = |z - z'|^2.
 // ratio_amp:     a as in RatioAmplitude; e^2 = sum (a - a')^2 relative to the best constant.
 // Neither detects that a device is outside the room: every place is more likely than
-// nowhere().
+// null_model().
 //
 // Ratios change within a fraction of the wavelength, and no average over a cell of the grid
 // represents them: a cell holds the expected ratios at places a quarter of the wavelength apart,

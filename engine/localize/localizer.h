@@ -43,7 +43,7 @@ struct LocalizerOptions {
 };
 
 // Probability that frames carry no information on the position, in addition to what they reveal
-// themselves: that the chains have new phase offsets (ChainLearner::doubt()).
+// themselves: that the chains have new phase offsets (ChainLearner::suspect()).
 struct FrameFault {
   double probability = 0.0;
 };
@@ -58,7 +58,7 @@ class Localizer {
   Localizer(Localizer&&) noexcept;
   Localizer& operator=(Localizer&&) noexcept;
 
-  // `frames`: one transmitter, any access points, in order of time. `doubt` is added to the outlier
+  // `frames`: one transmitter, any access points, in order of time. `fault` is added to the outlier
   // probability of the hypotheses.
   LocationEstimate locate(std::span<const CsiFrame> frames, const FrameFault& fault = {}) const;
   // With another exponent than RoomModel::likelihood_exponent: for fitting the exponent.

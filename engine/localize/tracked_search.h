@@ -36,7 +36,7 @@ class TrackedSearch {
   // The evaluated cells, in ascending order; a subset of the focus.
   const std::vector<std::size_t>& cells() const { return cells_; }
 
-  // [array][index in cells()]: log-likelihoods of each access point, relative to `nowhere`.
+  // [array][index in cells()]: log-likelihoods of each access point, relative to `null_model`.
   std::vector<std::vector<double>> scan(std::span<const double> null_model);
   // Removes an array that no place in the room explains.
   void leave_out(std::size_t array);

@@ -16,9 +16,7 @@
 
 namespace rayloc {
 namespace {
-
 using Value = std::complex<double>;
-
 }  // namespace
 
 // One transmitter at one access point: its expected and its received array. Not in an unnamed
@@ -63,6 +61,7 @@ struct ReceivedSpot {
   MonitoredSpot* spot = nullptr;
   std::vector<Value> h;
 };
+using ReceivedSpots = std::vector<ReceivedSpot>;
 
 double against(double phase, double other) {
   return std::remainder(phase - other, 2.0 * std::numbers::pi);
@@ -140,17 +139,16 @@ class CalibrationMonitor::AccessPoint {
 
  private:
   MonitoredSpot& spot_of(const Transmitter& transmitter);
-  std::vector<ReceivedSpot> receive();
-  void evaluate(const std::vector<ReceivedSpot>& received);
+  ReceivedSpots receive();
+  void evaluate(const ReceivedSpots& received);
   std::vector<Value> along(const ReceivedSpot& one) const;
-  double correlation(const std::vector<ReceivedSpot>& received,
-                     const std::vector<double>& turn) const;
-  double correlation(const std::vector<ReceivedSpot>& received, const ArrayMotion& motion) const;
-  bool explained_by_motion(const std::vector<ReceivedSpot>& received, double unexplained);
-  ArrayMotion scan(const std::vector<ReceivedSpot>& received) const;
-  std::vector<double> jumps_of_calibration(const std::vector<ReceivedSpot>& received,
+  double correlation(const ReceivedSpots& received, const std::vector<double>& turn) const;
+  double correlation(const ReceivedSpots& received, const ArrayMotion& motion) const;
+  bool explained_by_motion(const ReceivedSpots& received, double unexplained);
+  ArrayMotion scan(const ReceivedSpots& received) const;
+  std::vector<double> jumps_of_calibration(const ReceivedSpots& received,
                                            const std::vector<double>& turn) const;
-  std::vector<double> jumps(const std::vector<ReceivedSpot>& received);
+  std::vector<double> jumps(const ReceivedSpots& received);
   CalibrationWarning warning(CalibrationProblem problem) const;
 
   std::size_t index_;
@@ -192,8 +190,8 @@ void CalibrationMonitor::AccessPoint::set_reference(const Transmitter& transmitt
   spot.sigma.assign(ap_.cores.size(), 0.0);
 }
 
-std::vector<ReceivedSpot> CalibrationMonitor::AccessPoint::receive() {
-  std::vector<ReceivedSpot> received;
+ReceivedSpots CalibrationMonitor::AccessPoint::receive() {
+  ReceivedSpots received;
   for (const auto& spot : spots_) {
     auto burst = combine_burst(spot->frames, {static_cast<int>(index_), grid_, ap_.cores, {}});
     spot->frames.clear();
@@ -225,7 +223,7 @@ std::vector<Value> CalibrationMonitor::AccessPoint::along(const ReceivedSpot& on
   return phasor;
 }
 
-double CalibrationMonitor::AccessPoint::correlation(const std::vector<ReceivedSpot>& received,
+double CalibrationMonitor::AccessPoint::correlation(const ReceivedSpots& received,
                                                     const std::vector<double>& turn) const {
   double sum = 0.0;
   for (const ReceivedSpot& one : received) {
@@ -238,7 +236,7 @@ double CalibrationMonitor::AccessPoint::correlation(const std::vector<ReceivedSp
   return sum / static_cast<double>(received.size());
 }
 
-double CalibrationMonitor::AccessPoint::correlation(const std::vector<ReceivedSpot>& received,
+double CalibrationMonitor::AccessPoint::correlation(const ReceivedSpots& received,
                                                     const ArrayMotion& motion) const {
   double sum = 0.0;
   for (const ReceivedSpot& one : received) {
@@ -252,7 +250,7 @@ double CalibrationMonitor::AccessPoint::correlation(const std::vector<ReceivedSp
 }
 
 // The best motion on a grid, refined from there with ever smaller steps.
-ArrayMotion CalibrationMonitor::AccessPoint::scan(const std::vector<ReceivedSpot>& received) const {
+ArrayMotion CalibrationMonitor::AccessPoint::scan(const ReceivedSpots& received) const {
   const int shifts = static_cast<int>(std::lround(kMaxShift / kShiftStep));
   const int yaws = static_cast<int>(std::lround(kMaxYaw / kYawStep));
   std::vector<ArrayMotion> grid;
@@ -290,7 +288,7 @@ ArrayMotion CalibrationMonitor::AccessPoint::scan(const std::vector<ReceivedSpot
 }
 
 // True if a motion leaves much less than `unexplained`: the last one found, or that of a new scan.
-bool CalibrationMonitor::AccessPoint::explained_by_motion(const std::vector<ReceivedSpot>& received,
+bool CalibrationMonitor::AccessPoint::explained_by_motion(const ReceivedSpots& received,
                                                           double unexplained) {
   state_.moved_fit = correlation(received, state_.motion);
   if (1.0 - state_.moved_fit >= kBetter * unexplained && state_.since_scan >= kRescan) {
@@ -304,7 +302,7 @@ bool CalibrationMonitor::AccessPoint::explained_by_motion(const std::vector<Rece
 // Phase offsets against the calibration that are jumps, 0 for the others: above kJump and three
 // sigmas; all 0 where a quarter turn could not be detected.
 std::vector<double> CalibrationMonitor::AccessPoint::jumps_of_calibration(
-    const std::vector<ReceivedSpot>& received, const std::vector<double>& turn) const {
+    const ReceivedSpots& received, const std::vector<double>& turn) const {
   const auto spots = static_cast<double>(received.size());
   double share = correlation(received, turn);
   for (const ReceivedSpot& one : received) {
@@ -329,8 +327,7 @@ std::vector<double> CalibrationMonitor::AccessPoint::jumps_of_calibration(
 
 // Phase jump of each chain, 0 for chains without one: against the calibration, or else against the
 // first windows; a jump from before these is then not detected.
-std::vector<double> CalibrationMonitor::AccessPoint::jumps(
-    const std::vector<ReceivedSpot>& received) {
+std::vector<double> CalibrationMonitor::AccessPoint::jumps(const ReceivedSpots& received) {
   std::vector<std::vector<Value>> phasors;
   ChainTurns turns(ap_.cores.size());
   for (const ReceivedSpot& one : received) {
@@ -358,7 +355,7 @@ std::vector<double> CalibrationMonitor::AccessPoint::jumps(
   return jumped;
 }
 
-void CalibrationMonitor::AccessPoint::evaluate(const std::vector<ReceivedSpot>& received) {
+void CalibrationMonitor::AccessPoint::evaluate(const ReceivedSpots& received) {
   if (received.empty()) {
     return;
   }

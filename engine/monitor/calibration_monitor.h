@@ -112,7 +112,7 @@ class CalibrationMonitor {
     bool drifted = false;
   };
   std::vector<MonitorState> window_state() const;  // by access point
-  // Call before the first burst and after know(). Access points of this room only.
+  // Call before the first burst and after set_reference(). Access points of this room only.
   void go_on(const std::vector<MonitorState>& window_state);
 
   // Adds the frames of one burst of a transmitter from all access points. Access points without

@@ -116,7 +116,7 @@ class PersonTracker {
 
  private:
   enum class Sight : std::uint8_t { kSeen, kNoPerson, kUnexplained };
-  // `least`: least value of `PersonMap::somebody` at which a person is reported.
+  // `least`: least value of `PersonMap::presence` at which a person is reported.
   static Sight sight_of(const PersonMap& map, double least);
 
   struct Life {

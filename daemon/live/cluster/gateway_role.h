@@ -43,7 +43,7 @@ class GatewayRole {
   GatewayRole(const GatewayRole&) = delete;
   GatewayRole& operator=(const GatewayRole&) = delete;
 
-  // `say`: called from a thread of the role, in the order of the results.
+  // `deliver`: called from a thread of the role, in the order of the results.
   void add(const std::string& site, Deliver deliver);
   void remove(const std::string& site);
   void start();

@@ -47,7 +47,7 @@ class SiteFeed {
     // For a replay: nothing is requested from nodes, and
     // the sources end after the message of that sequence.
     std::optional<std::uint64_t> until;
-    // For a standby: nothing is requested or written until speak().
+    // For a standby: nothing is requested or written until take_over().
     bool only_listens = false;
     // A node that is not received for so long, although others are, is silent.
     Duration silent_after = std::chrono::seconds(1);

@@ -22,7 +22,7 @@ Timestamp time_of_us(std::int64_t us) {
 
 namespace {
 
-// `told`: the carried state; null: none.
+// `state`: the carried state; null: none.
 Expected<SiteStart> start_with(const v1::StreamPosition& resume,
                                std::int64_t from_us,
                                const v1::Carried* state) {

@@ -27,7 +27,7 @@ class Saturation {
 
   // To be called about every second with the current counters.
   void check(const v1::Heartbeat& heartbeat, Time now);
-  // "source ap1: frames were dropped in the last 10 s: ..."; as of the last call of look().
+  // "source ap1: frames were dropped in the last 10 s: ..."; as of the last call of check().
   std::vector<std::string> reasons() const;
   // The same for bursts: the consequence, the share of bursts, and the remedy.
   std::vector<std::string> warnings() const;
@@ -42,7 +42,7 @@ class Saturation {
   static void compare(const std::string& reason, std::uint64_t lost, Time now, Queues& queues);
   static std::vector<std::string> lately(const Queues& queues);
 
-  // Counters of bursts at one call of look().
+  // Counters of bursts at one call of check().
   struct Bursts {
     Time time;
     std::uint64_t explained = 0;

@@ -61,7 +61,7 @@ class SiteRuntime {
   // previous owner. An Error if the results show another owner.
   Expected<void> claim(std::uint64_t generation);
   // For a worker, before open(): another one owns the site; this one is a standby from `along` on.
-  // claim() after start() makes it the owner, and speak() publishes the unpublished results.
+  // claim() after start() makes it the owner, and take_over() publishes the unpublished results.
   Expected<void> begin_standby(StandbyStart along);
   void take_over();
   // Comparison of its results with those of the owner; empty if it is no standby.

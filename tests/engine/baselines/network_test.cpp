@@ -53,7 +53,7 @@ struct Batch {
   std::vector<std::size_t> labels;
 };
 
-// Noise, and where `telling` the class as the sign of the first plane.
+// Noise, and where `informative` the class as the sign of the first plane.
 Batch batch_of(const NetworkShape& shape, std::size_t count, bool informative, unsigned seed = 1) {
   std::mt19937 random(seed);
   const auto noise = [&] {

@@ -152,7 +152,7 @@ std::vector<LocationEstimate> received(Witraj& witraj, const std::vector<CsiFram
 
 Vec3d route(double t) { return {-0.6 + 0.4 * t, 0.3 * std::sin(1.2 * t), 1.2}; }
 
-// [m], of way().
+// [m], against route().
 double worst_error(const std::vector<LocationEstimate>& estimates) {
   double worst = 0.0;
   for (const LocationEstimate& estimate : estimates) {

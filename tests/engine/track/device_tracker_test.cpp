@@ -158,9 +158,8 @@ TEST(DeviceTracker, ATrackTakesLittleMemory) {
       std::vector<DeviceUpdate> updates;
       const MacAddress address{{2, 0, 0, 0, 1, static_cast<std::uint8_t>(device)}};
       for (int ms = 0; ms <= 200; ms += 50) {
-        const Vec3d place = walker(80 * device + ms);
-        tracker->receive(
-            address, frames(localizer(access_points)->room(), place, ms, 20.0), updates);
+        const RoomModel& room = localizer(access_points)->room();
+        tracker->receive(address, frames(room, walker(80 * device + ms), ms, 20.0), updates);
       }
     }
     ASSERT_EQ(tracker->size(), static_cast<std::size_t>(kDevices));
@@ -177,11 +176,11 @@ TEST(DeviceTracker, ATrackTakesLittleMemory) {
 // together, one after the other or in reverse order, and on one thread.
 TEST(DeviceTracker, SaysTheSameWhateverTheOrderOfDevices) {
   constexpr int kDevices = 4;
-  enum class Mode { kTogether, kInOrder, kBackwards, kOneThread };
+  enum class Mode { kTogether, kInOrder, kBackwards, kSerial };
   std::map<Mode, std::map<MacAddress, std::vector<double>>> estimates;
-  for (const Mode mode : {Mode::kTogether, Mode::kInOrder, Mode::kBackwards, Mode::kOneThread}) {
+  for (const Mode mode : {Mode::kTogether, Mode::kInOrder, Mode::kBackwards, Mode::kSerial}) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
-                                    mode == Mode::kOneThread ? 1 : 4);
+                                    mode == Mode::kSerial ? 1 : 4);
     DeviceTracker tracker(localizer(1), {});
     for (int ms = 0; ms <= 400; ms += 50) {
       std::vector<std::vector<CsiFrame>> received;
@@ -198,8 +197,7 @@ TEST(DeviceTracker, SaysTheSameWhateverTheOrderOfDevices) {
       if (mode == Mode::kBackwards) {
         std::reverse(bursts.begin(), bursts.end());
       }
-      const std::size_t at_once =
-          mode == Mode::kTogether || mode == Mode::kOneThread ? kDevices : 1;
+      const std::size_t at_once = mode == Mode::kTogether || mode == Mode::kSerial ? kDevices : 1;
       for (std::size_t i = 0; i < bursts.size(); i += at_once) {
         for (const auto& updates : tracker.receive(std::span(bursts).subspan(i, at_once))) {
           ASSERT_FALSE(updates.empty());
@@ -211,7 +209,7 @@ TEST(DeviceTracker, SaysTheSameWhateverTheOrderOfDevices) {
     }
   }
   EXPECT_EQ(estimates[Mode::kTogether].size(), static_cast<std::size_t>(kDevices));
-  for (const Mode mode : {Mode::kInOrder, Mode::kBackwards, Mode::kOneThread}) {
+  for (const Mode mode : {Mode::kInOrder, Mode::kBackwards, Mode::kSerial}) {
     EXPECT_EQ(estimates[mode], estimates[Mode::kTogether]) << static_cast<int>(mode);
   }
 }
