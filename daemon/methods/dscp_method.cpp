@@ -30,7 +30,8 @@ class DscpPeople : public PersonMethod {
     if (estimate.position) {
       estimate.position->z = 0.0;  // positions of people are on the floor
       if (!has_empty_room_) {
-        estimate.warnings.emplace_back("dscp was trained without --empty: it always sees somebody");
+        estimate.warnings.emplace_back(
+            "dscp was trained without --empty: it always detects a person");
       }
     }
     return {std::move(estimate)};

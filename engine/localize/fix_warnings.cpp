@@ -23,13 +23,13 @@ void warn_of_suspects(const std::vector<ArrayObservation>& received,
     if (received.size() > 1 && fault_probability[i] > kFaulty) {
       estimate.warnings.push_back(name +
                                   " contradicts the others: it is covered, was moved or has "
-                                  "changed; what it hears is not believed");
+                                  "changed; its CSI is not used");
       continue;
     }
     const auto odds = received[i].map->obstructed_log_odds(rays[i], received[i].observed);
     if (odds && likelihood_exponent * *odds > kSurelyObstructed) {
       estimate.warnings.push_back(name +
-                                  ": the direct way to the device is not as the plan has it: it is "
+                                  ": the line of sight to the device differs from the plan: it is "
                                   "covered, or the chains have changed");
     }
   }

@@ -151,7 +151,7 @@ std::optional<ArrayObservation> Localizer::Impl::received_by(std::size_t number,
   ArrayObservation received{number, map, map->observe(burst.h, noise), burst.h, {}};
   if (received.observed.array.captured < kMinCaptured) {
     estimate.warnings.push_back("access point " + ap.id +
-                                ": what it heard is no channel of this room");
+                                ": its CSI does not match any channel this room can produce");
     return std::nullopt;
   }
   if (const auto level = received_level(ap, burst)) {
@@ -325,8 +325,8 @@ LocationEstimate Localizer::Impl::locate(std::span<const CsiFrame> frames,
     estimate.reason =
         outside > contradicted
             ? SearchArea::kBeside
-            : "what the access points hear contradicts each other: the device is not in "
-              "the area, or more than one of them has changed";
+            : "the access points contradict each other: the device is not in the area, or more "
+              "than one of them has changed";
     return std::move(estimate);
   }
   summarise_posterior(grid_,

@@ -147,8 +147,9 @@ PersonObservation PersonLocalizer::Impl::receive(std::span<const CsiFrame> frame
   }
   tally.fill(frames, estimate);
   if (observation.arrays.empty()) {
-    estimate.reason = estimate.warnings.empty() ? "no access point of the reference heard the burst"
-                                                : estimate.warnings.front();
+    estimate.reason = estimate.warnings.empty()
+                          ? "no access point of the reference received the burst"
+                          : estimate.warnings.front();
   }
   return observation;
 }
@@ -285,7 +286,7 @@ double PersonLocalizer::Impl::misfit_of(const std::vector<ArrayMap>& arrays,
     if (one[best.sample] < of.floor) {
       map.warnings.push_back(
           "access point " + room_->access_points[reference_.links[of.array->link].access_point].id +
-          ": what it hears has changed as one person does not change it");
+          ": its channel has changed as one person does not change it");
       continue;
     }
     explained += 1.0;
@@ -373,11 +374,11 @@ LocationEstimate PersonLocalizer::Impl::summarise(LocationEstimate estimate,
   }
   if (map.is_transmitter_suspect) {
     estimate.warnings.emplace_back(
-        "what is heard has changed as by somebody right beside the transmitter; it may have been "
+        "the channel has changed as by a person right next to the transmitter; it may have been "
         "moved or covered");
   }
   if (map.presence < kPresence) {
-    estimate.reason = "nobody seen: the room is as it was when it was empty";
+    estimate.reason = "no person detected: the room is as it was when empty";
     return estimate;
   }
   summarise_posterior(squares_.walkable.grid,

@@ -54,7 +54,7 @@ std::string no_usable_csi(const RoomModel& room, const std::vector<std::string>&
   if (std::all_of(room.access_points.begin(), room.access_points.end(), is_uncalibrated)) {
     return "no chain gains, calibrate the site";
   }
-  return warnings.empty() ? "no access point of the site heard the burst" : warnings.front();
+  return warnings.empty() ? "no access point of the site received the burst" : warnings.front();
 }
 
 std::optional<BurstObservation> receive(const RoomModel& room,

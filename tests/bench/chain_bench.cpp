@@ -234,7 +234,7 @@ void again(const std::shared_ptr<const Localizer>& localizer,
         "the end:%s\n",
         number,
         room.access_points[state.access_point].id.c_str(),
-        one.accepted ? "believed" : "not believed",
+        one.accepted ? "accepted" : "not accepted",
         text(one.bursts).c_str(),
         text(one.learned).c_str(),
         phases(state.factors.factor, second[state.access_point]).c_str());

@@ -140,10 +140,10 @@
 
     'nobody in the room is nobody on the map'() {
       const empty = {kind: 'LOCATION_KIND_SNAPSHOT', track_state: undefined, position: undefined,
-        quality: {no_fix_reason: 'nobody seen'}};
+        quality: {no_fix_reason: 'no person detected'}};
       const {model, said, tell} = begin([location(NOW, person('7', empty))]);
       same([model.at(NOW).length, said], [0, []], 'shown and announced');
-      same(model.absence(), 'No person is located: nobody seen.', 'said');
+      same(model.absence(), 'No person is located: no person detected.', 'said');
       tell(NOW + 6000, []);
       same(model.absence(), 'No target has been located yet.', 'said when that is old');
     },

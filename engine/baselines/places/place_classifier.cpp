@@ -79,7 +79,7 @@ LocationEstimate PlaceClassifier::locate(std::span<const CsiFrame> frames, std::
                                       {options_.images, options_.seed + repeat},
                                       estimate);
   if (received.images.empty()) {
-    estimate.reason = "no access point that the network was trained with heard the burst";
+    estimate.reason = "no access point of the training received the burst";
     return estimate;
   }
   WeightedPlaces weighted;
@@ -92,7 +92,7 @@ LocationEstimate PlaceClassifier::locate(std::span<const CsiFrame> frames, std::
     const double no_person = weighted.weights.back();
     weighted.weights.pop_back();
     if (no_person > kNoPerson) {
-      estimate.reason = "nobody is seen";
+      estimate.reason = "no person detected";
       return estimate;
     }
     for (double& weight : weighted.weights) {

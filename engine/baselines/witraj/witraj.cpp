@@ -325,7 +325,8 @@ LocationEstimate Witraj::estimate() const {
                                 " steps were longer than v_max or left the room, and cut");
   }
   if (gaps_ > 0) {
-    estimate.warnings.push_back(std::to_string(gaps_) + " gaps in what was heard: no steps there");
+    estimate.warnings.push_back(std::to_string(gaps_) +
+                                " gaps in the received frames: no steps there");
   }
   return estimate;
 }

@@ -42,7 +42,7 @@ ArrayMistake in_order(const RoomAccessPoint& ap, const std::vector<std::size_t>&
     const std::string a = std::to_string(ap.cores[moved.front()]);
     const std::string b = std::to_string(ap.cores[moved.back()]);
     mistake.meaning = "with cores " + a + " and " + b + " exchanged";
-    mistake.remedy = "core = " + b + " where core = " + a + " stands and the reverse";
+    mistake.remedy = "core = " + b + " in place of core = " + a + ", and the reverse";
   } else {
     mistake.meaning = "with its antennas wired to cores " + list_of(ap, order) + " instead of " +
                       list_of(ap, stated);

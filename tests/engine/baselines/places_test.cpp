@@ -276,7 +276,7 @@ TEST(Cifi, SaysWhyThereIsNoFix) {
   }
   const LocationEstimate estimate = cifi.locate(frames, 0);
   EXPECT_FALSE(estimate.position);
-  EXPECT_EQ(estimate.reason, "no access point that the network was trained with heard the burst");
+  EXPECT_EQ(estimate.reason, "no access point of the training received the burst");
   frames = at({0.1, 0.1, 1.2}, 1);
   EXPECT_TRUE(cifi.locate({frames.data(), 1}, 0).position) << "one frame is enough";
 }
@@ -316,7 +316,7 @@ TEST(Dscp, KnowsTheEmptyRoomAndPlaces) {
   EXPECT_EQ((*training)->network->mean.size(), 9U) << "three pairs of three access points";
   auto dscp = make_dscp(room(), {}, 1, 0.95, *training);
   ASSERT_TRUE(dscp);
-  EXPECT_EQ(dscp->locate(at({1.2, 1.0, 0.5}, 78), 0).reason, "nobody is seen");
+  EXPECT_EQ(dscp->locate(at({1.2, 1.0, 0.5}, 78), 0).reason, "no person detected");
   std::size_t right = 0;
   for (const TrainingPoint& point : input.points) {
     const LocationEstimate estimate = dscp->locate(at(point.position, 500), 0);

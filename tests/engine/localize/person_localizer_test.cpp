@@ -107,7 +107,7 @@ TEST_F(PersonLocalizerTest, SeesNobodyInTheEmptyRoom) {
     const auto estimate = localizer().locate(test::frames_past(
         *room(), {}, {}, {.count = 1 + static_cast<int>(seed % 8), .seed = seed}));
     EXPECT_FALSE(estimate.position) << seed;
-    EXPECT_NE(estimate.reason.find("nobody"), std::string::npos) << estimate.reason;
+    EXPECT_NE(estimate.reason.find("no person"), std::string::npos) << estimate.reason;
   }
 }
 

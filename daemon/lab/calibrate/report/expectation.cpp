@@ -128,7 +128,7 @@ std::string expectation(const CalibrationReport& report) {
       taken.points == 1 ? "" : "s",
       taken.fixes);
   for (const Explained& one : behind(all)) {
-    text += fmt::format("; {} is doubtful, it explains {:.0f} % of what it heard{}",
+    text += fmt::format("; {} is doubtful, it explains {:.0f} % of the CSI it received{}",
                         one.access_point,
                         100.0 * one.share,
                         suspicion(report, one.access_point));
@@ -140,8 +140,8 @@ std::vector<std::string> advice(const CalibrationReport& report) {
   const std::vector<Explained> all = explained(report);
   std::vector<std::string> found;
   for (const Explained& one : behind(all)) {
-    found.push_back("Look at " + one.access_point +
-                    ": how it is turned, the order of its antennas, and what stands before it.");
+    found.push_back("Check " + one.access_point +
+                    ": its orientation, the order of its antennas, and objects in front of it.");
   }
   const auto is_misplaced = [](const Explained& one) {
     return one.placed && *one.placed > one.share + kMuchLess;
@@ -156,12 +156,12 @@ std::vector<std::string> advice(const CalibrationReport& report) {
   }
   if (all.size() == 1) {
     found.emplace_back(
-        "Add an access point: with one, places that look alike are told apart by their power alone "
-        "(rayloc predict says where it helps most).");
+        "Add an access point: with one, only the received power separates places with similar CSI "
+        "(rayloc predict finds where it helps most).");
   }
   if (report.positions.size() < kFewPoints && !(report.fixes.empty() || is_good(report, all))) {
     found.push_back(fmt::format(
-        "Survey more points: {} hardly tell a mistake of the survey from one of the room "
+        "Survey more points: {} hardly separate a mistake of the survey from one of the room "
         "(rayloc calibrate --plan proposes {}).",
         report.positions.size(),
         kFewPoints));

@@ -254,7 +254,7 @@ TEST_F(ReferenceVerb, LeadsFromTheEmptyRoomToPlacesOfPeople) {
   // No person is detected in the empty room.
   for (const json& location : replay("people-site", "empty")) {
     EXPECT_EQ(location["mode"], "FIX_MODE_NO_FIX");
-    EXPECT_THAT(location["quality"]["no_fix_reason"].get<std::string>(), HasSubstr("nobody"));
+    EXPECT_THAT(location["quality"]["no_fix_reason"].get<std::string>(), HasSubstr("no person"));
   }
 }
 
@@ -285,7 +285,7 @@ TEST_F(ReferenceVerb, UsesPeopleOfAnotherDay) {
   EXPECT_GE(near(found, later()), 5);
   EXPECT_GE(within_accuracy(found, later()), 8);
   for (const json& location : replay("another-day", "today")) {
-    EXPECT_THAT(location["quality"]["no_fix_reason"].get<std::string>(), HasSubstr("nobody"));
+    EXPECT_THAT(location["quality"]["no_fix_reason"].get<std::string>(), HasSubstr("no person"));
   }
 }
 

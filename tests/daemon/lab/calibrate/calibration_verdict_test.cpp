@@ -137,12 +137,12 @@ TEST(Expectation, NamesTheAccessPointThatIsBehindTheOthers) {
   turned.what = "access point 'b' turned by 180 degrees";
   turned.significance = 1.4;
   report.verdict.tried = {turned};
-  EXPECT_EQ(
-      expectation(report),
-      "Usable: expect 20 cm with 2 access points (median of 3 points held out, 3 of them "
-      "with a fix); b is doubtful, it explains 55 % of what it heard (access point 'b' turned "
-      "by 180 degrees?).");
-  EXPECT_EQ(advice(report).front().rfind("Look at b:", 0), 0U);
+  EXPECT_EQ(expectation(report),
+            "Usable: expect 20 cm with 2 access points (median of 3 points held out, 3 of them "
+            "with a fix); b is doubtful, it explains 55 % of the CSI it received (access point 'b' "
+            "turned "
+            "by 180 degrees?).");
+  EXPECT_EQ(advice(report).front().rfind("Check b:", 0), 0U);
 }
 
 TEST(Expectation, AdvisesToMeasureThePointsWhereTheirPlacesLimitIt) {
