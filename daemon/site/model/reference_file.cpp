@@ -40,7 +40,7 @@ std::string person_text(const PersonModel& person, std::size_t spots) {
          "\ntemper = " + to_text(person.likelihood_exponent) + "\n" +
          (person.second_person
               ? "second_person = " + to_text(*person.second_person) +
-                    "  # difference of log-likelihoods from which on one is believed\n"
+                    "  # difference of log-likelihoods from which on one is accepted\n"
               : "");
 }
 
