@@ -141,9 +141,9 @@ void MixtureDetector::add_recent(const CsiFragment& fragment, Timestamp time) {
                             apart(recent.time, time) <= kCounterMemory;
   const bool same_transmitter = same_counter && recent.transmitter == fragment.transmitter;
   const bool same_frame = same_transmitter && recent.sequence_control == fragment.sequence_control;
-  bool shared = same_transmitter && !same_frame;
   if (!same_frame) {
     recent.used = true;
+    recent.is_shared = same_transmitter;
     recent.sequence = fragment.sequence;
     recent.sequence_control = fragment.sequence_control;
     recent.transmitter = fragment.transmitter;
@@ -157,24 +157,30 @@ void MixtureDetector::add_recent(const CsiFragment& fragment, Timestamp time) {
   const auto known = std::find_if(recent.part.begin(), end, [&](const Part& one) {
     return one.slot == part.slot && one.first_tone == part.first_tone;
   });
+  bool is_shared = recent.is_shared;
   if (known != end) {
-    shared = shared || known->digest != part.digest;
+    is_shared = is_shared || known->digest != part.digest;
   } else if (recent.parts < kRecentParts) {
     recent.part[recent.parts++] = part;
   }
-  add_shared(shared, time);
+  add_shared(fragment, is_shared, time);
 }
 
-void MixtureDetector::add_shared(bool shared, Timestamp time) {
-  if (!shared) {
-    unshared_ = std::min(unshared_ + 1, kMaxUnshared + 1);
-    return;
+void MixtureDetector::add_shared(const CsiFragment& fragment, bool is_shared, Timestamp time) {
+  if (is_shared != in_shared_run_) {
+    if (is_shared) {
+      shared_runs_ = frames_in_run_ > kMaxNew ? 1 : shared_runs_ + 1;
+    }
+    in_shared_run_ = is_shared;
+    frames_in_run_ = 1;
+  } else if (fragment.sequence != last_sequence_) {
+    frames_in_run_ = std::min(frames_in_run_ + 1, kMaxNew + 1);
   }
-  if (unshared_ > 0) {
-    shared_runs_ = unshared_ > kMaxUnshared ? 1 : shared_runs_ + 1;
-    unshared_ = 0;
+  last_sequence_ = fragment.sequence;
+  if (is_shared && frames_in_run_ > kMaxShared) {
+    shared_runs_ = 0;
   }
-  if (shared_runs_ >= kMinSharedRuns) {
+  if (is_shared && shared_runs_ >= kMinSharedRuns) {
     observe(Evidence::kSharedCounter, time);
   }
 }

@@ -64,9 +64,10 @@ class MixtureDetector {
   static constexpr std::size_t kMaxTracks = 64;
   static constexpr std::size_t kRecent = 256;
   static constexpr std::size_t kRecentParts = 16;
-  // Two access points that share counter values alternate within fewer fragments: 32 frames of four
-  // receive chains.
-  static constexpr std::size_t kMaxUnshared = 128;
+  // Frames in a row of one kind where two access points share counter values: with a value that
+  // came before, and with a new one (the other access point may lose frames).
+  static constexpr int kMaxShared = 8;
+  static constexpr int kMaxNew = 32;
 
   // A frame counter that advances for one transmitter, or a sender address.
   struct Track {
@@ -88,6 +89,7 @@ class MixtureDetector {
   };
   struct Recent {
     bool used = false;
+    bool is_shared = false;  // another frame had this counter value before
     std::uint16_t sequence = 0;
     std::uint16_t sequence_control = 0;
     MacAddress transmitter;
@@ -102,7 +104,7 @@ class MixtureDetector {
   bool follow(Tracks& all, const Track& now, std::uint32_t tolerance, Timestamp time);
   void add_counter(const CsiFragment& fragment, Timestamp time);
   void add_recent(const CsiFragment& fragment, Timestamp time);
-  void add_shared(bool shared, Timestamp time);
+  void add_shared(const CsiFragment& fragment, bool is_shared, Timestamp time);
   void add_sequence_number(const CsiFragment& fragment, Timestamp time);
   void close_run();
 
@@ -112,10 +114,11 @@ class MixtureDetector {
   Tracks counters_;
   Tracks senders_;
   std::vector<Recent> recent_;  // [kRecent], by sequence modulo kRecent; empty before the first
-  // Runs of fragments with a shared counter value, each soon after the one before; fragments with
-  // new values since the last one.
+  // Runs of at most kMaxShared frames with a shared counter value, at most kMaxNew frames apart.
   int shared_runs_ = 0;
-  std::size_t unshared_ = kMaxUnshared + 1;
+  bool in_shared_run_ = false;
+  int frames_in_run_ = 0;  // of the current run, shared or not
+  std::uint16_t last_sequence_ = 0;
   // The current run of fragments with one 802.11 sequence number, and lengths of the last runs.
   CsiFragment run_;  // its first fragment; empty format: none
   Timestamp run_begin_;

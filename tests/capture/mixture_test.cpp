@@ -197,15 +197,20 @@ TEST(Field, OneAccessPointIsNoMixture) {
              "devices that were recorded one after the other and merged");
   expect_all(merged(axcsi({}, 30), axcsi({.begin = std::chrono::seconds(3)}, 30)),
              "a recording that is sent again");
-  for (const int count : {30, 90, 300}) {
-    const Duration step = Milliseconds(10);
-    Recording sent = axcsi({.step = step}, count);
-    for (int i = 1; i < 5; ++i) {
-      sent = merged(sent,
-                    axcsi({.delay = 40e-9 * i, .begin = i * (count + 200) * step, .step = step},
-                          count + 40 * i));
+  for (const int count : {12, 25, 90, 300}) {  // frames of each recording, which differ in length
+    for (const int frames_apart : {0, 7}) {    // between the 802.11 numbers of two recordings
+      const Duration step = Milliseconds(40);
+      Recording sent = axcsi({.step = step}, count);
+      for (int i = 1; i < 6; ++i) {
+        sent = merged(sent,
+                      axcsi({.first_number = 1 + frames_apart * i,
+                             .delay = 40e-9 * i,
+                             .begin = i * (count + 10) * step,
+                             .step = step},
+                            count + 1 + i % 3));
+      }
+      expect_all(sent, "recordings of other places that are sent one after the other");
     }
-    expect_all(sent, "recordings of other places that are sent one after the other");
   }
   expect_all(nexmon({}, 60), "nexmon");
 }
