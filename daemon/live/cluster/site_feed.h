@@ -94,7 +94,7 @@ class SiteFeed {
   class Lane;
   class Source;
   struct Node {
-    Time received;        // by our clock
+    Time last_received;   // by our clock
     Time reported;        // last report of its silence
     bool silent = false;  // according to the stream
   };

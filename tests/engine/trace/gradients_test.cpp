@@ -242,7 +242,7 @@ Parameter parameter_of(const std::string& name, const Scene& scene) {
 // dP of P = sum |h|^2 and dD of D = sum |h - h_ref|^2.
 void expect_reference_gradients(const TracedLink& link, const test::Csi& reference, const json& d) {
   std::vector<Parameter> parameters;
-  for (const auto& [name, stated] : d.items()) {
+  for (const auto& [name, value] : d.items()) {
     parameters.push_back(parameter_of(name, link.scene()));
   }
   const auto dp = link.gradient(parameters, [](test::Csi h) {
@@ -256,7 +256,7 @@ void expect_reference_gradients(const TracedLink& link, const test::Csi& referen
     return h;
   });
   std::size_t i = 0;
-  for (const auto& [name, value] : d.items()) {
+  for (const auto& [name, stated] : d.items()) {
     // A lower wall moves along the axis, against its normal.
     const double sign = name.rfind("lo.", 0) == 0 ? -1.0 : 1.0;
     const json& value = stated;  // clang 14 captures no structured binding

@@ -151,7 +151,7 @@ TEST(CaptureSimulator, RoughWallsScatterWhereThatIsAskedFor) {
   auto scene = Scene::create({room.scene->objects(), {rough}, room.scene->carrier_hz()});
   ASSERT_TRUE(scene.has_value());
   room.scene = std::make_shared<const Scene>(*std::move(scene));
-  const auto receive = [&](bool diffuse, std::uint64_t seed) {
+  const auto channel = [&](bool diffuse, std::uint64_t seed) {
     CaptureOptions options = options_with(no_impairments());
     options.trace.diffuse = diffuse;
     options.seed = seed;
@@ -165,11 +165,11 @@ TEST(CaptureSimulator, RoughWallsScatterWhereThatIsAskedFor) {
     }
     return h;
   };
-  const std::vector<Value> smooth = receive(false, 1);
-  const std::vector<Value> scattered = receive(true, 1);
-  EXPECT_EQ(scattered, receive(true, 1));
-  EXPECT_NE(scattered, receive(true, 2));
-  EXPECT_EQ(smooth, receive(false, 2));
+  const std::vector<Value> smooth = channel(false, 1);
+  const std::vector<Value> scattered = channel(true, 1);
+  EXPECT_EQ(scattered, channel(true, 1));
+  EXPECT_NE(scattered, channel(true, 2));
+  EXPECT_EQ(smooth, channel(false, 2));
   EXPECT_NE(scattered, smooth);
 }
 
