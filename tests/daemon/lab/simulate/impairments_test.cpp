@@ -69,7 +69,7 @@ TEST(Impairments, ADelayRangeIsNotUpsideDown) {
 }
 
 TEST(Impairments, TheHelpNamesEveryKeyAndDefault) {
-  EXPECT_THAT(impairments_help(), HasSubstr("delay_outlier_share = 0.02  # of frames"));
+  EXPECT_THAT(impairments_help(), HasSubstr("delay_outlier_share = 0.02  # share of frames"));
   for (const ImpairmentKey& key : impairment_keys()) {
     EXPECT_THAT(impairments_help(), HasSubstr(std::string(key.key) + " = "));
   }
