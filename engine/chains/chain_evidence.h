@@ -38,8 +38,8 @@ std::vector<double> places_whatever_turned(const AccessPointMap& map,
                                            const TurnGrid& grid,
                                            double likelihood_exponent,
                                            std::span<const double> probability);
-// As turn_evidence(), for a device at a known place. `null_model`: log-likelihood of the null model,
-// the reference of the comparison.
+// As turn_evidence(), for a device at a known place. `null_model`: log-likelihood of the null
+// model, the reference of the comparison.
 TurnEvidence turn_evidence_at(const PlaceModel& place,
                               const ObservedArray& observed,
                               const TurnGrid& grid,

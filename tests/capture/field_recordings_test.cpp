@@ -34,7 +34,7 @@ std::vector<std::int64_t> walk(int frames, std::int64_t from = kStart) {
   std::vector<std::int64_t> stamps;
   for (int frame = 0; frame < frames; ++frame) {
     for (int core = 0; core < 3; ++core) {
-      stamps.push_back(from + frame * kSecond / 10 + core * 10);
+      stamps.push_back(from + frame * (kSecond / 10) + core * std::int64_t{10});
     }
   }
   return stamps;
@@ -98,7 +98,7 @@ class Folder {
   Folder& operator=(const Folder&) = delete;
 
   std::string write(const std::string& name, const ByteString& bytes) const {
-    const std::string path = path_ + "/" + name;
+    std::string path = path_ + "/" + name;
     test::write_file(path, bytes);
     return path;
   }
@@ -255,7 +255,7 @@ TEST(Field, AClockThatWasSetBackLosesNothingAndGoesOnEvenly) {
 }
 
 TEST(Field, AClockThatGoesForwardLosesNothingAndIsSaidOnce) {
-  for (const std::int64_t by : {24 * kHour, 6 * 365 * 24 * kHour}) {
+  for (const std::int64_t by : {24 * kHour, 24 * kHour * 365 * 6}) {
     std::vector<std::int64_t> stamps = walk(40);
     for (std::size_t i = 60; i < stamps.size(); ++i) {
       stamps[i] += by;
@@ -322,11 +322,11 @@ TEST(Field, OddStampsOfAPipeAreSaidToo) {
 TEST(Field, PausesOfASurveyAndSparseRecordingsAreNoDamage) {
   std::vector<std::int64_t> stamps;
   for (int spot = 0; spot < 30; ++spot) {
-    const auto here = walk(5, kStart + spot * 12 * kSecond);
+    const auto here = walk(5, kStart + spot * (12 * kSecond));
     stamps.insert(stamps.end(), here.begin(), here.end());
   }
   for (int i = 1; i <= 20; ++i) {  // one each minute
-    stamps.push_back(kStart + kHour + i * 60 * kSecond);
+    stamps.push_back(kStart + kHour + i * (60 * kSecond));
   }
   for (const Given& given : {read_stamps(stamps), read_piped(file_of(stamps))}) {
     EXPECT_THAT(given.counters.rejected, IsEmpty());
@@ -394,6 +394,7 @@ TEST(Field, SeveralFilesAreOneRecordingInAnyOrder) {
 TEST(Field, AnEndlessRingTakesFewDescriptors) {
   const Folder folder;
   std::vector<std::string> files;
+  files.reserve(100);
   for (int i = 0; i < 100; ++i) {
     files.push_back(
         folder.write("ring.pcap" + std::to_string(i), file_of(walk(2, kStart + i * kSecond / 5))));

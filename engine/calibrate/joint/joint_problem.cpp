@@ -278,7 +278,8 @@ Eigen::MatrixXd information_of(Assembled& assembled, const JointOptions& options
 // Along each axis that the measurements determine independently of the others: `survey_info`, their
 // information [1/m^2], and the error [m] found with an expected variance of `assumed`. Without that
 // prior the error would be larger, the more so the less the information; axes with little
-// information have little weight. Their noise is not subtracted: the information is of tempered evidence.
+// information have little weight. Their noise is not subtracted: the information is of tempered
+// evidence.
 double spread_of(const Eigen::VectorXd& survey_info, const Eigen::VectorXd& error, double assumed) {
   double sum = 0.0;
   double weights = 0.0;
