@@ -20,6 +20,8 @@ constexpr int kMinSenderReturns = 4;
 // Two recordings that are sent one after the other give one run, or two if a part of a frame is
 // lost.
 constexpr int kMinSharedRuns = 3;
+// The parts of a frame arrive within this time; later ones belong to another frame.
+constexpr Duration kFrameDuration = std::chrono::milliseconds(500);
 constexpr Duration kCounterMemory = std::chrono::seconds(10);
 // Runs of equal length: 44 of 78 in a recording in which most frames were retransmitted.
 constexpr std::size_t kRuns = 24;
@@ -140,10 +142,13 @@ void MixtureDetector::add_recent(const CsiFragment& fragment, Timestamp time) {
   const bool same_counter = recent.used && recent.sequence == fragment.sequence &&
                             apart(recent.time, time) <= kCounterMemory;
   const bool same_transmitter = same_counter && recent.transmitter == fragment.transmitter;
-  const bool same_frame = same_transmitter && recent.sequence_control == fragment.sequence_control;
+  const bool same_frame = same_transmitter &&
+                          recent.sequence_control == fragment.sequence_control &&
+                          apart(recent.begin, time) <= kFrameDuration;
   if (!same_frame) {
     recent.used = true;
     recent.is_shared = same_transmitter;
+    recent.begin = time;
     recent.sequence = fragment.sequence;
     recent.sequence_control = fragment.sequence_control;
     recent.transmitter = fragment.transmitter;
@@ -157,18 +162,19 @@ void MixtureDetector::add_recent(const CsiFragment& fragment, Timestamp time) {
   const auto known = std::find_if(recent.part.begin(), end, [&](const Part& one) {
     return one.slot == part.slot && one.first_tone == part.first_tone;
   });
-  bool is_shared = recent.is_shared;
   if (known != end) {
-    is_shared = is_shared || known->digest != part.digest;
+    recent.is_shared = recent.is_shared || known->digest != part.digest;
   } else if (recent.parts < kRecentParts) {
     recent.part[recent.parts++] = part;
   }
-  add_shared(fragment, is_shared, time);
+  add_shared(fragment, recent.is_shared, time);
 }
 
 void MixtureDetector::add_shared(const CsiFragment& fragment, bool is_shared, Timestamp time) {
   if (is_shared != in_shared_run_) {
-    if (is_shared) {
+    // A value that the recording before had lost lies forward; a second access point repeats one.
+    const auto step = static_cast<std::uint16_t>(fragment.sequence - last_sequence_);
+    if (is_shared && !(step > 0 && step <= kCounterTolerance)) {
       shared_runs_ = frames_in_run_ > kMaxNew ? 1 : shared_runs_ + 1;
     }
     in_shared_run_ = is_shared;

@@ -5,9 +5,7 @@
 // Evidence of a second access point:
 //   - two running frame counters alternate, or two counters of one 802.11 frame are far apart;
 //   - two sender addresses alternate;
-//   - counter values that belong to two 802.11 frames, or to one frame with two CSIs, alternate
-//   with
-//     new values;
+//   - known counter values with another 802.11 frame or CSI alternate with new values;
 //   - without a counter: every 802.11 sequence number comes equally often, with different CSI.
 // Counters and sequence numbers are compared for each transmitter separately: in a recording that
 // was merged from several devices, each device may have its own counter.
@@ -93,6 +91,7 @@ class MixtureDetector {
     std::uint16_t sequence = 0;
     std::uint16_t sequence_control = 0;
     MacAddress transmitter;
+    Timestamp begin;
     Timestamp time;
     std::size_t parts = 0;
     std::array<Part, kRecentParts> part;

@@ -197,22 +197,37 @@ TEST(Field, OneAccessPointIsNoMixture) {
              "devices that were recorded one after the other and merged");
   expect_all(merged(axcsi({}, 30), axcsi({.begin = std::chrono::seconds(3)}, 30)),
              "a recording that is sent again");
+  expect_all(nexmon({}, 60), "nexmon");
+}
+
+// A survey that is sent point by point: the counter begins again with each recording, and each is
+// lost in part.
+TEST(Field, RecordingsThatAreSentOneAfterTheOtherAreNoMixture) {
+  const Duration step = Milliseconds(40);
   for (const int count : {12, 25, 90, 300}) {  // frames of each recording, which differ in length
     for (const int frames_apart : {0, 7}) {    // between the 802.11 numbers of two recordings
-      const Duration step = Milliseconds(40);
-      Recording sent = axcsi({.step = step}, count);
-      for (int i = 1; i < 6; ++i) {
-        sent = merged(sent,
-                      axcsi({.first_number = 1 + frames_apart * i,
-                             .delay = 40e-9 * i,
-                             .begin = i * (count + 10) * step,
-                             .step = step},
-                            count + 1 + i % 3));
+      for (const int lost : {0, 7, 22, 5}) {   // one datagram of so many; 0: none
+        Recording sent;
+        for (int i = 0; i < 6; ++i) {
+          Recording one = axcsi({.first_number = 1 + frames_apart * i,
+                                 .delay = 40e-9 * (i + 1),
+                                 .begin = i * (count + 10) * step,
+                                 .step = step},
+                                count + 1 + i % 3);
+          for (std::size_t n = one.size(); lost > 0 && n-- > 0;) {
+            if ((static_cast<int>(n) + i) % lost == 0) {
+              one.erase(one.begin() + static_cast<std::ptrdiff_t>(n));
+            }
+          }
+          sent.insert(sent.end(), one.begin(), one.end());
+        }
+        const Received received = receive(sent);
+        EXPECT_TRUE(received.counters.troubles.empty())
+            << count << " frames, " << frames_apart << " apart, one datagram lost of " << lost;
+        EXPECT_EQ(received.counters.rejected.count(kSeveral), 0U);
       }
-      expect_all(sent, "recordings of other places that are sent one after the other");
     }
   }
-  expect_all(nexmon({}, 60), "nexmon");
 }
 
 TEST_F(PublicCaptures, AreOfOneAccessPointEach) {
