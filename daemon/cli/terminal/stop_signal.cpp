@@ -36,4 +36,11 @@ void StopSignal::install_once() {
 
 bool StopSignal::requested() { return flag(); }
 
+void StopSignal::end_if_requested() {
+  if (requested()) {
+    std::signal(SIGINT, SIG_DFL);
+    std::raise(SIGINT);
+  }
+}
+
 }  // namespace rayloc::cli

@@ -11,6 +11,8 @@ class StopSignal {
   // process at once, for verbs that take long to end cleanly.
   static void install_once();
   static bool requested();
+  // Ends the process by SIGINT, as scripts expect, if a signal was received; otherwise returns.
+  static void end_if_requested();
 };
 
 }  // namespace rayloc::cli

@@ -1,5 +1,4 @@
 // The verb `rayloc calibrate`: its arguments and their checks.
-#include <csignal>
 #include <memory>
 #include <string>
 
@@ -29,6 +28,27 @@ Expected<int> done(const Expected<void>& result) {
   return result.map([] { return 0; });
 }
 
+const FitControl kBySignal = {StopSignal::install_once, StopSignal::requested};
+
+Expected<int> fit_unsurveyed(const UnsurveyedArguments& arguments) {
+  const auto written = run_unsurveyed(arguments);
+  if (written) {
+    StopSignal::end_if_requested();
+  }
+  return done(written);
+}
+
+Expected<int> fit(CalibrateArguments arguments) {
+  arguments.control = kBySignal;
+  const auto outcome = run_calibration(arguments);
+  if (outcome) {
+    StopSignal::end_if_requested();
+  }
+  return outcome.map([](CalibrationOutcome explains) {
+    return explains == CalibrationOutcome::kExplains ? 0 : kExitUnexplained;
+  });
+}
+
 Expected<int> run_calibrate(const CalibrateOptions& options) {
   CalibrateArguments calibrate = options.calibrate;
   if (options.make_plan) {
@@ -49,12 +69,13 @@ Expected<int> run_calibrate(const CalibrateOptions& options) {
     if (calibrate.out.empty() || !calibrate.points.empty()) {
       return make_error(ErrorKind::kUsage, "--unsurveyed needs --out, and no --points");
     }
-    return done(run_unsurveyed({calibrate.site,
-                                calibrate.captures,
-                                calibrate.out,
-                                calibrate.seed,
-                                calibrate.force,
-                                calibrate.quiet}));
+    return fit_unsurveyed({calibrate.site,
+                           calibrate.captures,
+                           calibrate.out,
+                           calibrate.seed,
+                           calibrate.force,
+                           calibrate.quiet,
+                           kBySignal});
   }
   if (options.rechain && !calibrate.captures.empty() && !calibrate.out.empty()) {
     return done(run_rechain({calibrate.site,
@@ -86,17 +107,7 @@ Expected<int> run_calibrate(const CalibrateOptions& options) {
   if (calibrate.resume && calibrate.method != "joint") {
     return make_error(ErrorKind::kUsage, "--resume goes on with the joint method only");
   }
-  calibrate.on_begin_of_fit = StopSignal::install_once;
-  calibrate.stop_requested = StopSignal::requested;
-  const auto outcome = run_calibration(calibrate);
-  if (outcome && StopSignal::requested()) {
-    // Ends by the signal, for scripts.
-    std::signal(SIGINT, SIG_DFL);
-    std::raise(SIGINT);
-  }
-  return outcome.map([](CalibrationOutcome explains) {
-    return explains == CalibrationOutcome::kExplains ? 0 : kExitUnexplained;
-  });
+  return fit(calibrate);
 }
 
 RunVerb declare_calibrate(OptionParser& app) {

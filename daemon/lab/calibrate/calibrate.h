@@ -13,6 +13,15 @@
 
 namespace rayloc::cli {
 
+// How the caller stops a fit. Empty functions: it cannot be stopped.
+struct FitControl {
+  // Called once, before the fit: from then on a stop writes the last good state.
+  std::function<void()> on_begin;
+  std::function<bool()> stop_requested;  // polled during the fit
+
+  bool stops() const { return stop_requested && stop_requested(); }
+};
+
 struct CalibrateArguments {
   std::string site;                     // site as surveyed
   std::vector<std::string> captures;    // [AP=]FILE
@@ -28,11 +37,7 @@ struct CalibrateArguments {
   bool force = false;  // write to a non-empty folder, and write a failed calibration
   bool quiet = false;
   bool progress = false;  // progress lines on stderr, for programs
-  // Called once, before the fit: from then on a stop writes the last good state.
-  std::function<void()> on_begin_of_fit;
-  std::function<bool()> stop_requested;  // polled during the fit; empty: never
-
-  bool stops() const { return stop_requested && stop_requested(); }
+  FitControl control = {};
 };
 
 enum class CalibrationOutcome : std::uint8_t {

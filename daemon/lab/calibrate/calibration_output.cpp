@@ -176,7 +176,7 @@ void Calibration::end(const std::vector<CalibrationMethodResult>& methods) const
     std::error_code none;
     fs::remove(checkpoint(), none);
   }
-  if (!options_.stops()) {
+  if (!options_.control.stops()) {
     return;
   }
   const bool compared =

@@ -182,7 +182,7 @@ Expected<RoomCalibration> Calibration::jointly(const CalibrationObserver& observ
 }
 
 bool Calibration::go_on() {
-  if (options_.stops() && !is_stopping_) {
+  if (options_.control.stops() && !is_stopping_) {
     is_stopping_ = true;
     line_.clear();
     if (!options_.quiet) {
@@ -363,8 +363,8 @@ Expected<CalibrationOutcome> Calibration::run() {
   if (auto fitted = fit_gains(survey.first_refusal); !fitted) {
     return tl::make_unexpected(std::move(fitted.error()));
   }
-  if (options_.on_begin_of_fit) {
-    options_.on_begin_of_fit();
+  if (options_.control.on_begin) {
+    options_.control.on_begin();
   }
   if (auto prepared = prepare_output(options_.out, may_replace()); !prepared) {
     return tl::make_unexpected(std::move(prepared.error()));

@@ -133,6 +133,7 @@ Expected<void> fit_room(const std::string& learned,
   calibrate.seed = arguments.seed;
   calibrate.force = arguments.force;
   calibrate.quiet = arguments.quiet;
+  calibrate.control = arguments.control;
   const auto outcome = run_calibration(calibrate);
   if (!outcome) {
     return tl::make_unexpected(outcome.error());

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "daemon/lab/calibrate/calibrate.h"
 #include "engine/base/expected.h"
 
 namespace rayloc::cli {
@@ -17,6 +18,7 @@ struct UnsurveyedArguments {
   std::uint64_t seed = 1;
   bool force = false;
   bool quiet = false;
+  FitControl control = {};
 };
 
 // Without recordings `out` is the plan, with chains that raylocd learns from moving devices. With
