@@ -43,9 +43,16 @@ def rooms(names):
 def filters(root):
     """The ctest options for what the change touches; none where that is everything or nothing. The tests of a room
     without a folder of its own are in other rooms of its wing."""
-    labels = {label if (root / "tests" / label).is_dir() else label.rpartition("/")[0] + "/.*"
-              for label in rooms(files(root)) or ()}
+    labels = {selector(root, label) for label in rooms(files(root)) or ()}
     return ["-L", "^(" + "|".join(sorted(labels)) + ")$"] if labels else []
+
+
+def selector(root, label):
+    """The expression for the labels of a room's tests; those of the nearest folder around it where it has none."""
+    at = label
+    while at and not (root / "tests" / at).is_dir():
+        at = at.rpartition("/")[0]
+    return label if at == label else f"{at}/.*"
 
 
 def for_tidy(root, most):
