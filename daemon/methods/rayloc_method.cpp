@@ -40,7 +40,7 @@ class RaylocDevices : public DeviceMethod {
 
   const RoomModel& room() const override { return localizer_->room(); }
   LocationEstimate locate(std::span<const CsiFrame> frames, std::uint64_t) const override {
-    return localizer_->locate(frames, suspect(frames));
+    return localizer_->locate(frames, fault_of(frames));
   }
 
   bool has_tracks() const override { return true; }
@@ -79,14 +79,14 @@ class RaylocDevices : public DeviceMethod {
 
   ChainLearner* chains() override { return learns_ ? &chains_ : nullptr; }
   ChainTrust trust(std::span<const CsiFrame> accepted) const override {
-    return {suspect(accepted), chains_.withdrawals()};
+    return {fault_of(accepted), chains_.withdrawals()};
   }
 
   std::shared_ptr<const Localizer> localizer() const override { return localizer_; }
 
  private:
-  FrameFault suspect(std::span<const CsiFrame> frames) const {
-    return learns_ ? chains_.suspect(frames) : FrameFault();
+  FrameFault fault_of(std::span<const CsiFrame> frames) const {
+    return learns_ ? chains_.fault_of(frames) : FrameFault();
   }
 
   // A track that used frames of wrong chains would continue from their wrong position.

@@ -11,7 +11,7 @@
 
 namespace rayloc {
 
-// Walker: has hear(frames, estimates), problem() and restart().
+// Walker: has receive(frames, estimates), problem() and restart().
 template <typename Walker>
 class WalkerMethod : public PersonMethod {
  public:

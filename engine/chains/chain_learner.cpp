@@ -421,7 +421,7 @@ bool ChainLearner::leaves_alone() const {
   });
 }
 
-FrameFault ChainLearner::suspect(std::span<const CsiFrame> accepted) const {
+FrameFault ChainLearner::fault_of(std::span<const CsiFrame> accepted) const {
   std::set<int> received;
   FrameFault suspect{1.0};
   for (const CsiFrame& frame : accepted) {

@@ -53,7 +53,7 @@ class ChainLearner {
   // The same for all access points.
   std::vector<CsiFrame> undone(std::span<const CsiFrame> frames) const;
   // Probability that the accepted state is wrong for every access point of accepted frames.
-  FrameFault suspect(std::span<const CsiFrame> accepted) const;
+  FrameFault fault_of(std::span<const CsiFrame> accepted) const;
   // True if accepted() and undone() would change nothing.
   bool leaves_alone() const;
 

@@ -11,7 +11,7 @@ namespace rayloc {
 // The inverse Cholesky factor W of Sigma, and W mu.
 struct PlaceModel {
   std::vector<std::complex<float>> whitener;  // lower triangle by rows
-  std::vector<std::complex<float>> mean;      // W mu; followed by W mu_covered if it exists
+  std::vector<std::complex<float>> mean;      // W mu; followed by W mu_obstructed if it exists
   // |W mu|^2 and |Sigma^-1 mu|^2 of these means.
   struct Powers {
     float whitened = 0.0F;

@@ -7,7 +7,7 @@
 // create() traces the grid of the room once (seconds); locate() takes milliseconds and depends on
 // its arguments only: the same frames give the same bytes, whatever the number of threads.
 //
-// A tracker calls the two parts of locate() separately: hear(), then evidence() of the cells.
+// A tracker calls the two parts of locate() separately: receive(), then evidence() of the cells.
 #pragma once
 
 #include <complex>
@@ -43,7 +43,7 @@ struct LocalizerOptions {
 };
 
 // Probability that frames carry no information on the position, in addition to what they reveal
-// themselves: that the chains have new phase offsets (ChainLearner::suspect()).
+// themselves: that the chains have new phase offsets (ChainLearner::fault_of()).
 struct FrameFault {
   double probability = 0.0;
 };

@@ -18,7 +18,7 @@ struct SampledPlace {
 
 // Drawn at equal steps of the mass (systematic resampling), so that the same burst gives the same
 // places: at most `count`, fewer if one represents several. `evidence`: of the observation, with
-// Look::kPlaces. Empty if the likelihood cannot separate places.
+// Scan::kPlaces. Empty if the likelihood cannot separate places.
 std::vector<SampledPlace> sample_places(const Localizer& localizer,
                                         const RoomObservation& observation,
                                         const Localizer::Evidence& evidence,

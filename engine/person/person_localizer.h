@@ -7,7 +7,7 @@
 // create() traces the room with a person at every place (seconds to a minute); locate() takes
 // milliseconds and depends on its arguments alone.
 //
-// A tracker calls the two halves of locate() separately: hear(), then map().
+// A tracker calls the two halves of locate() separately: receive(), then map().
 #pragma once
 
 #include <cstddef>
@@ -110,7 +110,7 @@ class PersonLocalizer {
   PersonMap map(const PersonObservation& observation,
                 double likelihood_exponent,
                 const PersonContext& context = {}) const;
-  // The estimate of hear() completed from a map: a fix, or the reason for none.
+  // The estimate of receive() completed from a map: a fix, or the reason for none.
   LocationEstimate summarise(LocationEstimate estimate, const PersonMap& map) const;
 
   const WalkableArea& walkable_area() const;

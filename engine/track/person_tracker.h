@@ -69,7 +69,7 @@ struct PersonTrackerOptions {
   std::optional<Timestamp> last_moment = std::nullopt;
 };
 
-// moments = used + `nobody` + unexplained + out_of_order + unusable; begun = lost + tracks now.
+// moments = used + `no_person` + unexplained + out_of_order + unusable; begun = lost + tracks now.
 struct PersonTrackerCounters {
   std::uint64_t begun = 0;         // tracks
   std::uint64_t lost = 0;          // tracks

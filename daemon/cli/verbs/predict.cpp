@@ -117,7 +117,7 @@ void print_prediction(const Prediction& prediction, const PredictArguments& argu
 }
 
 void print_proposals(const std::vector<Proposal>& found) {
-  fmt::print("\n misplaced  median  proposal\n");
+  fmt::print("\nmisplaced  median  proposal\n");
   for (const Proposal& one : found) {
     fmt::print("{:7.1f} %  {:4.2f} m  {}\n",
                100.0 * one.prediction.another_place,

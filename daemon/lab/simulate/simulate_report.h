@@ -35,7 +35,7 @@ struct SimulatedTruth {
 };
 
 // One object on a line: `seed, transmitter, depth, transmission, frames, impairments{key: value},
-// access_points[{id, file, datagrams, lost, unreceived_lines[], chains[{core, gain_db,
+// access_points[{id, file, datagrams, lost, unheard_lines[], chains[{core, gain_db,
 // phase_deg}]}], points[{line, x, y, z}]`, with the true points of the device. Gain and phase of a
 // chain are means over the tones relative to the access point's first chain, as in `rayloc
 // calibrate`.

@@ -30,7 +30,7 @@ class ShedRule {
 
   explicit ShedRule(const Limits& limits) : limits_(limits) {}
 
-  // Returns the new level, if it differs from `level`. `heard`: end of the received
+  // Returns the new level, if it differs from `level`. `received`: end of the received
   // data; `done`: end of the explained data; both are unset before their first value.
   std::optional<std::uint32_t> next_level(Timestamp received,
                                           Timestamp done,

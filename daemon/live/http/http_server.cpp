@@ -231,7 +231,7 @@ bool HttpServer::Impl::has_waiting_client() const {
   return poll(&listener, 1, 0) > 0;
 }
 
-// `heard`: the input of all current clients was read. Returns false while none may be closed.
+// `received`: the input of all current clients was read. Returns false while none may be closed.
 bool HttpServer::Impl::make_room(bool received) {
   if (connections_.size() < limits_.connections) {
     return true;

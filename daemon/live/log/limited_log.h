@@ -2,7 +2,7 @@
 // every 30 s with their number meanwhile.
 //
 //   LimitedLog log(log_event);
-//   log.say("denied", {LogLevel::kWarning, "a client was turned away", {{"address", "10.0.0.7"}}});
+//   log.add("denied", {LogLevel::kWarning, "a client was turned away", {{"address", "10.0.0.7"}}});
 //
 // Reads no clock by itself: times are passed, or those of steady_clock. Thread safety: any thread.
 #pragma once

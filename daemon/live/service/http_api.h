@@ -6,8 +6,8 @@
 //   /metrics              Prometheus text
 //   /api/v1/config        every key in effect, by section
 //   /api/v1/sites         an array: name, path, ready, reasons, warnings, counts of each site
-//   /  /map/NAME          the live map (daemon/live/http/map_files.h); with [[site]] the list of
-//   sites POST /api/v1/record/snapshot   202 and the files that the recent datagrams are written to
+//   /  /map/NAME          the live map (http/map_files.h); with [[site]] the list of sites
+//   POST /api/v1/record/snapshot   202 and the files that the recent datagrams are written to
 //
 // Paths of a site, below /site/NAME, and for the only one ([site]) at the top as well:
 //   /api/v1/status        a v1::Heartbeat as JSON

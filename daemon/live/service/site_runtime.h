@@ -143,7 +143,7 @@ class SiteRuntime {
                               std::vector<SourceWorker::Input>& inputs);
   Expected<void> open_cluster(SiteOutput& output);
   Expected<void> open_feed(SiteOutput& output);
-  Expected<void> receive_owner(SiteOutput& output, OutStage::Options options);
+  Expected<void> subscribe_to_owner(SiteOutput& output, OutStage::Options options);
   Expected<void> restore_estimators(const std::shared_ptr<const Carried>& before);
   LocationSink& go_on(PipelineOptions& options);
   void add_ring(SourceWorker::Input& input);

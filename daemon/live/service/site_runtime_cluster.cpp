@@ -111,13 +111,13 @@ Expected<void> SiteRuntime::open_feed(SiteOutput& output) {
   results.resume = [feed = feed_.get()](Timestamp time) { return feed->resume_for(time); };
   results.progress = [feed = feed_.get()](Timestamp done) { feed->note_done(done); };
   if (along_) {
-    return receive_owner(output, std::move(results));
+    return subscribe_to_owner(output, std::move(results));
   }
   results_ = std::make_unique<OutStage>(std::move(log_), output, std::move(results));
   return {};
 }
 
-Expected<void> SiteRuntime::receive_owner(SiteOutput& output, OutStage::Options options) {
+Expected<void> SiteRuntime::subscribe_to_owner(SiteOutput& output, OutStage::Options options) {
   StandbyAudit::Options audit;
   audit.generation = along_->start.generation;
   audit.likeness = along_->is_late ? Likeness::kSameSnapshots : Likeness::kSameBytes;

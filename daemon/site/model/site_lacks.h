@@ -18,7 +18,7 @@ struct SiteLacks {
   std::vector<std::string> all() const;  // the obstacles first
 };
 
-// `heard`: positions in Site::access_points of those that send datagrams; empty: all of them.
+// `received`: positions in Site::access_points of those that send datagrams; empty: all of them.
 // REQUIRES: `room` was loaded for `site`.
 SiteLacks site_lacks(const Site& site, const RoomModel& room, std::span<const int> received = {});
 

@@ -1,5 +1,5 @@
-// M3Heard: the CSI that one access point received from a device that hops over radio channels, one
-// array per channel.
+// M3Received: the CSI that one access point received from a device that hops over radio channels,
+// one array per channel.
 //
 // Each hop has an unknown factor and an unknown delay of its own, as every burst has. Its chain
 // gains are those of the site's channel, tone by tone from the centre: a site is calibrated on one

@@ -26,7 +26,7 @@ struct EmptyRoomOptions {
 };
 
 // Fills `transmitter` and `links` of a reference. An Error names an access point that no path of
-// the room reaches. REQUIRES: `heard` is not empty; all its access points are calibrated.
+// the room reaches. REQUIRES: `received` is not empty; all its access points are calibrated.
 Expected<PersonReference> fit_empty_room(const RoomModel& room,
                                          const Transmitter& surveyed,
                                          std::span<const EmptyRoom> received,

@@ -19,7 +19,7 @@
 
 namespace rayloc {
 
-// As hear() of engine/room/preprocess_burst.h, for the frames that differ least.
+// As receive() of engine/room/preprocess_burst.h, for the frames that differ least.
 std::optional<BurstObservation> receive_background(const RoomModel& room,
                                                    std::size_t access_point,
                                                    std::span<const CsiFrame> frames,

@@ -72,7 +72,7 @@ TEST(ChainLearner, LeavesChainsAloneThatAreAsCalibrated) {
     ASSERT_EQ(learner.states().size(), 1U);
     EXPECT_EQ(learner.states()[0].knowledge, ChainKnowledge::kAsCalibrated) << i;
     EXPECT_EQ(learner.accepted(frames).size(), frames.size());
-    EXPECT_LT(learner.suspect(frames).probability, i < 6 ? 0.6 : 0.05) << i;
+    EXPECT_LT(learner.fault_of(frames).probability, i < 6 ? 0.6 : 0.05) << i;
   }
   EXPECT_TRUE(learner.leaves_alone());
   EXPECT_EQ(learner.withdrawals(), 0U);
