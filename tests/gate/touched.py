@@ -2,8 +2,6 @@
 import pathlib
 import subprocess
 
-WINGS = ("base", "site", "lab", "live", "cli")  # the folders of daemon/ that hold rooms
-
 
 def git(root, *arguments):
     done = subprocess.run(["git", "-C", str(root), *arguments], capture_output=True, text=True)
@@ -32,7 +30,7 @@ def rooms(names):
         if len(parts) > 1 and parts[0] in ("engine", "capture", "clients", "python", "cluster"):
             labels.add(parts[0])
         elif len(parts) > 2 and parts[0] == "daemon":
-            labels.add("/".join(parts[:3] if parts[1] in WINGS and len(parts) > 3 else parts[:2]))
+            labels.add("/".join(parts[:-1][:3]))  # a wing and its room
         elif name.endswith(".md"):
             continue
         else:
@@ -49,10 +47,9 @@ def filters(root):
 
 def selector(root, label):
     """The expression for the labels of a room's tests; those of the nearest folder around it where it has none."""
-    at = label
-    while at and not (root / "tests" / at).is_dir():
-        at = at.rpartition("/")[0]
-    return label if at == label else f"{at}/.*"
+    while label and not (root / "tests" / label).is_dir():
+        label = label.rpartition("/")[0]
+    return f"{label}(/.*)?"
 
 
 def for_tidy(root, most):
