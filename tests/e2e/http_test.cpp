@@ -230,7 +230,7 @@ TEST(Field, TheLogSaysReadyWhenTheStatusDoes) {
                   "1000",
                   "--duration",
                   "5"});
-  EXPECT_TRUE(logs("info ready: every access point is received")) << daemon.log();
+  EXPECT_TRUE(logs("info ready: every access point sends frames")) << daemon.log();
   const std::string status = run_verb(
       folder.path(), {"status", "--http", "127.0.0.1:" + std::to_string(daemon.http_port())});
   EXPECT_THAT(status, HasSubstr(": ready\n"));

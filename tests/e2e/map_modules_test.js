@@ -290,9 +290,9 @@
     'events are told in plain words'() {
       const phone = {mac: '02:00:00:00:00:01', name: 'phone'};
       const track = (state, target = phone) => trackText({state: `TRACK_STATE_${state}`, target, reason: 'not received for too long'});
-      same(['TENTATIVE', 'CONFIRMED', 'COASTING', 'LOST'].map((state) => track(state)), ['phone is received for the first time',
-        'phone is located', 'phone is not received at the moment', 'phone is gone: not received for too long'], 'a device');
-      same(track('COASTING', {track: '3'}), 'person 3 is not seen at the moment', 'a person');
+      same(['TENTATIVE', 'CONFIRMED', 'COASTING', 'LOST'].map((state) => track(state)), ['phone is detected for the first time',
+        'phone is located', 'phone is not detected at the moment', 'phone is gone: not received for too long'], 'a device');
+      same(track('COASTING', {track: '3'}), 'person 3 is not detected at the moment', 'a person');
       const left = (dwell, reason) => zoneText({target: phone, zone: 'desk2', kind: 'ZONE_EVENT_KIND_LEFT', dwell, reason});
       same(left('4.1s'), 'phone left desk2 after 4 s', 'a zone');
       same(left('0.2s', 'its track was lost'), 'phone left desk2 after 0.2 s: its track was lost', 'with an unusual reason');
@@ -301,7 +301,7 @@
         status: `SOURCE_STATUS_${status}`, counters: {}}});
       const {model} = begin([source(NOW - 40, 'WAITING'), source(NOW - 30, 'RECEIVING'), source(NOW - 20, 'STALLED'),
         source(NOW - 10, 'RECEIVING'), source(NOW, 'FAILED', 'torn file')]);
-      same(model.events.map(({text}) => text), ['ap9 cannot be received: torn file', 'ap9 sends again', 'ap9 has fallen silent',
+      same(model.events.map(({text}) => text), ['ap9 failed: torn file', 'ap9 sends again', 'ap9 has fallen silent',
         'ap9 sends'], 'an access point');
     },
 

@@ -31,7 +31,7 @@ pid_t thread_of(pid_t process, const std::string& name) {
   return 0;
 }
 
-// Holds one thread, the others go on. For one thread only: the kernel regards it as the tracer.
+// Holds one thread, the others go on. Used by one thread only: the kernel regards it as the tracer.
 class Held {
  public:
   explicit Held(pid_t thread) : thread_(thread) {

@@ -124,7 +124,7 @@ class HttpServer::Impl {
   void run();
   void accept_all();
   bool has_waiting_client() const;
-  bool make_room(bool received);
+  bool make_room(bool is_input_read);
   // Returns false when the connection is over.
   bool advance(HttpConnection& connection, PollEvents events);
   bool read_request(HttpConnection& connection);
@@ -196,10 +196,10 @@ void HttpServer::Impl::run() {
 }
 
 void HttpServer::Impl::accept_all() {
-  for (bool received = true; has_waiting_client(); received = false) {
-    if (!make_room(received)) {
+  for (bool is_input_read = true; has_waiting_client(); is_input_read = false) {
+    if (!make_room(is_input_read)) {
       // New connections are read first; if that frees no place, accepting pauses.
-      accepts_again_ = received ? Clock::now() + kAcceptPause : accepts_again_;
+      accepts_again_ = is_input_read ? Clock::now() + kAcceptPause : accepts_again_;
       return;
     }
     const int fd = accept4(listener_.get(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
@@ -231,8 +231,8 @@ bool HttpServer::Impl::has_waiting_client() const {
   return poll(&listener, 1, 0) > 0;
 }
 
-// `received`: the input of all current clients was read. Returns false while none may be closed.
-bool HttpServer::Impl::make_room(bool received) {
+// `is_input_read`: of all current clients. Returns false while no connection may be closed.
+bool HttpServer::Impl::make_room(bool is_input_read) {
   if (connections_.size() < limits_.connections) {
     return true;
   }
@@ -240,7 +240,7 @@ bool HttpServer::Impl::make_room(bool received) {
     return std::find_if(connections_.begin(), connections_.end(), that);
   };
   auto victim = first([](const HttpConnection& one) { return one.finished; });
-  if (victim == connections_.end() && received) {
+  if (victim == connections_.end() && is_input_read) {
     const Clock::time_point begun = Clock::now() - limits_.chance;
     victim = first([&](const HttpConnection& one) { return !one.events && one.since <= begun; });
   }

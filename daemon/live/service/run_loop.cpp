@@ -123,7 +123,7 @@ void RunLoop::log_readiness() {
   }
   ready_ = now.ready();
   if (now.ready()) {
-    log_.add("ready", {LogLevel::kInfo, "ready: every access point is received", {}});
+    log_.add("ready", {LogLevel::kInfo, "ready: every access point sends frames", {}});
   } else {
     log_.add("not ready", {LogLevel::kWarning, "not ready: " + joined(now.reasons, "; "), {}});
   }

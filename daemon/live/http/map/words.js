@@ -25,12 +25,11 @@ export const trackStateText = (state) => STATES[word(state, 'TRACK_STATE_')] ?? 
 
 export function trackText({target, state, reason}) {
   const name = targetName(target);
-  const heard = isPerson(target) ? 'seen' : 'received';
   const because = reason ? `: ${reason}` : '';
   return {
-    tentative: `${name} is ${heard} for the first time`,
+    tentative: `${name} is detected for the first time`,
     confirmed: `${name} is located`,
-    coasting: `${name} is not ${heard} at the moment`,
+    coasting: `${name} is not detected at the moment`,
     lost: `${name} is gone${because}`,
   }[word(state, 'TRACK_STATE_')] ?? `${name}${because}`;
 }
@@ -54,6 +53,6 @@ export function sourceText(id, was, is, detail) {
     receiving: statusText(was) === 'stalled' || statusText(was) === 'failed' ? `${id} sends again` : `${id} sends`,
     stalled: `${id} has fallen silent`,
     ended: `the recording of ${id} has come to its end`,
-    failed: `${id} cannot be received${detail ? `: ${detail}` : ''}`,
+    failed: `${id} failed${detail ? `: ${detail}` : ''}`,
   }[statusText(is)] ?? `${id}: ${statusText(is)}`;
 }
