@@ -17,8 +17,6 @@ constexpr Duration kSameFrame = std::chrono::milliseconds(10);
 constexpr int kMinReturns = 2;
 // A route may change between two interfaces of one machine, and back.
 constexpr int kMinSenderReturns = 4;
-// Two recordings that are sent one after the other give one run, or two if a part of a frame is
-// lost.
 constexpr int kMinSharedRuns = 3;
 // The parts of a frame arrive within this time; later ones belong to another frame.
 constexpr Duration kFrameDuration = std::chrono::milliseconds(500);
@@ -172,7 +170,7 @@ void MixtureDetector::add_recent(const CsiFragment& fragment, Timestamp time) {
 
 void MixtureDetector::add_shared(const CsiFragment& fragment, bool is_shared, Timestamp time) {
   if (is_shared != in_shared_run_) {
-    // A value that the recording before had lost lies forward; a second access point repeats one.
+    // After a value that the previous recording lost, the step is forward; a mixture repeats one.
     const auto step = static_cast<std::uint16_t>(fragment.sequence - last_sequence_);
     if (is_shared && !(step > 0 && step <= kCounterTolerance)) {
       shared_runs_ = frames_in_run_ > kMaxNew ? 1 : shared_runs_ + 1;

@@ -5,7 +5,7 @@
 // Evidence of a second access point:
 //   - two running frame counters alternate, or two counters of one 802.11 frame are far apart;
 //   - two sender addresses alternate;
-//   - known counter values with another 802.11 frame or CSI alternate with new values;
+//   - repeated counter values, with another 802.11 frame or CSI, alternate with new values;
 //   - without a counter: every 802.11 sequence number comes equally often, with different CSI.
 // Counters and sequence numbers are compared for each transmitter separately: in a recording that
 // was merged from several devices, each device may have its own counter.
@@ -62,8 +62,8 @@ class MixtureDetector {
   static constexpr std::size_t kMaxTracks = 64;
   static constexpr std::size_t kRecent = 256;
   static constexpr std::size_t kRecentParts = 16;
-  // Frames in a row of one kind where two access points share counter values: with a value that
-  // came before, and with a new one (the other access point may lose frames).
+  // The longest runs of frames if two access points share counter values: of frames whose value
+  // occurred before, and of frames with new values (the other access point may lose frames).
   static constexpr int kMaxShared = 8;
   static constexpr int kMaxNew = 32;
 
