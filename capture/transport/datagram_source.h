@@ -68,7 +68,7 @@ struct DatagramBatch {
   Timestamp watermark{};
   bool ended = false;  // the file is read to its end; never set by a live source
   // A recording that is played is read to its end, but may be asked to seek.
-  bool paused = false;
+  bool at_end = false;
   // Number of seeks so far: no datagram from before the seek follows, and times may be earlier
   // afterwards. The batch is empty otherwise.
   std::optional<std::uint64_t> moved = {};

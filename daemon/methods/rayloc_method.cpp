@@ -18,7 +18,7 @@ constexpr std::string_view kPersonCell = "person_cell_m";
 
 constexpr std::array kSettings = std::to_array<MethodSetting>({
     {kLikelihood, "quantity of a device's channel that is compared (likelihood_names())"},
-    {kPersonCell, "cell of the grid on which people are searched [m]"},
+    {kPersonCell, "cell of the grid on which people are searched for [m]"},
 });
 
 class RaylocDevices : public DeviceMethod {

@@ -153,9 +153,9 @@ void DeviceEstimator::carry(Carried& carried) const {
       carried.chains.push_back(state);
     }
   }
-  for (CalibrationMonitor::MonitorState& window_state : monitor_->window_state()) {
-    if (window_state.bursts > 0 || window_state.slow) {
-      carried.calibration.push_back(std::move(window_state));
+  for (CalibrationMonitor::MonitorState& monitor_state : monitor_->monitor_state()) {
+    if (monitor_state.bursts > 0 || monitor_state.slow) {
+      carried.calibration.push_back(std::move(monitor_state));
     }
   }
   for (const auto& [mac, last] : watched_) {

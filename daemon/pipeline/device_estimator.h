@@ -135,8 +135,8 @@ class DeviceEstimator : public Estimator {
   const Options options_;
   std::vector<Room> rooms_;                      // the first is that of unlisted devices
   std::unique_ptr<CalibrationMonitor> monitor_;  // used by the estimation thread
-  ChainKeeper chains_;                           // used by the estimation thread, except its news
-  DeadChains dead_chains_;                       // used by the estimation thread
+  ChainKeeper chains_;      // used by the estimation thread, except its notices
+  DeadChains dead_chains_;  // used by the estimation thread
   ChannelWatch channels_;
   mutable std::mutex mutex_;
   std::vector<CalibrationWarning> warnings_;  // guarded by mutex_

@@ -90,7 +90,7 @@ void SourceLane::publish_report() {
   report_.receiver = std::move(receiver);
   report_.frames = census_;
   report_.stamps = stamps_.text();
-  report_.ended = batch_.paused;
+  report_.ended = batch_.at_end;
   report_.error = std::move(error);
   if (!batch_.datagrams.empty()) {
     report_.last_datagram = batch_.datagrams.back().time;

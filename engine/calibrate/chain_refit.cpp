@@ -302,9 +302,9 @@ class Refit {
     Attempt one;
     one.tolerance = tolerance;
     one.refit.spots = spots_.size();
-    const bool all_received_before = std::none_of(
+    const bool were_all_received_before = std::none_of(
         spots_.begin(), spots_.end(), [](const KnownSpot* spot) { return spot->usual.empty(); });
-    one.refit.ripple = all_received_before || spots_.size() >= kRippleSpots;
+    one.refit.ripple = were_all_received_before || spots_.size() >= kRippleSpots;
     if (one.refit.ripple) {
       ChainRipple ripple = chain_ripple(aligner_, grid_, pairs);
       gains.gain = std::move(ripple.gain);

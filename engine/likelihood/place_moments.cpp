@@ -12,7 +12,7 @@ namespace {
 using Value = std::complex<double>;
 using Eigen::Index;
 
-// covered: mu without the line of sight; size 0: there is no line of sight.
+// obstructed: mu without the line of sight; size 0: there is no line of sight.
 PlaceModel factorised_model(const Eigen::MatrixXcd& sigma,
                             const Eigen::VectorXcd& mu,
                             const Eigen::VectorXcd& obstructed,

@@ -78,7 +78,7 @@ class Localizer::Impl {
     }
   }
 
-  RoomObservation preprocess_burst(std::span<const CsiFrame> frames) const;
+  RoomObservation receive(std::span<const CsiFrame> frames) const;
   Evidence evidence(const RoomObservation& observation, Scan scan, const SearchFocus& focus) const;
   LocationEstimate locate(std::span<const CsiFrame> frames,
                           double likelihood_exponent,
@@ -92,8 +92,8 @@ class Localizer::Impl {
  private:
   std::size_t least_antennas() const { return compares_antennas(options_.likelihood) ? 2 : 1; }
 
-  std::vector<ArrayObservation> listen(std::span<const CsiFrame> frames,
-                                       LocationEstimate& estimate) const;
+  std::vector<ArrayObservation> arrays_of(std::span<const CsiFrame> frames,
+                                          LocationEstimate& estimate) const;
   std::optional<ArrayObservation> received_by(std::size_t number,
                                               BurstObservation& burst,
                                               LocationEstimate& estimate) const;
@@ -160,12 +160,13 @@ std::optional<ArrayObservation> Localizer::Impl::received_by(std::size_t number,
   return received;
 }
 
-std::vector<ArrayObservation> Localizer::Impl::listen(std::span<const CsiFrame> frames,
-                                                      LocationEstimate& estimate) const {
+std::vector<ArrayObservation> Localizer::Impl::arrays_of(std::span<const CsiFrame> frames,
+                                                         LocationEstimate& estimate) const {
   std::vector<ArrayObservation> received;
   ObservationTally tally;
   for (std::size_t number = 0; number < aps_.size(); ++number) {
-    auto burst = rayloc::receive(*room_, index_[number], frames, options_.burst, estimate.warnings);
+    auto burst =
+        preprocess_burst(*room_, index_[number], frames, options_.burst, estimate.warnings);
     auto one = burst ? received_by(number, *burst, estimate) : std::nullopt;
     if (one) {
       tally.add(aps_[number]->access_point(), *burst);
@@ -259,7 +260,7 @@ double Localizer::Impl::model_residual(const std::vector<ArrayObservation>& rece
   return 10.0 * std::log10(std::max(residual / static_cast<double>(received.size()), kMinResidual));
 }
 
-RoomObservation Localizer::Impl::preprocess_burst(std::span<const CsiFrame> frames) const {
+RoomObservation Localizer::Impl::receive(std::span<const CsiFrame> frames) const {
   RoomObservation observation;
   LocationEstimate& estimate = observation.estimate;
   estimate.warnings = warnings_;
@@ -268,7 +269,7 @@ RoomObservation Localizer::Impl::preprocess_burst(std::span<const CsiFrame> fram
     estimate.reason = "no frames";
     return observation;
   }
-  observation.arrays = listen(frames, estimate);
+  observation.arrays = arrays_of(frames, estimate);
   if (observation.arrays.empty()) {
     estimate.reason = no_usable_csi(*room_, estimate.warnings);
   }
@@ -298,7 +299,7 @@ void Localizer::Impl::keep_explained(std::vector<ArrayObservation>& received,
 LocationEstimate Localizer::Impl::locate(std::span<const CsiFrame> frames,
                                          double likelihood_exponent,
                                          double fault) const {
-  RoomObservation observation = preprocess_burst(frames);
+  RoomObservation observation = receive(frames);
   LocationEstimate& estimate = observation.estimate;
   if (observation.arrays.empty()) {
     return std::move(estimate);
@@ -462,7 +463,7 @@ LocationEstimate Localizer::locate(std::span<const CsiFrame> frames,
 }
 
 RoomObservation Localizer::receive(std::span<const CsiFrame> frames) const {
-  return impl_->preprocess_burst(frames);
+  return impl_->receive(frames);
 }
 Localizer::Evidence Localizer::evidence(const RoomObservation& observation,
                                         Scan scan,

@@ -12,13 +12,13 @@ namespace {
 // About this many cells per room: 5 cm in a small room, larger cells in a large one.
 constexpr double kCells = 12000.0;
 constexpr double kFinestStep = 0.05;  // [m]
-constexpr double kMaxBeside = 2.0;    // [m]
-constexpr double kMinBeside = 0.5;    // [m], less is the thickness of a wall
+constexpr double kMaxMargin = 2.0;    // [m]
+constexpr double kMinMargin = 0.5;    // [m], less is the thickness of a wall
 
 std::size_t cells_beside(double reach, double step) {
-  return reach < kMinBeside
+  return reach < kMinMargin
              ? 0
-             : static_cast<std::size_t>(std::ceil(std::min(reach, kMaxBeside) / step));
+             : static_cast<std::size_t>(std::ceil(std::min(reach, kMaxMargin) / step));
 }
 
 }  // namespace

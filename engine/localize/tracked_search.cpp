@@ -22,7 +22,7 @@ constexpr std::size_t kMaxTrackedBoxes = 640;
 // Share of the mass, chosen: with more outside its own share of boxes, an access point also uses
 // those of the others. An uncertain position has many peaks, and none of them may be given up.
 constexpr double kWide = 0.02;
-constexpr std::size_t kMaxClosely =
+constexpr std::size_t kMaxDenseBoxes =
     96;                               // a count, chosen: of kMaxTrackedBoxes, with all their places
 constexpr double kCloseMargin = 8.0;  // [nat], below the best
 constexpr std::size_t kFewX = 2;      // a count: every second place in x ...
@@ -68,7 +68,8 @@ void TrackedSearch::choose_boxes(const SearchFocus& focus) {
   while (kept < order.size() && left > (kept < share ? kUnevaluated : kWide) * sum) {
     left -= prior[order[kept++]];
   }
-  most_closely_ = std::max<std::size_t>(1, kMaxClosely * std::max(share, kept) / kMaxTrackedBoxes);
+  most_closely_ =
+      std::max<std::size_t>(1, kMaxDenseBoxes * std::max(share, kept) / kMaxTrackedBoxes);
   order.resize(kept);
   unevaluated_mass_ = left / sum;
   std::sort(order.begin(), order.end());

@@ -128,10 +128,10 @@ class CalibrationMonitor::AccessPoint {
     }
   }
 
-  const MonitorState& window_state() const { return state_; }
-  void go_on(const MonitorState& window_state) {
-    if (window_state.jump.size() == ap_.cores.size()) {
-      state_ = window_state;
+  const MonitorState& monitor_state() const { return state_; }
+  void go_on(const MonitorState& monitor_state) {
+    if (monitor_state.jump.size() == ap_.cores.size()) {
+      state_ = monitor_state;
     }
   }
   void set_reference(const Transmitter& transmitter, std::vector<Value> array);
@@ -461,18 +461,18 @@ void CalibrationMonitor::observe(const Transmitter& transmitter, std::span<const
   }
 }
 
-std::vector<CalibrationMonitor::MonitorState> CalibrationMonitor::window_state() const {
+std::vector<CalibrationMonitor::MonitorState> CalibrationMonitor::monitor_state() const {
   std::vector<MonitorState> all;
   for (const auto& ap : aps_) {
     if (ap != nullptr) {
-      all.push_back(ap->window_state());
+      all.push_back(ap->monitor_state());
     }
   }
   return all;
 }
 
-void CalibrationMonitor::go_on(const std::vector<MonitorState>& window_state) {
-  for (const MonitorState& one : window_state) {
+void CalibrationMonitor::go_on(const std::vector<MonitorState>& monitor_state) {
+  for (const MonitorState& one : monitor_state) {
     if (one.access_point < aps_.size() && aps_[one.access_point] != nullptr) {
       aps_[one.access_point]->go_on(one);
     }

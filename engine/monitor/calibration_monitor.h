@@ -111,9 +111,9 @@ class CalibrationMonitor {
     int since_scan = kRescan;  // windows
     bool drifted = false;
   };
-  std::vector<MonitorState> window_state() const;  // by access point
+  std::vector<MonitorState> monitor_state() const;  // by access point
   // Call before the first burst and after set_reference(). Access points of this room only.
-  void go_on(const std::vector<MonitorState>& window_state);
+  void go_on(const std::vector<MonitorState>& monitor_state);
 
   // Adds the frames of one burst of a transmitter from all access points. Access points without
   // gains and those that no ray reaches are skipped.

@@ -27,7 +27,7 @@ std::vector<Measurement> listen(const RoomModel& room,
   std::vector<Measurement> measured;
   ObservationTally tally;
   for (const Source& source : sources) {
-    auto burst = receive(room, source.access_point, frames, options, estimate.warnings);
+    auto burst = preprocess_burst(room, source.access_point, frames, options, estimate.warnings);
     if (burst) {
       tally.add(room.access_points[source.access_point], *burst);
       auto observables = csi_loss.observe(burst->h);

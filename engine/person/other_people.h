@@ -32,7 +32,7 @@ struct OtherPeople {
 // One Gaussian with co-occupants. Holds a reference to the Gaussian.
 class AccompaniedGaussian {
  public:
-  // REQUIRES: company is not empty and has at most kMaxColumns columns.
+  // REQUIRES: `co_occupants` is not empty and has at most kMaxColumns columns.
   AccompaniedGaussian(const WhitenedGaussian& gaussian, const OtherPeople& co_occupants);
 
   // (I - B M^-1 B^H) u, for u = W y.

@@ -129,7 +129,7 @@ PersonObservation PersonLocalizer::Impl::receive(std::span<const CsiFrame> frame
   for (std::size_t number = 0; number < squares_.links.size(); ++number) {
     const PersonLinkMap& link = squares_.links[number];
     const std::size_t access_point = reference_.links[number].access_point;
-    auto burst = rayloc::receive(*room_, access_point, frames, options_.burst, estimate.warnings);
+    auto burst = preprocess_burst(*room_, access_point, frames, options_.burst, estimate.warnings);
     if (!burst) {
       continue;
     }

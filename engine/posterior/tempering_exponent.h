@@ -22,7 +22,7 @@ namespace rayloc {
 inline constexpr std::array kExponents = {1.0, 0.8, 0.6, 0.45, 0.35, 0.25, 0.18, 0.13, 0.09, 0.06};
 
 // Candidates of the residual width of every position [m].
-inline constexpr std::array kMinSigmas = {
+inline constexpr std::array kSigmaFloors = {
     0.001, 0.002, 0.003, 0.005, 0.007, 0.01, 0.014, 0.02, 0.03};
 
 struct KnownSpots {
@@ -49,7 +49,7 @@ TemperingExponent evaluate_exponent(double exponent,
                                     std::span<const LocationEstimate> estimates,
                                     double stated_sigma,
                                     const KnownSpots& spots,
-                                    std::span<const double> sigma_floors = kMinSigmas);
+                                    std::span<const double> sigma_floors = kSigmaFloors);
 
 // The index of the best one. REQUIRES: not empty; all for the same spots, exponents descending.
 std::size_t best_exponent(std::span<const TemperingExponent> evaluated);

@@ -57,11 +57,11 @@ std::string no_usable_csi(const RoomModel& room, const std::vector<std::string>&
   return warnings.empty() ? "no access point of the site received the burst" : warnings.front();
 }
 
-std::optional<BurstObservation> receive(const RoomModel& room,
-                                        std::size_t access_point,
-                                        std::span<const CsiFrame> frames,
-                                        const BurstOptions& options,
-                                        std::vector<std::string>& warnings) {
+std::optional<BurstObservation> preprocess_burst(const RoomModel& room,
+                                                 std::size_t access_point,
+                                                 std::span<const CsiFrame> frames,
+                                                 const BurstOptions& options,
+                                                 std::vector<std::string>& warnings) {
   const RoomAccessPoint& ap = room.access_points[access_point];
   const auto index = static_cast<int>(access_point);
   if (std::none_of(frames.begin(), frames.end(), [&](const CsiFrame& frame) {

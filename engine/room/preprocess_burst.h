@@ -30,11 +30,11 @@ std::string no_usable_csi(const RoomModel& room, const std::vector<std::string>&
 // The burst of one access point of RoomModel::access_points, chain gains removed; nothing when it
 // received none that can be used. Problems are reported as warnings. REQUIRES:
 // calibration_problem() is empty.
-std::optional<BurstObservation> receive(const RoomModel& room,
-                                        std::size_t access_point,
-                                        std::span<const CsiFrame> frames,
-                                        const BurstOptions& options,
-                                        std::vector<std::string>& warnings);
+std::optional<BurstObservation> preprocess_burst(const RoomModel& room,
+                                                 std::size_t access_point,
+                                                 std::span<const CsiFrame> frames,
+                                                 const BurstOptions& options,
+                                                 std::vector<std::string>& warnings);
 
 // The antenna whose chain is dead, as a row of the burst: 20 dB weaker than the mean of the others,
 // or absent from every frame of the burst (BurstObservation::absent). A fade that deep over a whole

@@ -244,7 +244,7 @@ std::optional<TrackTransition> PersonTracker::age(Timestamp time, bool is_seen) 
 }
 
 // Estimate for a time without a burst.
-LocationEstimate PersonTracker::unreceived(Timestamp time) const {
+LocationEstimate PersonTracker::estimate_without_burst(Timestamp time) const {
   LocationEstimate location;
   location.accuracy_confidence = localizer_->options().accuracy_confidence;
   location.time = time;
@@ -284,7 +284,7 @@ void PersonTracker::coast(Timestamp until, std::vector<PersonUpdate>& updates) {
     life_->due += options_.coasting_interval;
     predict(time);
     auto transition = age(time, false);
-    report(unreceived(time), false, std::move(transition), updates);
+    report(estimate_without_burst(time), false, std::move(transition), updates);
   }
 }
 
@@ -324,7 +324,7 @@ void PersonTracker::restart(const std::string& reason, std::vector<PersonUpdate>
     const Timestamp time = life_->time + std::chrono::microseconds(1);
     const TrackTransition lost{time, life_->state, TrackState::kLost, reason};
     life_->state = TrackState::kLost;
-    report(unreceived(time), false, lost, updates);
+    report(estimate_without_burst(time), false, lost, updates);
   }
   time_.reset();
 }

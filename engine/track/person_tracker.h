@@ -146,7 +146,7 @@ class PersonTracker {
   void learn(const PersonMap& map, double weight);
   Sight weigh(const PersonObservation& observation);
   std::optional<TrackTransition> age(Timestamp time, bool is_seen);
-  LocationEstimate unreceived(Timestamp time) const;
+  LocationEstimate estimate_without_burst(Timestamp time) const;
   void report(LocationEstimate location,
               bool is_seen,
               std::optional<TrackTransition> transition,

@@ -37,7 +37,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kDatagramBytes = 566;  // of the bundled meeting room
 constexpr std::size_t kBatch = 64;
-constexpr std::size_t kMaxInFlight = 200;  // batches, of 8 MiB some
+constexpr std::size_t kMaxInFlight = 200;  // batches, some of 8 MiB
 
 double own_seconds() {
   rusage usage{};

@@ -91,7 +91,7 @@ void judge(bool verbose,
     ++tally.no_fix;
   }
   if (verbose) {
-    std::printf("%s aps %zu error %.3f accuracy %.3f reaching %.3f elsewhere %.4f loss %.2f",
+    std::printf("%s aps %zu error %.3f accuracy %.3f reaching %.3f residual %.4f loss %.2f",
                 name.c_str(),
                 localizer.room().access_points.size(),
                 error,

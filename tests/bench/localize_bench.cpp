@@ -239,7 +239,7 @@ void print_latencies() {
   const auto burst = [&](int i) -> const std::vector<CsiFrame>& {
     return p.bursts[static_cast<std::size_t>(i) % p.bursts.size()];
   };
-  print_latency("a burst heard, of a snapshot", 400, [&](int i) {
+  print_latency("preprocessing of a snapshot's burst", 400, [&](int i) {
     benchmark::DoNotOptimize(p.localizer->receive(burst(i)));
   });
   print_latency("snapshot, one access point", 400, [&](int i) {

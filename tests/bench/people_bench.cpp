@@ -36,7 +36,7 @@ struct Spot {
 // The channel of a spot's frames, aligned to the empty room; empty if they are too few.
 std::vector<Value> aligned(const RoomModel& room, const PersonLink& link, const Frames& frames) {
   std::vector<std::string> warnings;
-  auto burst = receive(room, link.access_point, frames, {}, warnings);
+  auto burst = preprocess_burst(room, link.access_point, frames, {}, warnings);
   if (!burst) {
     return {};
   }

@@ -311,7 +311,7 @@ void BM_RadioMap(benchmark::State& state) {
         map.path_gain.begin(), map.path_gain.end(), [](double g) { return g > 0.0; }));
   }
   state.counters["cells"] = static_cast<double>(grid.size());
-  state.counters["heard"] = static_cast<double>(received);
+  state.counters["received"] = static_cast<double>(received);
 }
 
 void repeat(benchmark::internal::Benchmark* benchmark) {

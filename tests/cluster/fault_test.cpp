@@ -209,8 +209,8 @@ TEST_F(HotFaults, OfTheOwnerAreOverAtOnce) {
               << seconds.back() << " s, median " << seconds[seconds.size() / 2] << " s, of "
               << seconds.size() << '\n';
   };
-  print("spoke", resumed);
-  print("had said everything", whole);
+  print("published", resumed);
+  print("had published all results", whole);
   std::cout << windows_ << " windows compared, " << differing_ << " differ\n";
   EXPECT_EQ(differing_, 0U);
   EXPECT_TRUE(stands_by());  // the last one that was killed has restarted

@@ -222,9 +222,9 @@ TEST_F(RealBroker, OnlyWhoKnowsTheLastMessagePublishesBehindIt) {
 }
 
 // Datagrams of an access point, from a separate thread.
-class Receiving {
+class TapWriter {
  public:
-  Receiving(DatagramTap& tap, milliseconds period) : tap_(tap), period_(period) {}
+  TapWriter(DatagramTap& tap, milliseconds period) : tap_(tap), period_(period) {}
   void begin() {
     thread_ = std::thread([this] {
       while (!ending_) {
@@ -413,8 +413,8 @@ TEST_F(RealBroker, EveryDatagramThatIsCapturedIsReadOnceOrMarked) {
   auto role = CaptureRole::open(of_node, {"node1", kSomeEpoch, options});
   ASSERT_TRUE(role);
   const std::shared_ptr<BatchSender> sender = *(*role)->add_site("office");
-  Receiving first(sender->tap("ap1"), milliseconds(3));
-  Receiving second(sender->tap("ap2"), milliseconds(7));
+  TapWriter first(sender->tap("ap1"), milliseconds(3));
+  TapWriter second(sender->tap("ap2"), milliseconds(7));
   ASSERT_TRUE(sender->start());
   first.begin();
   second.begin();

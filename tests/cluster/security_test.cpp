@@ -91,7 +91,7 @@ class Secured : public ::testing::Test {
                            }))
         << subject << ": " << broker.refusal();
   }
-  static void expect_unreceived(Broker& broker, const std::string& subject) {
+  static void expect_no_subscription(Broker& broker, const std::string& subject) {
     const auto subscription = broker.subscribe(subject, [](const BrokerMessage&) {});
     EXPECT_TRUE(eventually(kPatience,
                            [&] {
@@ -162,7 +162,7 @@ TEST_F(Secured, EachForbiddenThingIsRefused) {
                                     "$JS.API.STREAM.MSG.DELETE.CLAIMS"}) {
     expect_refused(*worker, subject);
   }
-  expect_unreceived(*worker, "_INBOX.operator.>");
+  expect_no_subscription(*worker, "_INBOX.operator.>");
 
   const auto node = connected("hall-1");
   std::atomic<bool> stored{false};
@@ -181,8 +181,8 @@ TEST_F(Secured, EachForbiddenThingIsRefused) {
                                     "$JS.API.DIRECT.GET.CSI_office"}) {
     expect_refused(*node, subject);
   }
-  expect_unreceived(*node, "rayloc.v1.live.office.>");
-  expect_unreceived(*node, "rayloc.v1.outlive.office");
+  expect_no_subscription(*node, "rayloc.v1.live.office.>");
+  expect_no_subscription(*node, "rayloc.v1.outlive.office");
 
   const auto gateway = connected("g1");
   EXPECT_TRUE(gateway->stream_state(std::string(kOutputStream)));
@@ -193,7 +193,7 @@ TEST_F(Secured, EachForbiddenThingIsRefused) {
                                     "$JS.API.STREAM.DELETE.OUT"}) {
     expect_refused(*gateway, subject);
   }
-  expect_unreceived(*gateway, "rayloc.v1.live.hall.>");
+  expect_no_subscription(*gateway, "rayloc.v1.live.hall.>");
 }
 
 TEST_F(Secured, NobodyIsLetInWithoutAKeyOrByAnotherAuthority) {
@@ -306,10 +306,10 @@ TEST(WithoutTheModule, ARoleIsRefusedInWords) {
   fs::create_directories(folder.path() / "bin");
   const fs::path program = folder.path() / "bin" / "rayloc";
   fs::copy_file(test::program_path("rayloc"), program);
-  const std::string result = (folder.path() / "said").string();
-  const std::string command = program.string() + " cluster status 2>" + result;
+  const std::string errors_file = (folder.path() / "errors").string();
+  const std::string command = program.string() + " cluster status 2>" + errors_file;
   EXPECT_NE(std::system(command.c_str()), 0);  // NOLINT(concurrency-mt-unsafe): one thread
-  EXPECT_THAT(e2e::read_text(result), HasSubstr("install the package raylocd-cluster"));
+  EXPECT_THAT(e2e::read_text(errors_file), HasSubstr("install the package raylocd-cluster"));
 }
 
 }  // namespace

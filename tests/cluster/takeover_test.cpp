@@ -130,7 +130,7 @@ class TakeOver : public ::testing::Test {
         return last.generation() > one.second && last.has_output();
       });
     }));
-    std::cout << before.size() << " sites were told of again after "
+    std::cout << before.size() << " sites had results again after "
               << std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count()
               << " s\n";
   }

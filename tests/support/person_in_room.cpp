@@ -52,7 +52,7 @@ PersonReference learn_reference(const RoomModel& room) {
   std::vector<EmptyRoom> received;
   std::vector<std::string> warnings;
   for (std::size_t i = 0; i < room.access_points.size(); ++i) {
-    received.push_back({i, receive(room, i, frames, {}, warnings)->h});
+    received.push_back({i, preprocess_burst(room, i, frames, {}, warnings)->h});
   }
   return *fit_empty_room(room, fixed_transmitter(), received);
 }

@@ -10,7 +10,7 @@ namespace rayloc {
 namespace {
 
 // Bytes per call of minizip, whose counts have 32 bits.
-constexpr std::size_t kMaxConcurrent = std::size_t{1} << 30U;
+constexpr std::size_t kMaxChunk = std::size_t{1} << 30U;
 // Size from which a member needs the fields of zip64 [bytes]; below the limit of 2^32.
 constexpr std::size_t kBigMember = std::size_t{3} << 30U;
 
@@ -101,7 +101,7 @@ class NpzFile::Impl {
 
   Expected<void> write(std::span<const std::byte> bytes) {
     while (!bytes.empty()) {
-      const std::size_t count = std::min(bytes.size(), kMaxConcurrent);
+      const std::size_t count = std::min(bytes.size(), kMaxChunk);
       if (zipWriteInFileInZip(file_, bytes.data(), static_cast<unsigned>(count)) != ZIP_OK) {
         return failed();
       }

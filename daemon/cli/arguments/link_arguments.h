@@ -46,7 +46,7 @@ struct Link {
 Expected<Link> parse_link(const LinkArguments& arguments);
 
 // Explains why a link has no path or is probably not the intended one: "the transmitter is inside
-// of object 'x', where it has no path"; empty if there is no problem.
+// of object 'x', where it receives nothing"; empty if there is no problem.
 std::string note_on_ends(const Scene& scene, const Link& link);
 
 }  // namespace rayloc::cli

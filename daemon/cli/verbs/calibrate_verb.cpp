@@ -44,8 +44,8 @@ Expected<int> fit(CalibrateArguments arguments) {
   if (outcome) {
     StopSignal::end_if_requested();
   }
-  return outcome.map([](CalibrationOutcome explains) {
-    return explains == CalibrationOutcome::kExplains ? 0 : kExitUnexplained;
+  return outcome.map([](CalibrationOutcome verdict) {
+    return verdict == CalibrationOutcome::kExplains ? 0 : kExitUnexplained;
   });
 }
 

@@ -177,14 +177,14 @@ void check_node(Broker& broker,
 void check_nodes(Broker& broker, const std::string& site, Findings& findings) {
   const std::string stream = csi_stream(site);
   const auto subjects = subjects_of(broker, stream);
-  bool is_received = false;
+  bool has_node = false;
   for (const std::string& subject : subjects ? *subjects : std::vector<std::string>()) {
     if (subject != owner_subject(site)) {
-      is_received = true;
+      has_node = true;
       check_node(broker, stream, subject, findings);
     }
   }
-  if (!is_received) {
+  if (!has_node) {
     findings.push_back({Kind::kProblem,
                         "site " + printable(site) + ": no capture node sends",
                         "start one with [[source]] site = \"" + printable(site) + "\""});

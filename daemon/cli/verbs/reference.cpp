@@ -66,8 +66,8 @@ class Reference {
   Expected<void> read();
   Expected<Frames> read_captures(const std::vector<std::string>& arguments);
   Expected<void> learn_empty_room();
-  Expected<std::vector<EmptyRoom>> receive_empty(const std::vector<CsiFrame>& frames,
-                                                 bool occupied);
+  Expected<std::vector<EmptyRoom>> empty_rooms_of(const std::vector<CsiFrame>& frames,
+                                                  bool occupied);
   Expected<void> learn_two_days();
   Expected<void> add_reference(const MacAddress& mac,
                                const Transmitter& surveyed,
@@ -184,8 +184,8 @@ Transmitter surveyed_place(const SiteTransmitter& transmitter) {
   return {{*transmitter.position, {}, transmitter.pattern, transmitter.polarization}};
 }
 
-Expected<std::vector<EmptyRoom>> Reference::receive_empty(const std::vector<CsiFrame>& frames,
-                                                          bool occupied) {
+Expected<std::vector<EmptyRoom>> Reference::empty_rooms_of(const std::vector<CsiFrame>& frames,
+                                                           bool occupied) {
   BurstOptions burst_options;
   burst_options.max_frames = kMaxEmptyFrames;
   std::vector<EmptyRoom> received;
@@ -203,7 +203,7 @@ Expected<std::vector<EmptyRoom>> Reference::receive_empty(const std::vector<CsiF
     }
     std::vector<std::string> warnings;
     auto burst = occupied ? receive_background(room_, a, frames, burst_options, warnings)
-                          : receive(room_, a, frames, burst_options, warnings);
+                          : preprocess_burst(room_, a, frames, burst_options, warnings);
     if (!burst) {
       return bad_input(warnings.front());
     }
@@ -243,7 +243,7 @@ Expected<void> Reference::learn_empty_room() {
     return learn_two_days();
   }
   for (const auto& [mac, frames] : empty_) {
-    const auto received = receive_empty(frames, options_.occupied);
+    const auto received = empty_rooms_of(frames, options_.occupied);
     if (!received) {
       return tl::make_unexpected(received.error());
     }
@@ -264,11 +264,11 @@ Expected<void> Reference::learn_two_days() {
       refused_.push_back({to_string(mac), "not in the recordings of --people-empty"});
       continue;
     }
-    auto today = receive_empty(frames, options_.occupied);
+    auto today = empty_rooms_of(frames, options_.occupied);
     if (!today) {
       return tl::make_unexpected(std::move(today.error()));
     }
-    auto people = receive_empty(before->second, false);
+    auto people = empty_rooms_of(before->second, false);
     if (!people) {
       return bad_input("--people-empty: " + people.error().message);
     }
@@ -311,7 +311,7 @@ std::vector<PersonSpot> Reference::spots_of(const PersonReference& reference,
     PersonSpot spot{{point.position.x, point.position.y}, {}};
     std::vector<std::string> warnings;
     for (const PersonLink& link : reference.links) {
-      auto burst = receive(people_room_, link.access_point, own, {}, warnings);
+      auto burst = preprocess_burst(people_room_, link.access_point, own, {}, warnings);
       spot.h.push_back(burst ? std::move(burst->h) : std::vector<std::complex<double>>());
       for (const auto& value : spot.h.back()) {
         content_.add(value.real());

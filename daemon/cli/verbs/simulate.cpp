@@ -280,7 +280,7 @@ Expected<CaptureReport> simulate(const Simulation& simulation,
   CaptureSimulator simulator(simulation.rooms, index, options);
   CaptureReport report{output.access_point, output.file, 0, 0, {}, simulator.chains()};
   for (const SimulatedSpot& spot : simulation.spots) {
-    const auto received = simulator.receive(spot);
+    const auto received = simulator.capture(spot);
     if (!received) {
       return bad_input("point of line " + std::to_string(spot.line) + ": " +
                        received.error().message);
@@ -296,7 +296,7 @@ Expected<CaptureReport> simulate(const Simulation& simulation,
     report.datagrams += batch.size();
     report.lost += received->lost;
     if (received->paths == 0) {
-      report.unreceived_lines.push_back(spot.line);
+      report.lines_without_path.push_back(spot.line);
     }
   }
   if (auto synced = recorder->sync(); !synced) {
@@ -317,13 +317,13 @@ void print_notes(const Simulation& simulation) {
 }
 
 void print_notes(const CaptureReport& report) {
-  if (!report.unreceived_lines.empty()) {
+  if (!report.lines_without_path.empty()) {
     std::fprintf(stderr,
                  "rayloc simulate: no path reaches %s from %zu points, the first of line %d: only "
                  "noise is recorded there\n",
                  report.access_point.c_str(),
-                 report.unreceived_lines.size(),
-                 report.unreceived_lines.front());
+                 report.lines_without_path.size(),
+                 report.lines_without_path.front());
   }
 }
 

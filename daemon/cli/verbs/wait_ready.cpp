@@ -72,7 +72,7 @@ RunVerb declare_wait_ready(OptionParser& app) {
 extern const Verb kWaitReady;
 const Verb kWaitReady = {
     "wait-ready",
-    "Wait until raylocd is ready: runs, can locate, and receives every access point",
+    "Wait until raylocd is ready: runs, can locate, and receives from every access point",
     "rayloc wait-ready --timeout 30 && echo go",
     declare_wait_ready};
 

@@ -19,7 +19,7 @@ struct FitControl {
   std::function<void()> on_begin;
   std::function<bool()> stop_requested;  // polled during the fit
 
-  bool stops() const { return stop_requested && stop_requested(); }
+  bool is_stop_requested() const { return stop_requested && stop_requested(); }
 };
 
 struct CalibrateArguments {

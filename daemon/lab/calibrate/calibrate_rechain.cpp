@@ -59,7 +59,7 @@ struct SpotFrames {
 };
 
 // Known positions and the frames received from them.
-struct Received {
+struct RefitInputs {
   std::vector<SpotFrames> spots;
   std::vector<bool> recorded;  // by access point
   std::vector<RefusedInput> refused;
@@ -74,20 +74,20 @@ struct RefitAccessPoint {
   std::size_t learned_from = 0;  // bursts of devices; 0: refitted from known positions
 };
 
-Expected<Received> receive_points(const Site& site,
-                                  const RoomModel& room,
-                                  const std::vector<CaptureArgument>& captures,
-                                  const RechainArguments& arguments) {
+Expected<RefitInputs> read_surveyed(const Site& site,
+                                    const RoomModel& room,
+                                    const std::vector<CaptureArgument>& captures,
+                                    const RechainArguments& arguments) {
   auto inputs = read_calibration_inputs(
       with_bounds(site, room), captures, arguments.points, arguments.time_offset);
   if (!inputs) {
     return tl::make_unexpected(std::move(inputs.error()));
   }
-  Received received{{},
-                    std::move(inputs->recorded),
-                    std::move(inputs->refused),
-                    inputs->content,
-                    std::move(inputs->notes)};
+  RefitInputs received{{},
+                       std::move(inputs->recorded),
+                       std::move(inputs->refused),
+                       inputs->content,
+                       std::move(inputs->notes)};
   for (SurveyedFrames& spot : inputs->points) {
     received.spots.push_back({spot.point.position, room.device, std::move(spot.frames), {}});
   }
@@ -95,11 +95,11 @@ Expected<Received> receive_points(const Site& site,
 }
 
 // Frames of the fixed transmitters whose positions are stated.
-Expected<Received> receive_fixed(const Site& site, const std::vector<CaptureArgument>& captures) {
+Expected<RefitInputs> read_fixed(const Site& site, const std::vector<CaptureArgument>& captures) {
   const auto has_place = [](const SiteTransmitter& transmitter) {
     return transmitter.role == TransmitterRole::kFixed && transmitter.position;
   };
-  Received received;
+  RefitInputs received;
   auto frames = read_fixed_frames(site, captures, received.notes);
   if (!frames) {
     return tl::make_unexpected(std::move(frames.error()));
@@ -184,7 +184,7 @@ class Rechain {
   std::vector<PersonReference> references_;
   CalibrationFile before_;
   CalibrationFile after_;
-  Received received_;
+  RefitInputs received_;
   Json heldout_;
   std::vector<ChainState> states_;  // learned from devices; empty with --points
   std::vector<RefitAccessPoint> results_;
@@ -242,8 +242,8 @@ Expected<void> Rechain::read() {
   if (!captures) {
     return tl::make_unexpected(captures.error());
   }
-  auto received = arguments_.points.empty() ? receive_fixed(site_, *captures)
-                                            : receive_points(site_, room_, *captures, arguments_);
+  auto received = arguments_.points.empty() ? read_fixed(site_, *captures)
+                                            : read_surveyed(site_, room_, *captures, arguments_);
   if (!received) {
     return tl::make_unexpected(std::move(received.error()));
   }

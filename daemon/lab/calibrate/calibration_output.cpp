@@ -176,7 +176,7 @@ void Calibration::end(const std::vector<CalibrationMethodResult>& methods) const
     std::error_code none;
     fs::remove(checkpoint(), none);
   }
-  if (!options_.control.stops()) {
+  if (!options_.control.is_stop_requested()) {
     return;
   }
   const bool compared =

@@ -182,7 +182,7 @@ Expected<RoomCalibration> Calibration::jointly(const CalibrationObserver& observ
 }
 
 bool Calibration::go_on() {
-  if (options_.control.stops() && !is_stopping_) {
+  if (options_.control.is_stop_requested() && !is_stopping_) {
     is_stopping_ = true;
     line_.clear();
     if (!options_.quiet) {

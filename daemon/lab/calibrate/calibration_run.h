@@ -84,7 +84,7 @@ class Calibration {
   std::string id_;  // hash of all inputs
   CalibrationProgressLine line_{options_.quiet, options_.progress};
   bool unkept_ = false;       // last state could not be written
-  bool is_stopping_ = false;  // and that was reported
+  bool is_stopping_ = false;  // a stop was requested, and reported
 };
 
 }  // namespace rayloc::cli

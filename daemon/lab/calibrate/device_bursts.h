@@ -20,8 +20,8 @@ struct DeviceBursts {
   // Each from one transmitter, 200 ms, ordered by end time; fixed
   // transmitters included if the site states their positions.
   std::vector<std::vector<CsiFrame>> bursts;
-  std::set<std::size_t> received;  // access points that received bursts
-  bool is_any_device = false;      // false: only fixed transmitters
+  std::set<std::size_t> receivers;  // access points that received bursts
+  bool is_any_device = false;       // false: only fixed transmitters
 };
 
 // `notes` as in for_each_frame().

@@ -19,7 +19,7 @@ constexpr double kSameHeight = 0.05;  // [m]
 constexpr std::size_t kFalls = 2;
 // Map errors are common to all access points, so the likelihoods
 // of several carry less information than their product.
-constexpr double kMaxOfSeveral = 0.8;
+constexpr double kMaxExponentOfSeveral = 0.8;
 
 // A fix assumes the height: at other heights its error does not measure its certainty.
 std::vector<HeldOutSpot> at_height(std::span<const HeldOutSpot> spots, double height) {
@@ -82,7 +82,7 @@ Expected<std::vector<HeldOutFixes>> fit_certainty_of(std::shared_ptr<const RoomM
                                                      double survey_sigma) {
   const std::vector<HeldOutSpot> spots = at_height(all, room->device.height);
   const double usual = room->likelihood_exponent;
-  const double most = room->access_points.size() > 1 ? kMaxOfSeveral : kExponents.front();
+  const double most = room->access_points.size() > 1 ? kMaxExponentOfSeveral : kExponents.front();
   const std::array usual_sigma{room->sigma_floor};
   const auto localizer = Localizer::create(std::move(room), {});
   if (!localizer) {
@@ -99,7 +99,8 @@ Expected<std::vector<HeldOutFixes>> fit_certainty_of(std::shared_ptr<const RoomM
     if (exponent > most) {
       continue;
     }
-    auto [outcome, evaluation] = fixes_with(*localizer, spots, exponent, kMinSigmas, survey_sigma);
+    auto [outcome, evaluation] =
+        fixes_with(*localizer, spots, exponent, kSigmaFloors, survey_sigma);
     outcomes.push_back(outcome);
     evaluated.push_back(std::move(evaluation));
     if (outcome.fixes < kMinFixes) {

@@ -23,12 +23,12 @@ std::size_t learned_of(const std::vector<ChainState>& states) {
 
 // Processes all bursts again from the learned chains: calibrated access points then locate the
 // devices, which was not possible for early bursts in the first pass.
-std::vector<ChainState> received_once_more(const Site& site,
-                                           const std::shared_ptr<const Localizer>& localizer,
-                                           const DeviceBursts& received,
-                                           const std::vector<ChainState>& before) {
+std::vector<ChainState> learn_once_more(const Site& site,
+                                        const std::shared_ptr<const Localizer>& localizer,
+                                        const DeviceBursts& received,
+                                        const std::vector<ChainState>& before) {
   ChainLearner learner(localizer);
-  for (const std::size_t access_point : received.received) {
+  for (const std::size_t access_point : received.receivers) {
     const auto known = std::find_if(before.begin(), before.end(), [&](const ChainState& state) {
       return state.access_point == access_point && state.knowledge == ChainKnowledge::kLearned;
     });
@@ -70,11 +70,11 @@ Expected<std::vector<ChainState>> learn_chains(const Site& site,
   std::size_t known = 0;
   do {
     known = learned_of(states);
-    std::vector<ChainState> again = received_once_more(site, *localizer, *received, states);
+    std::vector<ChainState> again = learn_once_more(site, *localizer, *received, states);
     if (states.empty() || learned_of(again) > known) {
       states = std::move(again);
     }
-  } while (learned_of(states) > known && learned_of(states) < received->received.size());
+  } while (learned_of(states) > known && learned_of(states) < received->receivers.size());
   return states;
 }
 

@@ -21,7 +21,7 @@ constexpr Duration kFinestStep = std::chrono::milliseconds(50);
 constexpr Duration kCoarsestStep = std::chrono::seconds(1);
 constexpr double kMaxComparisons = 2e8;               // pairs of a point and an offset
 constexpr std::size_t kFewestMatches = 3;             // two points fit nearly every recording
-constexpr double kMaxOfPoints = 0.6;                  // a share
+constexpr double kMinShareOfPoints = 0.6;             // a share
 constexpr double kRivalShare = 0.75;                  // share of the best offset's points
 constexpr double kMoves = 0.15;                       // spread of the correlations of a walk
 constexpr Duration kZone = std::chrono::minutes(15);  // time zones are multiples of this
@@ -276,7 +276,7 @@ class OffsetSearch {
 
   bool is_better(const TimeOffset& found) const {
     const std::size_t margin = std::max<std::size_t>(2, points_.size() / 4);
-    const double least = kMaxOfPoints * static_cast<double>(points_.size());
+    const double least = kMinShareOfPoints * static_cast<double>(points_.size());
     return found.points >= found.as_stated + margin && found.points >= kFewestMatches &&
            static_cast<double>(found.points) >= least;
   }

@@ -39,7 +39,7 @@ Expected<PersonReference> refer(const RoomModel& room, const StudyLayout& layout
   std::vector<EmptyRoom> empty;
   std::vector<std::string> warnings;
   for (std::size_t ap = 0; ap < room.access_points.size(); ++ap) {
-    auto burst = receive(room, ap, layout.empty, {}, warnings);
+    auto burst = preprocess_burst(room, ap, layout.empty, {}, warnings);
     if (burst) {
       empty.push_back({ap, std::move(burst->h)});
     }

@@ -84,7 +84,7 @@ Expected<void> receive(const Transmissions& sent, CaptureOptions options, StudyL
     const auto listen = [&](CaptureSimulator& simulator,
                             const SimulatedSpot& spot,
                             std::vector<CsiFrame>& frames) -> Expected<void> {
-      auto received = simulator.receive(spot);
+      auto received = simulator.capture(spot);
       if (!received) {
         return tl::make_unexpected(std::move(received.error()));
       }

@@ -21,7 +21,7 @@ constexpr ModelError kCalibrated{
     .noise = 2.4e-4,           // share of the power
 };
 constexpr double kCalibratedExponent = 0.8;     // of the likelihood, a power, measured as above
-constexpr double kCalibratedLeastSigma = 1e-3;  // [m], measured as above
+constexpr double kCalibratedSigmaFloor = 1e-3;  // [m], measured as above
 constexpr double kRowTolerance = 1e-3;          // [m], chosen: straightness of a row
 // For rays after a calibration (JointCalibrationOptions::use).
 constexpr TraceOptions kCalibratedRays{.max_depth = 3, .transmission = true};
@@ -103,7 +103,7 @@ Expected<RoomModel> planned_room(const Site& site, const PlannedRoomOptions& pla
   if (!site.calibration_file) {
     room->trace = kCalibratedRays;
     room->likelihood_exponent = kCalibratedExponent;
-    room->sigma_floor = kCalibratedLeastSigma;
+    room->sigma_floor = kCalibratedSigmaFloor;
   }
   for (RoomAccessPoint& ap : room->access_points) {
     if (ap.gains.empty()) {

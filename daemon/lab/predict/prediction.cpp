@@ -60,7 +60,7 @@ Expected<std::vector<CsiFrame>> received_at(const SimulatedSpot& spot,
                                             std::vector<Listener>& listeners) {
   std::vector<CsiFrame> frames;
   for (Listener& listener : listeners) {
-    auto capture = listener.simulator.receive(spot);
+    auto capture = listener.simulator.capture(spot);
     if (!capture) {
       return tl::make_unexpected(std::move(capture.error()));
     }

@@ -73,11 +73,11 @@ Captions captions_of(RadioMapQuantity quantity) {
 // Scale ends that contain nearly all values, so that a
 // single cell does not compress the colours of the others.
 void scale_to(const std::vector<double>& values, RadioMapQuantity quantity, draw::RoomMap& map) {
-  constexpr double kMaxShown = 0.995;  // share, chosen
-  map.highest = std::ceil(quantile(values, kMaxShown));
+  constexpr double kShownShare = 0.995;  // share, chosen
+  map.highest = std::ceil(quantile(values, kShownShare));
   map.lowest =
       quantity == RadioMapQuantity::kPathGain
-          ? std::max(std::floor(quantile(values, 1.0 - kMaxShown)), map.highest - kMaxRange)
+          ? std::max(std::floor(quantile(values, 1.0 - kShownShare)), map.highest - kMaxRange)
           : 0.0;
   if (!(map.lowest < map.highest)) {
     map.lowest = values.empty() ? 0.0 : map.highest - 1.0;

@@ -184,7 +184,7 @@ Expected<std::vector<std::complex<double>>> CaptureSimulator::channel_at(OnChann
   return h;
 }
 
-Expected<SpotCapture> CaptureSimulator::receive(const SimulatedSpot& spot) {
+Expected<SpotCapture> CaptureSimulator::capture(const SimulatedSpot& spot) {
   SpotCapture capture;
   std::vector<std::vector<std::complex<double>>> h(channels_.size());  // [channel], those in use
   std::uniform_real_distribution<double> uniform;

@@ -75,7 +75,7 @@ class CaptureSimulator {
                    const CaptureOptions& options);
 
   // Spots in order of time. Returns an Error if the body of a person would contain a device.
-  Expected<SpotCapture> receive(const SimulatedSpot& spot);
+  Expected<SpotCapture> capture(const SimulatedSpot& spot);
 
   // The gains on that channel, by tone from its centre.
   const ChainGains& chains(std::size_t channel = 0) const {

@@ -26,7 +26,7 @@ constexpr std::array kImpairmentKeys = std::to_array<ImpairmentKey>({
      0.02,
      0,
      "share of frames that are later"},
-    {"delay_outlier_ns", &I::delay_outlier_ns, kDelay, 200, 0, "delay of these frames"},
+    {"delay_outlier_ns", &I::delay_outlier_ns, kDelay, 200, 0, "additional delay of these frames"},
     {"gain_step_db", &I::gain_step_db, kDecibels, 3, 0, "gain control of all cores, in steps"},
     {"power_error_db", &I::power_error_db, kDecibels, 1, 0, "greatest error of a power byte"},
     {"phase_jitter_deg",

@@ -122,7 +122,7 @@ std::string simulation_json(const SimulatedTruth& truth) {
                              {"file", capture.file},
                              {"datagrams", capture.datagrams},
                              {"lost", capture.lost},
-                             {"unheard_lines", capture.unreceived_lines},
+                             {"unheard_lines", capture.lines_without_path},
                              {"chains", chains_json(capture.chains)}});
   }
   const CaptureOptions& options = truth.options;

@@ -19,7 +19,7 @@ struct CaptureReport {
   std::string file;
   std::size_t datagrams = 0;
   std::size_t lost = 0;
-  std::vector<int> unreceived_lines;  // lines of the points file without a path
+  std::vector<int> lines_without_path;  // lines of the points file without a path
   ChainGains chains;
 };
 

@@ -15,7 +15,7 @@ namespace {
 constexpr auto kSenderFinishTimeout = std::chrono::seconds(1);
 constexpr auto kStreamCheckInterval = std::chrono::seconds(1);  // for a missing stream
 constexpr auto kFlush = std::chrono::milliseconds(10);
-constexpr std::size_t kMaxConcurrent = 64;  // messages, before new batches are checked
+constexpr std::size_t kMaxPerRound = 64;  // messages, before new batches are checked
 
 }  // namespace
 
@@ -221,14 +221,14 @@ void BatchSender::send_some() {
   {
     const std::lock_guard lock(mutex_);
     const Time now = std::chrono::steady_clock::now();
-    while (ready.size() < kMaxConcurrent) {
+    while (ready.size() < kMaxPerRound) {
       auto one = ring_.next(now);
       if (!one) {
         break;
       }
       ready.push_back(std::move(*one));
     }
-    awake_ = awake_ || ready.size() == kMaxConcurrent;  // more batches are waiting
+    awake_ = awake_ || ready.size() == kMaxPerRound;  // more batches are waiting
   }
   for (const NumberedRing::Ready& one : ready) {
     const auto sent = publisher_->publish(subject_, *one.bytes, id_of(one), one.number);

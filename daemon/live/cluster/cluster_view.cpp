@@ -63,7 +63,7 @@ milliseconds lease_of(const ClusterView& view) {
   return longest > 0 ? milliseconds(longest) : kUsualLease;
 }
 
-bool all_owners_are_received(const ClusterView& view) {
+bool all_owners_report(const ClusterView& view) {
   return std::all_of(view.sites.begin(), view.sites.end(), [&](const auto& site) {
     return site.second.claim.worker().empty() || view.has_owner(site.second.claim);
   });
@@ -111,7 +111,7 @@ Expected<ClusterView> inspect_cluster(Broker& broker) {
     }
     const milliseconds lease = lease_of(view);
     const auto passed = std::chrono::steady_clock::now() - begin;
-    enough = passed >= lease || (passed >= lease / 2 && all_owners_are_received(view));
+    enough = passed >= lease || (passed >= lease / 2 && all_owners_report(view));
   }
   states->reset();
   if (const Expected<void> read = read_last_results(broker, view); !read) {

@@ -22,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kMaxOfPlan = std::size_t{1} << 20U;  // [bytes]
+constexpr std::size_t kMaxPlanBytes = std::size_t{1} << 20U;  // [bytes]
 
 Expected<void> write_all(const SiteEditor& editor,
                          const std::map<std::string, std::string>& files) {
@@ -112,7 +112,7 @@ std::map<std::string, HttpRoute> beginning_routes(const std::shared_ptr<const Si
   room.receive = [editor](const HttpParameters&, const std::string& body) {
     return editor_reply(begin_room(*editor, body));
   };
-  room.most_bytes = kMaxOfPlan;
+  room.most_bytes = kMaxPlanBytes;
   HttpRoute& import = routes["/api/v1/edit/import"];
   import.method = "POST";
   import.receive = [editor](const HttpParameters& parameters, const std::string& body) {

@@ -21,9 +21,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kNiceness = 10;                    // chosen: for work that is not time-critical
-constexpr off_t kMaxReported = off_t{1} << 16;   // [bytes], chosen: end of its standard error
-constexpr std::string_view kFirstToGo = "1000";  // for oom_score_adj: proc(5)
+constexpr int kNiceness = 10;                     // chosen: for work that is not time-critical
+constexpr off_t kMaxErrorBytes = off_t{1} << 16;  // [bytes], chosen: end of its standard error
+constexpr std::string_view kFirstToGo = "1000";   // for oom_score_adj: proc(5)
 constexpr std::string_view kNotStarted = "the program rayloc cannot be started\n";
 constexpr int kCannotStart = 127;  // as in a shell
 
@@ -146,7 +146,7 @@ std::string ChildProcess::errors() const {
   const int file = fileno(errors_.get());
   struct stat known {};  // the offset is shared with the process: no seek
   const off_t end = fstat(file, &known) == 0 ? known.st_size : 0;
-  const off_t begin = std::max<off_t>(0, end - kMaxReported);
+  const off_t begin = std::max<off_t>(0, end - kMaxErrorBytes);
   std::string text(static_cast<std::size_t>(end - begin), '\0');
   const ssize_t got = pread(file, text.data(), text.size(), begin);
   text.resize(static_cast<std::size_t>(std::max<ssize_t>(0, got)));

@@ -12,7 +12,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kMaxOfDraft = std::size_t{1} << 20U;  // [bytes], as for a site.toml
+constexpr std::size_t kMaxDraftBytes = std::size_t{1} << 20U;  // [bytes], as for a site.toml
 
 double number_of(const HttpParameters& parameters, const char* key) {
   double value = std::numeric_limits<double>::quiet_NaN();
@@ -86,7 +86,7 @@ std::map<std::string, HttpRoute> editor_routes(const std::shared_ptr<const SiteE
   edit.receive = [editor](const HttpParameters&, const std::string& body) {
     return editor_reply(editor->save(body));
   };
-  edit.most_bytes = kMaxOfDraft;
+  edit.most_bytes = kMaxDraftBytes;
   HttpRoute& walked = routes["/api/v1/survey"];
   if (survey) {
     walked.handler = [survey] { return editor_reply(survey->state()); };

@@ -45,7 +45,7 @@ class WalkedSurvey {
     Frames frames;  // frame counts then
   };
 
-  Frames received() const;  // since the begin of the stay
+  Frames received() const;  // since the beginning of the stay
 
   std::filesystem::path file_;
   std::function<Frames()> frames_;

@@ -95,8 +95,8 @@ Expected<void> PlaybackSource::read(DatagramBatch& batch, Duration timeout) {
       batch.watermark = std::min(batch.watermark, pending_.datagrams[i].time);
     }
   }
-  batch.paused = pending_.ended && next_ == pending_.datagrams.size();
-  batch.watermark = batch.paused ? Timestamp::max() : batch.watermark;
+  batch.at_end = pending_.ended && next_ == pending_.datagrams.size();
+  batch.watermark = batch.at_end ? Timestamp::max() : batch.watermark;
   count();
   return {};
 }

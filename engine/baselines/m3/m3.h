@@ -35,7 +35,7 @@
 
 namespace rayloc {
 
-// The paths of a M3Received, the earliest first, and their band [Hz].
+// The paths of an M3Received, the earliest first, and their band [Hz].
 struct M3Paths {
   std::size_t access_point = 0;
   AntennaLine line;

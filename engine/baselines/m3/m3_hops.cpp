@@ -70,7 +70,7 @@ std::optional<ObservedHops> observe_hops(const RoomModel& room,
   std::vector<OneHop> hops;
   for (const ChannelFrames& channel : channels) {
     std::vector<std::string> problems;
-    auto burst = receive(room, access_point, channel.frames, {}, problems);
+    auto burst = preprocess_burst(room, access_point, channel.frames, {}, problems);
     auto line = burst ? living_line(ap, *burst, problems) : std::nullopt;
     for (std::string& problem : problems) {
       problem +=

@@ -28,7 +28,7 @@ std::vector<std::vector<float>> rows_of(const RoomModel& room,
     if (frame.access_point != static_cast<int>(access_point) || rows.size() == kMaxFrames) {
       continue;
     }
-    const auto one = receive(room, access_point, {&frame, 1}, {}, of_single_frames);
+    const auto one = preprocess_burst(room, access_point, {&frame, 1}, {}, of_single_frames);
     if (one) {
       std::vector<float>& row = rows.emplace_back(kind.planes(ap.cores.size()) * room.grid.size());
       kind.draw({one->h, ap.cores.size(), room.grid.size(), spacing}, row);
@@ -63,7 +63,7 @@ BurstImages burst_images(const RoomModel& room,
   for (const std::size_t i : access_points) {
     const RoomAccessPoint& ap = room.access_points[i];
     const std::size_t planes = kind.planes(ap.cores.size());
-    const auto burst = receive(room, i, frames, {}, estimate.warnings);
+    const auto burst = preprocess_burst(room, i, frames, {}, estimate.warnings);
     const auto rows = burst ? rows_of(room, i, frames, kind) : std::vector<std::vector<float>>();
     result.received.push_back(!rows.empty());
     if (!rows.empty()) {

@@ -79,7 +79,7 @@ LocationEstimate PlaceClassifier::locate(std::span<const CsiFrame> frames, std::
                                       {options_.images, options_.seed + repeat},
                                       estimate);
   if (received.images.empty()) {
-    estimate.reason = "no access point of the training received the burst";
+    estimate.reason = "no access point used in training received the burst";
     return estimate;
   }
   WeightedPlaces weighted;

@@ -80,7 +80,7 @@ std::vector<PathAtArray> paths_of_frames(const RoomModel& room,
   std::vector<std::string> of_single_frames;  // already reported for the burst
   std::optional<Music> music;
   for (const CsiFrame* frame : frames) {
-    const auto single = receive(room, access_point, {frame, 1}, {}, of_single_frames);
+    const auto single = preprocess_burst(room, access_point, {frame, 1}, {}, of_single_frames);
     if (!single) {
       continue;
     }
@@ -103,7 +103,7 @@ std::optional<DirectPath> find_direct_path(const RoomModel& room,
                                            std::span<const CsiFrame> frames,
                                            const DirectPathSearch& search,
                                            std::vector<std::string>& warnings) {
-  auto burst = receive(room, access_point, frames, {}, warnings);
+  auto burst = preprocess_burst(room, access_point, frames, {}, warnings);
   if (!burst) {
     return std::nullopt;
   }

@@ -28,9 +28,9 @@ std::span<const BaselineSetting> spotfi_table() {
        0.9},
       {"grid_m", "cells of the map [m]", 0.05, 0.01, 1.0},
       {"w_share", "weight of a cluster's share in the likelihood of being direct", 1.0, 0.0, 1e3},
-      {"w_psi", "weight of its deviation in phase [1/half turn]", 10.0, 0.0, 1e3},
-      {"w_tau", "weight of its deviation in delay [1/100 ns]", 10.0, 0.0, 1e3},
-      {"w_soon", "weight of its delay [1/100 ns]", 1.0, 0.0, 1e3},
+      {"w_psi", "weight of a cluster's deviation in phase [1/half turn]", 10.0, 0.0, 1e3},
+      {"w_tau", "weight of a cluster's deviation in delay [1/100 ns]", 10.0, 0.0, 1e3},
+      {"w_soon", "weight of a cluster's delay [1/100 ns]", 1.0, 0.0, 1e3},
       {"rank", "rule for the number of paths", 0.0, 0.0, 0.0, false, path_count_rule_names()},
       {"range", "source of the distance", 0.0, 0.0, 0.0, false, kRanges},
   });

@@ -35,7 +35,7 @@ AccessPointTraining train_access_point(const TrainingInput& input,
   std::vector<std::string> unused;
   for (std::size_t i = 0; i < input.points.size(); ++i) {
     const TrainingPoint& point = input.points[i];
-    const auto burst = receive(room, access_point, point.frames, {}, unused);
+    const auto burst = preprocess_burst(room, access_point, point.frames, {}, unused);
     if (!burst) {
       continue;
     }

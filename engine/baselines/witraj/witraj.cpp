@@ -21,8 +21,7 @@ constexpr double kBeginning = 1.0;          // [s], time to determine the strong
 constexpr double kWitrajStillTime = 0.5;    // [s], without motion: the place is held
 constexpr double kWitrajMotionRatio = 2.0;  // variance of a ratio over that of its noise, 3 dB
 constexpr double kMotionWindow = 0.1;       // [s], on each side
-constexpr double kMaxObserved =
-    0.97;  // probability of the Gaussian; RayLoc's outlier share is 0.03
+constexpr double kInlier = 0.97;  // probability of the Gaussian; RayLoc's outlier share is 0.03
 // The two of the published release, in seconds.
 constexpr std::array kRateSmoothings = {PathRateOptions{0.0275, 0.15},
                                         PathRateOptions{0.0425, 0.24}};
@@ -313,8 +312,8 @@ LocationEstimate Witraj::estimate() const {
   // A circle around the ellipse: never too small.
   estimate.accuracy_m =
       std::sqrt(-2.0 * std::log(1.0 - options_.accuracy_confidence) * (middle + half));
-  estimate.hypotheses = {{place_, estimate.covariance, kMaxObserved}};
-  estimate.residual_probability = 1.0 - kMaxObserved;
+  estimate.hypotheses = {{place_, estimate.covariance, kInlier}};
+  estimate.residual_probability = 1.0 - kInlier;
   estimate.time = estimate.capture_start = estimate.capture_end = *time_;
   estimate.access_points_used = receivers_.size();
   if (still_s_ >= kWitrajStillTime) {

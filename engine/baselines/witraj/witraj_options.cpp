@@ -16,7 +16,7 @@ std::span<const BaselineSetting> witraj_table() {
       {"v_max", "greatest walking speed [m/s]; faster steps are cut", 1.5, 0.1, 10.0},
       {"sigma_v", "standard deviation of a path's rate [m/s]", 0.12, 1e-3, 10.0},
       {"rate_memory_s", "time for which the error of a path's rate persists [s]", 0.3, 1e-3, 10.0},
-      {"worst", "use of the least even of three access points", 0.0, 0.0, 0.0, false, kWorst},
+      {"worst", "the least even rotation of three access points", 0.0, 0.0, 0.0, false, kWorst},
       {"weaker", "data that select the weaker antenna", 0.0, 0.0, 0.0, false, kWeaker},
       {"start_sigma", "standard deviation of the start [m]", 0.1, 1e-3, 10.0},
   });

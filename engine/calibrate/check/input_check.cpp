@@ -138,15 +138,15 @@ std::set<Assignment> other_assignments(const StatedSurvey& survey) {
   while (count <= kAllOrders && std::next_permutation(order.begin(), order.end())) {
     all.insert(order);
   }
-  std::set<Assignment> received;  // access points without a recording stay as stated
+  std::set<Assignment> recorded;  // access points without a recording stay as stated
   for (Assignment one : all) {
     for (std::size_t i = 0; i < count; ++i) {
       one[i] = survey.is_recorded(i) ? one[i] : i;
     }
-    received.insert(std::move(one));
+    recorded.insert(std::move(one));
   }
-  received.erase(own);
-  return received;
+  recorded.erase(own);
+  return recorded;
 }
 
 struct MovedRecording {

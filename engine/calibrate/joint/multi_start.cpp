@@ -13,13 +13,13 @@ namespace rayloc {
 int usual_draws(std::span<const CalibrationPoint> points) {
   // Received arrays, chosen: up to this count three draws, each takes little time.
   constexpr std::size_t kFewReceived = 100;
-  constexpr std::size_t kMaxObserved = 200;  // received arrays, chosen: two draws, above it one
+  constexpr std::size_t kManyReceived = 200;  // received arrays, chosen: two draws, above it one
   std::size_t received = 0;
   for (const CalibrationPoint& point : points) {
     received += static_cast<std::size_t>(std::count_if(
         point.h.begin(), point.h.end(), [](const auto& one) { return !one.empty(); }));
   }
-  return received <= kFewReceived ? 3 : received <= kMaxObserved ? 2 : 1;
+  return received <= kFewReceived ? 3 : received <= kManyReceived ? 2 : 1;
 }
 
 double left_unexplained(std::span<const CalibrationPoint> points,

@@ -26,14 +26,14 @@ std::optional<BurstObservation> receive_background(const RoomModel& room,
                                                    std::span<const CsiFrame> frames,
                                                    const BurstOptions& options,
                                                    std::vector<std::string>& warnings) {
-  auto background = receive(room, access_point, frames, options, warnings);
+  auto background = preprocess_burst(room, access_point, frames, options, warnings);
   std::vector<Received> received;
   for (const CsiFrame& frame : frames) {
     if (frame.access_point != static_cast<int>(access_point)) {
       continue;
     }
     std::vector<std::string> ignored;  // already reported for the whole recording
-    if (auto one = receive(room, access_point, {&frame, 1}, options, ignored)) {
+    if (auto one = preprocess_burst(room, access_point, {&frame, 1}, options, ignored)) {
       received.push_back({&frame, std::move(one->h)});
     }
   }
@@ -50,7 +50,7 @@ std::optional<BurstObservation> receive_background(const RoomModel& room,
     for (std::size_t i = 0; i < received.size() / kFramesPerQuiet; ++i) {
       quiet.push_back(*received[i].frame);
     }
-    background = receive(room, access_point, quiet, options, warnings);
+    background = preprocess_burst(room, access_point, quiet, options, warnings);
   }
   return background;
 }

@@ -55,14 +55,14 @@ class Writer : public OrderedSink {
   std::vector<Carried> records;
 };
 
-struct Received {
+struct ReplayCase {
   int sources = 3;
   Duration burst = milliseconds(200);
   std::size_t ring_frames = 8192;
   std::string recording = "device_los";
 };
 
-Writer replay(const Received& received, const WarmStart& start, Duration carry_every) {
+Writer replay(const ReplayCase& received, const WarmStart& start, Duration carry_every) {
   std::vector<SourceWorker::Input> inputs;
   for (int index = 0; index < received.sources; ++index) {
     const std::string id = "ap" + std::to_string(index + 1);
@@ -112,7 +112,7 @@ std::string text_behind(Timestamp done, const std::vector<Carried>& records) {
   return text;
 }
 
-class WarmStartOf : public ::testing::TestWithParam<Received> {};
+class WarmStartOf : public ::testing::TestWithParam<ReplayCase> {};
 
 TEST_P(WarmStartOf, GoesOnWithTheSameBursts) {
   const Writer whole = replay(GetParam(), {}, milliseconds(230));
@@ -138,7 +138,7 @@ TEST_P(WarmStartOf, GoesOnWithTheSameBursts) {
 }
 
 TEST_P(WarmStartOf, RecordsAndQueuesMakeNoDifference) {
-  Received received = GetParam();
+  ReplayCase received = GetParam();
   const Writer reference = replay(received, {}, {});
   EXPECT_TRUE(reference.records.empty());
   const Writer recorded = replay(received, {}, milliseconds(100));
@@ -151,10 +151,10 @@ TEST_P(WarmStartOf, RecordsAndQueuesMakeNoDifference) {
 
 INSTANTIATE_TEST_SUITE_P(Recordings,
                          WarmStartOf,
-                         ::testing::Values(Received{},
-                                           Received{1},
-                                           Received{2, milliseconds(1200)},
-                                           Received{3, milliseconds(200), 8192, "walk"}));
+                         ::testing::Values(ReplayCase{},
+                                           ReplayCase{1},
+                                           ReplayCase{2, milliseconds(1200)},
+                                           ReplayCase{3, milliseconds(200), 8192, "walk"}));
 
 TEST(WarmStart, ListensFromBeforeTheLongestSilence) {
   std::vector<Carried> records(20);

@@ -276,7 +276,7 @@ TEST(Cifi, SaysWhyThereIsNoFix) {
   }
   const LocationEstimate estimate = cifi.locate(frames, 0);
   EXPECT_FALSE(estimate.position);
-  EXPECT_EQ(estimate.reason, "no access point of the training received the burst");
+  EXPECT_EQ(estimate.reason, "no access point used in training received the burst");
   frames = at({0.1, 0.1, 1.2}, 1);
   EXPECT_TRUE(cifi.locate({frames.data(), 1}, 0).position) << "one frame is enough";
 }

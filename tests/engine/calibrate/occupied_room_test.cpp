@@ -29,8 +29,8 @@ TEST(OccupiedRoom, IsHeardThroughWhoWalksInIt) {
   for (std::size_t ap = 0; ap < room.access_points.size(); ++ap) {
     BurstOptions options;
     options.max_frames = 1024;
-    const auto truth = receive(room, ap, empty, options, warnings);
-    const auto mean = receive(room, ap, frames, options, warnings);
+    const auto truth = preprocess_burst(room, ap, empty, options, warnings);
+    const auto mean = preprocess_burst(room, ap, frames, options, warnings);
     const auto background = receive_background(room, ap, frames, options, warnings);
     ASSERT_TRUE(truth && mean && background);
     const double off_mean = 1.0 - aligner.align(truth->h, mean->h).correlation;

@@ -23,7 +23,7 @@ ScatteredRay ray(std::size_t path, double turn_x) {
 
 const Value& cross(const std::vector<Value>& triangle) { return triangle[triangle_size(1)]; }
 
-TEST(PathErrors, AreAlikeAtAllAntennasOfAWay) {
+TEST(PathErrors, AreAlikeAtAllAntennasOfAPath) {
   const std::vector<Value> one{1.0};
   PathErrors same(2, 1);
   same.add(0, ray(0, 0.0), {1.0, 0.0}, one, 1.0);

@@ -29,7 +29,7 @@ std::vector<PersonSpot> spots(const RoomModel& room, std::size_t count) {
     PersonSpot spot{{place.x + 0.008 * std::sin(5.0 * t), place.y + 0.008 * std::cos(7.0 * t)}, {}};
     std::vector<std::string> warnings;
     for (std::size_t a = 0; a < room.access_points.size(); ++a) {
-      spot.h.push_back(receive(room, a, frames, {}, warnings)->h);
+      spot.h.push_back(preprocess_burst(room, a, frames, {}, warnings)->h);
     }
     result.push_back(std::move(spot));
   }

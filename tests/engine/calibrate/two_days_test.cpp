@@ -51,7 +51,7 @@ std::vector<EmptyRoom> received_by(const RoomModel& room, const std::vector<CsiF
   std::vector<EmptyRoom> received;
   std::vector<std::string> warnings;
   for (std::size_t a = 0; a < room.access_points.size(); ++a) {
-    received.push_back({a, receive(room, a, frames, {}, warnings)->h});
+    received.push_back({a, preprocess_burst(room, a, frames, {}, warnings)->h});
   }
   return received;
 }

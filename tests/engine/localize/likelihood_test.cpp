@@ -254,7 +254,7 @@ TEST(Likelihoods, MatchTheirFormulasWithDenseMatrices) {
     };
     expect(LikelihoodKind::kCoherent, coherent);
     expect(LikelihoodKind::kPathCovariance, covariance);
-    // The better of a direct way that is open and one whose mean is not there, one time in fifty.
+    // The better of an open line of sight and one whose mean is absent, one time in fifty.
     const auto obstructed = [&](const Ray& ray) {
       return std::pair(ray.reflections == 0 ? 0.0 : partial(ray).first, partial(ray).second);
     };
@@ -294,7 +294,7 @@ TEST(Likelihoods, FindADeviceWhoseDirectWayIsCovered) {
   for (const Vec3d p : {Vec3d{-0.3, 0.4, 1.2}, Vec3d{0.1, 0.7, 1.2}, Vec3d{0.9, 0.2, 1.2}}) {
     EXPECT_GT(here, log_likelihood(link().rays(p), received) + 5.0);
   }
-  // An open access point has the opposite odds, and a place without a direct way none.
+  // An open access point has the opposite odds, and a place without a line of sight none.
   const auto open = model.observe(model.expected({rays, link().offsets(), 0.0}, error));
   EXPECT_LT(*ObservationModel::obstructed_log_odds(place, open), -5.0);
   EXPECT_FALSE(ObservationModel::obstructed_log_odds(
@@ -310,7 +310,7 @@ TEST(Likelihoods, PartialHasCoherentAndPathCovarianceAsItsLimits) {
   EXPECT_NEAR(on_delays(LikelihoodKind::kPartial, rays, exact, received),
               on_delays(LikelihoodKind::kCoherent, rays, exact, received),
               1e-6);
-  // The direct way meets no surface, so nothing makes its phase uncertain.
+  // The line of sight meets no surface, so nothing makes its phase uncertain.
   std::erase_if(rays, [](const Ray& ray) { return ray.reflections == 0; });
   ModelError vague = exact;
   vague.plan_tolerance = 10.0;
@@ -392,7 +392,7 @@ class Nearby : public ::testing::TestWithParam<LikelihoodKind> {
   std::unique_ptr<const NearbyLikelihood> nearby_;
 };
 
-// A burst without the direct way.
+// A burst without the line of sight.
 class NearbyCovered : public Nearby {
  protected:
   NearbyCovered() {

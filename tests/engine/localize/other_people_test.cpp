@@ -29,7 +29,7 @@ Eigen::VectorXcd as_eigen(const std::vector<Value>& x) {
   return Eigen::Map<const Eigen::VectorXcd>(x.data(), static_cast<Index>(x.size()));
 }
 
-// A Gaussian, company, and the covariance of both together, written out.
+// A Gaussian, co-occupants, and the covariance of both together, written out.
 struct Accompanied {
   WhitenedGaussian gaussian;
   OtherPeople co_occupants;

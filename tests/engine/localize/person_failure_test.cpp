@@ -154,7 +154,7 @@ TEST_P(PersonFailureTest, TheTransmitterWasMoved) {
 }
 
 TEST_P(PersonFailureTest, TheTransmitterIsCovered) {
-  // Most of its direct way is gone: a box is before it, and reflections by walls are left.
+  // Most of its line of sight is gone: a box is before it, and reflections by walls are left.
   const auto spoil = [this](std::size_t i, Channels& channels) {
     const RoomModel& room = localizer().room();
     for (std::size_t a = 0; a < channels.size(); ++a) {

@@ -234,7 +234,7 @@ double sharpest_bend(const std::vector<Cd>& values) {
   return most;
 }
 
-// With the direct way and one reflection, across both boundaries of light.
+// With the line of sight and one reflection, across both boundaries of light.
 TEST(EdgePaths, ChannelIsContinuousWherePathsEnd) {
   for (const RadioMaterial& material : {kMetal, test::kConcrete}) {
     const auto scene = half_plane(material);

@@ -11,8 +11,8 @@
 
 #include "daemon/lab/calibrate/calibrate.h"
 #include "daemon/lab/calibrate/calibrate_rechain.h"
+#include "daemon/lab/calibrate/unsurveyed/located_places.h"
 #include "daemon/lab/calibrate/unsurveyed/plan_calibration.h"
-#include "daemon/lab/calibrate/unsurveyed/received_places.h"
 #include "daemon/site/model/room_model.h"
 #include "daemon/site/model/site_copy.h"
 
@@ -49,8 +49,8 @@ class WorkFolder {
   fs::path path_;
 };
 
-Expected<ReceivedPlaces> places_in(const std::string& site_folder,
-                                   const std::vector<std::string>& stated) {
+Expected<LocatedPlaces> places_in(const std::string& site_folder,
+                                  const std::vector<std::string>& stated) {
   const auto site = load_site(site_folder);
   if (!site) {
     return tl::make_unexpected(site.error());
@@ -64,7 +64,7 @@ Expected<ReceivedPlaces> places_in(const std::string& site_folder,
     return tl::make_unexpected(captures.error());
   }
   std::vector<std::string> repeated_notices;
-  return received_places(*site, *room, *captures, repeated_notices);
+  return located_places(*site, *room, *captures, repeated_notices);
 }
 
 bool is_one_alone(const std::vector<std::string>& captures) {
@@ -119,7 +119,7 @@ void print_note(const UnsurveyedArguments& arguments, const std::string& text) {
 // Fits walls, arrays and chains to the positions of the devices.
 Expected<void> fit_room(const std::string& learned,
                         const std::string& points,
-                        const ReceivedPlaces& places,
+                        const LocatedPlaces& places,
                         const UnsurveyedArguments& arguments) {
   if (auto written = write_file(points, to_csv(places.points)); !written) {
     return written;
@@ -182,7 +182,7 @@ Expected<void> run_unsurveyed(const UnsurveyedArguments& arguments) {
   if (places->points.size() < kFewestPoints) {
     print_note(
         arguments,
-        fmt::format("{} of {} bursts have a certain position, and walls need {}: the walls stay as "
+        fmt::format("{} of {} bursts have a reliable position, and walls need {}: walls stay as "
                     "in the plan; record a device that is carried through the whole room while all "
                     "access points receive it",
                     places->points.size(),
@@ -193,7 +193,7 @@ Expected<void> run_unsurveyed(const UnsurveyedArguments& arguments) {
   print_note(
       arguments,
       fmt::format(
-          "{} of {} bursts have a certain position, to {:.3f} m: they are the survey of the walls",
+          "{} of {} bursts have a reliable position, to {:.3f} m: they are the survey of the walls",
           places->points.size(),
           places->bursts,
           places->sigma));

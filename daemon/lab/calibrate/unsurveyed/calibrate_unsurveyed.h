@@ -23,7 +23,7 @@ struct UnsurveyedArguments {
 
 // Without recordings `out` is the plan, with chains that raylocd learns from moving devices. With
 // recordings the chains are learned first, with the room of the plan. Devices are then located, and
-// their certain positions are the survey from which walls, arrays and chains are calibrated; it is
+// their reliable positions are the survey from which walls, arrays and chains are calibrated; it is
 // left as `places.csv`. If too few are certain, or the room is explained no better than before,
 // `out` keeps the plan with the learned chains, and standard error reports it.
 Expected<void> run_unsurveyed(const UnsurveyedArguments& arguments);

@@ -44,9 +44,9 @@ bool has_all(const StreamState& stream, const StreamReader::Place& place) {
 }
 
 // Time of the first batch after that place; nothing where there is no batch.
-std::optional<Timestamp> received_behind(Broker& broker,
-                                         const std::string& site,
-                                         const StreamReader::Place& place) {
+std::optional<Timestamp> first_watermark_behind(Broker& broker,
+                                                const std::string& site,
+                                                const StreamReader::Place& place) {
   const auto message = broker.get(csi_stream(site), place.sequence + 1);
   const auto batch = message && *message ? decode_batch((*message)->data)
                                          : Expected<Batch>(bad_input("there is none"));
@@ -59,7 +59,7 @@ bool is_near(Broker& broker,
              const std::string& site,
              const StreamReader::Place& place,
              const v1::OutputRecord& last) {
-  const std::optional<Timestamp> begin = received_behind(broker, site, place);
+  const std::optional<Timestamp> begin = first_watermark_behind(broker, site, place);
   const Timestamp done =
       time_of_us(last.has_output() ? last.output().done_us() : last.begin().done_us());
   return !begin || done == Timestamp::min() || done - *begin < kMaxToComputeAgain;

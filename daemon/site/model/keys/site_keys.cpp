@@ -287,7 +287,7 @@ const std::array kTargets = {
             .example = "area_centre = [0, 0.3]",
             .range = {.unit = "m"},
             .count = 2,
-            .description = "x, y of the middle of the area where people are searched"},
+            .description = "x, y of the middle of the area where people are searched for"},
     SiteKey{.table = "person",
             .key = "area_radius_m",
             .type = T::kNumber,
@@ -345,7 +345,7 @@ const std::array kPlaceAndFiles = {
             .type = T::kNumber,
             .preset = "10",
             .range = kSeconds,
-            .description = "Time inside after which that is reported as well"},
+            .description = "Time inside after which a stay is reported as well"},
 
     SiteKey{.key = "materials",
             .type = T::kNamedTables,

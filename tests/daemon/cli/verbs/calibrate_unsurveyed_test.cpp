@@ -62,7 +62,7 @@ TEST_F(UnsurveyedVerb, FindsChainsAndWallsWhereNobodySaysWhereTheDeviceWas) {
   }
   const Finished calibrated = calibrate(kSite, {"calibration"}, "site");
   ASSERT_EQ(calibrated.status, 0) << calibrated.err;
-  EXPECT_THAT(calibrated.err, HasSubstr("have a certain position"));
+  EXPECT_THAT(calibrated.err, HasSubstr("have a reliable position"));
   EXPECT_TRUE(fs::exists(path("site") + "/places.csv"));
   ASSERT_EQ(rayloc({"replay",
                     path("site"),

@@ -120,7 +120,7 @@ class CutReplay : public test::VerbFolder {
   }
 };
 
-// Without a calibration each burst states only its begin and end. A replay that continues from a
+// Without a calibration each burst states only its start and end. A replay that continues from a
 // carried record prints the same bytes as the rest of the whole replay.
 TEST_F(CutReplay, IsGoneOnWith) {
   const std::string whole = replayed({"--carried-out", path("carried.jsonl")});

@@ -45,13 +45,13 @@ constexpr std::uint64_t kFixed = 0x02524c000002;
 constexpr std::uint64_t kStranger = 0x02524c0000aa;
 
 // An access point that receives a frame of a transmitter every two milliseconds.
-class ReceivedDevice {
+class SimulatedDevice {
  public:
-  explicit ReceivedDevice(std::uint16_t port, std::uint64_t transmitter = kDevice)
+  explicit SimulatedDevice(std::uint16_t port, std::uint64_t transmitter = kDevice)
       : transmitter_(transmitter),
         socket_(::socket(AF_INET, SOCK_DGRAM, 0)),
         thread_([this, port] { send(port); }) {}
-  ~ReceivedDevice() {
+  ~SimulatedDevice() {
     stop_ = true;
     thread_.join();
     ::close(socket_);
@@ -133,7 +133,7 @@ std::string timeout(std::chrono::milliseconds time) {
 
 TEST_F(SurveyVerb, WritesARowWhoseTimeHoldsTheFramesThatWereCounted) {
   const std::uint16_t port = free_port();
-  const ReceivedDevice device(port);
+  const SimulatedDevice device(port);
   const int status = survey("0.5,0.2,1.2\n-0.5,0.25\nq\n",
                             "--frames 7 --listen ap1=127.0.0.1:" + std::to_string(port) +
                                 " --record ap1=" + path("ap1.pcap"));
@@ -169,7 +169,7 @@ TEST_F(SurveyVerb, WritesARowWhoseTimeHoldsTheFramesThatWereCounted) {
 
 TEST_F(SurveyVerb, RefusesAPointOutsideOfTheRoomAndAsksAgain) {
   const std::uint16_t port = free_port();
-  const ReceivedDevice device(port);
+  const SimulatedDevice device(port);
   ASSERT_EQ(survey("0.5,9,1.2\n0.5,0.2,1.2\nq\n",
                    "--frames 3 --listen ap1=127.0.0.1:" + std::to_string(port)),
             0);
@@ -182,7 +182,7 @@ TEST_F(SurveyVerb, RefusesAPointOutsideOfTheRoomAndAsksAgain) {
 TEST_F(SurveyVerb, EnterTakesThePlannedPointThatHasNoRowYet) {
   std::ofstream(path("plan.csv")) << "x,y,z,name\n0.1,0.2,1.2,first\n0.4,0.2,1.2,second\n";
   const std::uint16_t port = free_port();
-  const ReceivedDevice device(port);
+  const SimulatedDevice device(port);
   const std::string arguments =
       "--frames 3 --plan " + path("plan.csv") + " --listen ap1=127.0.0.1:" + std::to_string(port);
   ASSERT_EQ(survey("\nq\n", arguments), 0);
@@ -199,12 +199,12 @@ TEST_F(SurveyVerb, EnterTakesThePlannedPointThatHasNoRowYet) {
 }
 
 TEST_F(SurveyVerb, WarnsOfAnAccessPointThatHearsNothing) {
-  const std::uint16_t received = free_port();
+  const std::uint16_t received_port = free_port();
   const std::uint16_t silent = free_port();
-  const ReceivedDevice device(received);
+  const SimulatedDevice device(received_port);
   ASSERT_EQ(survey("0.5,0.2,1.2\nq\n",
                    "--frames 3" + timeout(std::chrono::milliseconds(1000)) +
-                       " --listen ap1=127.0.0.1:" + std::to_string(received) +
+                       " --listen ap1=127.0.0.1:" + std::to_string(received_port) +
                        " ap2=127.0.0.1:" + std::to_string(silent)),
             0);
   EXPECT_THAT(read("err"), HasSubstr("warning: ap2 received no whole frame"));
@@ -223,7 +223,7 @@ TEST_F(SurveyVerb, WritesNoRowWhenNothingWasHeard) {
 
 TEST_F(SurveyVerb, FramesOfAFixedTransmitterSayNothingAboutTheDevice) {
   const std::uint16_t port = free_port();
-  const ReceivedDevice fixed(port, kFixed);
+  const SimulatedDevice fixed(port, kFixed);
   ASSERT_EQ(survey("0.5,0.2,1.2\nq\n",
                    timeout(std::chrono::milliseconds(500)) + " --listen ap1=127.0.0.1:" +
                        std::to_string(port) + " --record ap1=" + path("ap1.pcap")),
@@ -235,7 +235,7 @@ TEST_F(SurveyVerb, FramesOfAFixedTransmitterSayNothingAboutTheDevice) {
 // The site lists the device that is carried about.
 TEST_F(SurveyVerb, FramesOfAStrangersPhoneSayNothingEither) {
   const std::uint16_t port = free_port();
-  const ReceivedDevice stranger(port, kStranger);
+  const SimulatedDevice stranger(port, kStranger);
   ASSERT_EQ(survey("0.5,0.2,1.2\nq\n",
                    timeout(std::chrono::milliseconds(500)) + " --listen ap1=127.0.0.1:" +
                        std::to_string(port) + " --record ap1=" + path("ap1.pcap")),
@@ -249,7 +249,7 @@ TEST_F(SurveyVerb, ListensWhereTheDaemonWould) {
   std::ofstream(path("raylocd.toml"))
       << "schema = 1\n[site]\ndirectory = \"" << kSite << "\"\n[[source]]\nkind = \"udp\"\n"
       << "access_point = \"ap2\"\nlisten = \"127.0.0.1:" << port << "\"\n";
-  const ReceivedDevice device(port);
+  const SimulatedDevice device(port);
   ASSERT_EQ(survey("0.5,0.2,1.2\nq\n", "--frames 3 --config " + path("raylocd.toml")), 0)
       << read("err");
   EXPECT_THAT(read("err"), HasSubstr("0.500,0.200,1.200: ap2 "));
@@ -270,8 +270,8 @@ TEST_F(SurveyVerb, ListensWhereOneOfTheDaemonsSitesWould) {
          << "\"\n";
   }
   toml.close();
-  const ReceivedDevice lab(ports[0]);
-  const ReceivedDevice device(ports[1]);
+  const SimulatedDevice lab(ports[0]);
+  const SimulatedDevice device(ports[1]);
   const std::string config = "--frames 3 --config " + path("raylocd.toml");
   ASSERT_EQ(survey("0.5,0.2,1.2\nq\n", config), 0) << read("err");
   EXPECT_EQ(load_points_csv(path("points.csv"))->size(), 1U);
@@ -284,7 +284,7 @@ TEST_F(SurveyVerb, ListensWhereOneOfTheDaemonsSitesWould) {
 // As by Ctrl-C: what is written stays, the point under way is not written.
 TEST_F(SurveyVerb, AnInterruptLeavesTheRowsBefore) {
   const std::uint16_t port = free_port();
-  const ReceivedDevice device(port);
+  const SimulatedDevice device(port);
   std::ofstream(path("points.csv")) << "t_start,t_end,x,y,z\n1,2,0.1,0.2,1.2\n";
   std::array<int, 2> answers{};
   ASSERT_EQ(::pipe2(answers.data(), O_CLOEXEC), 0);

@@ -52,7 +52,7 @@ std::vector<CsiFrame> receive(const SpotCapture& capture) {
 TEST(CaptureSimulator, WithoutImpairmentsTheDecoderGivesTheTracersChannel) {
   const RoomModel room = test::make_room();
   CaptureSimulator simulator(room, 1, options_with(no_impairments()));
-  const auto frames = receive(*simulator.receive(spot_with(3)));
+  const auto frames = receive(*simulator.capture(spot_with(3)));
   ASSERT_EQ(frames.size(), 3U);
 
   const RoomAccessPoint& ap = room.access_points[1];
@@ -94,7 +94,7 @@ TEST(CaptureSimulator, HopsGiveTheChannelAtEachFrequency) {
     spot.frames[n].channel = n % 3;
   }
   CaptureSimulator simulator(rooms, 0, options_with(no_impairments()));
-  auto frames = receive(*simulator.receive(spot));
+  auto frames = receive(*simulator.capture(spot));
   std::sort(frames.begin(), frames.end(), [](const CsiFrame& a, const CsiFrame& b) {
     return a.time < b.time;  // the first ones wait for a time-out
   });
@@ -105,7 +105,7 @@ TEST(CaptureSimulator, HopsGiveTheChannelAtEachFrequency) {
     EXPECT_EQ(frames[n].sequence, frames[0].sequence + static_cast<int>(n));
     SimulatedSpot alone = spot_with(1);
     const auto there =
-        receive(*CaptureSimulator(room, 0, options_with(no_impairments())).receive(alone));
+        receive(*CaptureSimulator(room, 0, options_with(no_impairments())).capture(alone));
     ASSERT_EQ(there.size(), 1U);
     for (std::size_t core = 0; core < 3; ++core) {
       const auto row = frames[n].csi.row(core, 0);
@@ -121,7 +121,7 @@ TEST(CaptureSimulator, FramesOfAHopHaveNoiseOfTheirOwn) {
   spot.frames[1].channel = 1;
   CaptureSimulator simulator(rooms, 0, options_with(default_impairments()));
   EXPECT_EQ(simulator.chains(0).gain, simulator.chains(1).gain);
-  const auto frames = receive(*simulator.receive(spot));
+  const auto frames = receive(*simulator.capture(spot));
   ASSERT_EQ(frames.size(), 2U);
   const auto first = frames[0].csi.row(0, 0);
   const auto second = frames[1].csi.row(0, 0);
@@ -131,7 +131,7 @@ TEST(CaptureSimulator, FramesOfAHopHaveNoiseOfTheirOwn) {
 TEST(CaptureSimulator, TellsTheDecoderWhatItSent) {
   const RoomModel room = test::make_room();
   CaptureSimulator simulator(room, 0, options_with(default_impairments()));
-  const auto frames = receive(*simulator.receive(spot_with(2)));
+  const auto frames = receive(*simulator.capture(spot_with(2)));
   ASSERT_EQ(frames.size(), 2U);
   EXPECT_EQ(frames[0].transmitter, (MacAddress{{2, 0x52, 0x4c, 0, 0, 7}}));
   EXPECT_EQ(frames[0].phy, PhyFormat::kVht);
@@ -156,7 +156,7 @@ TEST(CaptureSimulator, RoughWallsScatterWhereThatIsAskedFor) {
     options.trace.diffuse = diffuse;
     options.seed = seed;
     CaptureSimulator simulator(room, 1, options);
-    const auto frames = receive(*simulator.receive(spot_with(1)));
+    const auto frames = receive(*simulator.capture(spot_with(1)));
     std::vector<Value> h;
     for (std::size_t core = 0; core < frames.at(0).cores.size(); ++core) {
       for (const auto& value : frames[0].csi.row(core, 0)) {
@@ -192,7 +192,7 @@ TEST_P(CaptureOfChannel, ComesBackOnAllItsTones) {
   CaptureOptions options = options_with(impairments);
   options.bandwidth_mhz = GetParam().bandwidth_mhz;
   CaptureSimulator simulator(room, 2, options);
-  const auto frames = receive(*simulator.receive(spot_with(1)));
+  const auto frames = receive(*simulator.capture(spot_with(1)));
   ASSERT_EQ(frames.size(), 1U);
   EXPECT_EQ(frames[0].phy, GetParam().phy);
   EXPECT_EQ(frames[0].bandwidth_mhz, GetParam().bandwidth_mhz);
@@ -232,7 +232,7 @@ TEST(CaptureSimulator, TheSameSeedGivesTheSameBytes) {
     CaptureOptions options = options_with(default_impairments());
     options.seed = seed;
     std::vector<std::vector<std::byte>> payloads;
-    auto received = CaptureSimulator(room, access_point, options).receive(spot_with(2));
+    auto received = CaptureSimulator(room, access_point, options).capture(spot_with(2));
     for (auto& datagram : received->datagrams) {
       payloads.push_back(std::move(datagram.payload));
     }
@@ -247,7 +247,7 @@ TEST(CaptureSimulator, LosesTheStatedShareOfDatagramsAndCountsThem) {
   Impairments impairments = no_impairments();
   impairments.loss_share = 0.2;
   CaptureSimulator simulator(room, 0, options_with(impairments));
-  const SpotCapture capture = *simulator.receive(spot_with(500));
+  const SpotCapture capture = *simulator.capture(spot_with(500));
   EXPECT_EQ(capture.datagrams.size() + capture.lost, 1500U);
   EXPECT_NEAR(static_cast<double>(capture.lost), 300.0, 3 * 15.5);
 }
@@ -258,7 +258,7 @@ TEST(CaptureSimulator, CountsNoPathFromOutsideOfTheRoom) {
   CaptureSimulator simulator(room, 0, options_with(default_impairments()));
   SimulatedSpot outside = spot_with(1);
   outside.position = {9.0, 0.0, 1.2};
-  const SpotCapture capture = *simulator.receive(outside);
+  const SpotCapture capture = *simulator.capture(outside);
   EXPECT_EQ(capture.paths, 0U);
   EXPECT_EQ(capture.datagrams.size(), 3U);
 }

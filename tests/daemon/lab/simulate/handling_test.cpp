@@ -173,7 +173,7 @@ TEST(Handling, ReachesTheChannel) {
   const auto tones = [&](const SimulatedSpot& spot) {
     CaptureOptions options;
     options.impairments = no_impairments();
-    const auto received = CaptureSimulator(room, 0, options).receive(spot);
+    const auto received = CaptureSimulator(room, 0, options).capture(spot);
     std::vector<std::vector<std::byte>> payloads;
     for (const SimulatedDatagram& datagram : received->datagrams) {
       payloads.push_back(datagram.payload);

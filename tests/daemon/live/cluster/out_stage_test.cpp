@@ -43,7 +43,7 @@ Location located(int ms, const std::string& device) {
 }
 
 // Collects the locations that this machine publishes.
-class Received : public LocationSink {
+class CollectingSink : public LocationSink {
  public:
   void location(Location&& location) override {
     const std::lock_guard lock(mutex_);
@@ -138,7 +138,7 @@ OutStage::Options quick() {
 
 TEST(OutStage, WhatTwoOwnersSayIsEachInstantOnceAndInOrder) {
   const auto broker = std::make_shared<FakeBroker>();
-  Received received;
+  CollectingSink received;
   OutStage first(begun(broker, 1), received, quick());
   first.start();
   first.location(located(20, "b"));
@@ -172,7 +172,7 @@ TEST(OutStage, WhatTwoOwnersSayIsEachInstantOnceAndInOrder) {
 
 TEST(OutStage, NothingIsSaidHereThatTheBrokerHasNotTaken) {
   const auto broker = std::make_shared<FakeBroker>();
-  Received received;
+  CollectingSink received;
   OutStage stage(begun(broker, 1), received, quick());
   stage.start();
   broker->set_connected(false);
@@ -193,7 +193,7 @@ TEST(OutStage, NothingIsSaidHereThatTheBrokerHasNotTaken) {
 // Each record as large as the broker takes it, and each a place from which a successor goes on.
 TEST(OutStage, SaysInSeveralRecordsWhatIsTooMuchForOne) {
   const auto broker = std::make_shared<FakeBroker>();
-  Received received;
+  CollectingSink received;
   OutStage stage(begun(broker, 1), received, quick());
   constexpr int kInstants = 40;
   std::vector<std::int64_t> expected;
@@ -229,7 +229,7 @@ TEST(OutStage, SaysInSeveralRecordsWhatIsTooMuchForOne) {
 // One after which nothing comes would be silent for ever.
 TEST(OutStage, LeavesOutWhatOfOneInstantIsTooMuchForTheBroker) {
   const auto broker = std::make_shared<FakeBroker>();
-  Received received;
+  CollectingSink received;
   OutStage stage(begun(broker, 1), received, quick());
   for (int device = 0; device < 100; ++device) {
     stage.location(located(1, "device " + std::to_string(device)));
@@ -250,7 +250,7 @@ TEST(OutStage, LeavesOutWhatOfOneInstantIsTooMuchForTheBroker) {
 
 TEST(OutStage, GivesUpTheSiteWhereTheBrokerTakesNothingForTooLong) {
   const auto broker = std::make_shared<FakeBroker>();
-  Received received;
+  CollectingSink received;
   OutStage::Options options = quick();
   options.most_waiting = 10;
   OutStage stage(begun(broker, 1), received, options);
@@ -268,7 +268,7 @@ TEST(OutStage, GivesUpTheSiteWhereTheBrokerTakesNothingForTooLong) {
 // The places of a successor: those of a predecessor are used until its own reach back far enough.
 TEST(OutStage, ASuccessorListensFromWhereTheOneBeforeWouldHave) {
   const auto broker = std::make_shared<FakeBroker>();
-  Received received;
+  CollectingSink received;
   OutStage::Options options = quick();
   std::mutex mutex;
   Timestamp asked;

@@ -48,7 +48,7 @@ class Feed : public ::testing::Test {
     }
     feed_->start();
   }
-  // Stores a batch of that node; its time is 20 ms times its number, after a fixed begin.
+  // Stores a batch of that node; its time is 20 ms times its number, after a fixed start.
   void store(const std::string& node, const Batch& batch) {
     ++ids_;
     ASSERT_TRUE(publisher_->publish(

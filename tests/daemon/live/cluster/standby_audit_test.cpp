@@ -70,7 +70,7 @@ TEST(StandbyAudit, ComparesEachWindowOnceBothKnowIt) {
   for (const Location& one : found) {
     own.add(Location(one));
   }
-  audit.receive(record_of(7, 15, {found[0]}));  // the audit lacks the begin of this window
+  audit.receive(record_of(7, 15, {found[0]}));  // the audit lacks the start of this window
   audit.receive(record_of(8, 25, {found[1]}));
   audit.receive(record_of(8, 25, {}));  // a repeat
   audit.compare(own, {});
@@ -132,7 +132,7 @@ TEST(StandbyAudit, WhoseTracksHaveOtherNumbersCannotGoOn) {
   }
 }
 
-// After a later begin, a target enters or leaves a zone a burst earlier or later at times.
+// A standby that began later may see a target enter or leave a zone a burst earlier or later.
 TEST(StandbyAudit, OfOneThatBeganLaterOnlyADifferenceThatStaysCounts) {
   for (const int others : {4, 5}) {
     StandbyAudit audit(of_owner(Likeness::kSameSnapshots));

@@ -88,22 +88,22 @@ TEST_F(SitesOfAConfig, OneSiteIsWhatItWas) {
 TEST_F(SitesOfAConfig, NamesWhatIsWrongAndWhere) {
   const std::string file = file_.string();
   const std::string good = site_table("office") + site_table("lab");
-  const std::string received = source_table("office", 5501) + source_table("lab", 5502);
-  EXPECT_EQ(errors(good + received), "");
+  const std::string sources = source_table("office", 5501) + source_table("lab", 5502);
+  EXPECT_EQ(errors(good + sources), "");
   EXPECT_THAT(errors(site_table("office") + site_table("office") + source_table("office", 5501)),
               HasSubstr(file + ":5:8: a second site called 'office' (the first: " +
                         file_.filename().string() + ":1)"));
   EXPECT_THAT(errors(good + source_table("office", 5501) + source_table("lab", 5501)),
               HasSubstr(file + ":16:10: a second source on UDP port 5501 (the first: "));
-  EXPECT_THAT(errors(good + received + source_table("lab", 5503)),
+  EXPECT_THAT(errors(good + sources + source_table("lab", 5503)),
               HasSubstr(file + ":19:16: access point 'ap1' has a source already"));
   EXPECT_THAT(errors(good + source_table("office", 5501)),
               HasSubstr(file + ":4:1: [[site]] 'lab' has no [[source]]"));
-  EXPECT_THAT(errors(good + received + source_table("labb", 5503)),
+  EXPECT_THAT(errors(good + sources + source_table("labb", 5503)),
               HasSubstr(file + ":18:8: no [[site]] is called 'labb'; did you mean 'lab'?"));
-  EXPECT_THAT(errors(good + received + "[[source]]\nkind = \"udp\"\naccess_point = \"ap2\"\n"),
+  EXPECT_THAT(errors(good + sources + "[[source]]\nkind = \"udp\"\naccess_point = \"ap2\"\n"),
               HasSubstr(file + ":17:1: [[source]] lacks 'site', and there are several"));
-  EXPECT_THAT(errors("site = []\n" + received), HasSubstr(file + ":1:8: 'site' lists none"));
+  EXPECT_THAT(errors("site = []\n" + sources), HasSubstr(file + ":1:8: 'site' lists none"));
   EXPECT_THAT(
       errors("[[site]]\nname = \"x\"\ndirectory = \"/nowhere\"\n" + source_table("x", 5501)),
       HasSubstr("/nowhere/site.toml"));

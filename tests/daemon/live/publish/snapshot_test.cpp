@@ -127,7 +127,7 @@ TEST(Snapshot, IsAskedForAgainAfterARestartAndForgottenWhenItHasPassed) {
           known->second = envelope.sequence();
           return has_snapshot && forgotten && last.size() == kTargets;
         }))
-        << epoch << (has_snapshot ? " told" : "") << (forgotten ? " forgotten" : "");
+        << epoch << (has_snapshot ? " snapshot" : "") << (forgotten ? " forgotten" : "");
     if (epoch == 77U) {
       publisher.reset();
       publisher.emplace(endpoint, snapshot, 78);

@@ -1,4 +1,4 @@
-#include "daemon/lab/calibrate/unsurveyed/received_places.h"
+#include "daemon/lab/calibrate/unsurveyed/located_places.h"
 
 #include <algorithm>
 #include <chrono>
@@ -31,10 +31,10 @@ std::vector<std::size_t> spread(std::size_t count) {
 
 }  // namespace
 
-Expected<ReceivedPlaces> received_places(const Site& site,
-                                         const RoomModel& room,
-                                         const std::vector<CaptureArgument>& captures,
-                                         std::vector<std::string>& notes) {
+Expected<LocatedPlaces> located_places(const Site& site,
+                                       const RoomModel& room,
+                                       const std::vector<CaptureArgument>& captures,
+                                       std::vector<std::string>& notes) {
   const auto received = read_device_bursts(site, captures, notes);
   if (!received) {
     return tl::make_unexpected(received.error());
@@ -45,7 +45,7 @@ Expected<ReceivedPlaces> received_places(const Site& site,
   }
   std::vector<SurveyPoint> points;
   std::vector<double> sigmas;
-  ReceivedPlaces found;
+  LocatedPlaces found;
   for (const std::vector<CsiFrame>& burst : received->bursts) {
     if (find_fixed_transmitter(site, burst.front().transmitter) != nullptr) {
       continue;
