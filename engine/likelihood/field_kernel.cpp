@@ -346,8 +346,9 @@ void field_rows(const FieldTerms& terms,
   const std::size_t rays = terms.rays;
   WorkDone::add(
       rows.size() *
-          (6 * kFieldRays + kLaneCount * (6 * rays + 4 * rays * (rays - 1) +
-                                          delays * (8 * rays + (terms.has_direct ? 2 : 1) * 48))),
+          (6 * kFieldRays +
+           kLaneCount * (6 * rays + 4 * rays * (rays - 1) +
+                         delays * (8 * rays + 48 * std::size_t{terms.has_direct ? 2U : 1U}))),
       rows.size() * (2 * sizeof(RaySums) + rays * sizeof(LaneSums)) +
           (rays + delays) * sizeof(RaySums) + out.size_bytes());
   HWY_DYNAMIC_DISPATCH(field_rows)(terms, delays, rows, out);

@@ -234,7 +234,7 @@ std::vector<std::string> NatsServers::stored() const {
     }
     std::string line;
     for (const auto& [name, state] : streams) {
-      line += name + " " + state + "\n";
+      line.append(name).append(" ").append(state).append("\n");
     }
     all.push_back(line);
   }
