@@ -5,7 +5,7 @@
 
 #include <pybind11/stl.h>
 
-#include "daemon/cli/terminal/stop_signal.h"
+#include "daemon/cli/calibration/calibration_runs.h"
 #include "daemon/lab/calibrate/calibrate.h"
 #include "daemon/live/machine/end_with_parent.h"
 #include "python/bindings.h"
@@ -28,13 +28,8 @@ bool calibrate(const py::dict& given) {
   arguments.seed = given["seed"].cast<std::uint64_t>();
   arguments.resume = given["resume"].cast<bool>();
   arguments.force = given["force"].cast<bool>();
-  arguments.quiet = true;
-  arguments.control = {cli::StopSignal::install_once, cli::StopSignal::requested};
   const py::gil_scoped_release unlocked;
-  auto outcome = cli::run_calibration(arguments);
-  if (outcome) {
-    cli::StopSignal::end_if_requested();
-  }
+  auto outcome = cli::calibrate_survey(std::move(arguments), {.quiet = true});
   return value_of(std::move(outcome)) == cli::CalibrationOutcome::kExplains;
 }
 

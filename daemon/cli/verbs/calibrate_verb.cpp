@@ -1,14 +1,12 @@
-// The verb `rayloc calibrate`: its arguments and their checks.
+// The verb `rayloc calibrate`: its arguments and the choice of the run.
+#include <cstddef>
 #include <memory>
 #include <string>
 
 #include "daemon/base/exit_status.h"
+#include "daemon/cli/calibration/calibration_runs.h"
+#include "daemon/cli/calibration/fit_arguments.h"
 #include "daemon/cli/command/verb.h"
-#include "daemon/cli/terminal/stop_signal.h"
-#include "daemon/lab/calibrate/calibrate.h"
-#include "daemon/lab/calibrate/calibrate_plan.h"
-#include "daemon/lab/calibrate/calibrate_rechain.h"
-#include "daemon/lab/calibrate/unsurveyed/calibrate_unsurveyed.h"
 #include "daemon/site/survey/time_offset.h"
 
 namespace rayloc::cli {
@@ -16,98 +14,57 @@ namespace {
 
 struct CalibrateOptions {
   CalibrateArguments calibrate;
-  PlanArguments plan;
+  std::size_t plan_points = PlanArguments().points;
+  std::string picture;
   std::string time_offset;
+  RunOutput output;
   bool make_plan = false;
   bool rechain = false;
   bool unsurveyed = false;
   bool gains_only = false;
 };
 
-Expected<int> done(const Expected<void>& result) {
-  return result.map([] { return 0; });
-}
-
-const FitControl kBySignal = {StopSignal::install_once, StopSignal::requested};
-
-Expected<int> fit_unsurveyed(const UnsurveyedArguments& arguments) {
-  const auto written = run_unsurveyed(arguments);
-  if (written) {
-    StopSignal::end_if_requested();
-  }
-  return done(written);
-}
-
-Expected<int> fit(CalibrateArguments arguments) {
-  arguments.control = kBySignal;
-  const auto outcome = run_calibration(arguments);
-  if (outcome) {
-    StopSignal::end_if_requested();
-  }
-  return outcome.map([](CalibrationOutcome verdict) {
-    return verdict == CalibrationOutcome::kExplains ? 0 : kExitUnexplained;
-  });
+Expected<int> status_of(const Expected<void>& done) {
+  return done.map([] { return 0; });
 }
 
 Expected<int> run_calibrate(const CalibrateOptions& options) {
-  CalibrateArguments calibrate = options.calibrate;
+  CalibrateArguments fit = options.calibrate;
+  const bool quiet = options.output.quiet;
   if (options.make_plan) {
-    PlanArguments plan = options.plan;
-    plan.site = calibrate.site;
-    plan.out = calibrate.out.empty() ? "-" : calibrate.out;
-    plan.quiet = calibrate.quiet;
-    return done(run_plan(plan));
+    return status_of(plan_points({fit.site, options.plan_points},
+                                 {fit.out.empty() ? "-" : fit.out, options.picture, quiet}));
   }
   if (!options.time_offset.empty()) {
     const auto offset = parse_time_offset(options.time_offset);
     if (!offset) {
       return tl::make_unexpected(offset.error());
     }
-    calibrate.time_offset = *offset;
+    fit.time_offset = *offset;
   }
   if (options.unsurveyed) {
-    if (calibrate.out.empty() || !calibrate.points.empty()) {
+    if (fit.out.empty() || !fit.points.empty()) {
       return make_error(ErrorKind::kUsage, "--unsurveyed needs --out, and no --points");
     }
-    return fit_unsurveyed({calibrate.site,
-                           calibrate.captures,
-                           calibrate.out,
-                           calibrate.seed,
-                           calibrate.force,
-                           calibrate.quiet,
-                           kBySignal});
-  }
-  if (options.rechain && !calibrate.captures.empty() && !calibrate.out.empty()) {
-    return done(run_rechain({calibrate.site,
-                             calibrate.captures,
-                             calibrate.points,
-                             calibrate.time_offset,
-                             calibrate.out,
-                             calibrate.force,
-                             calibrate.quiet}));
+    return status_of(
+        calibrate_unsurveyed({fit.site, fit.captures, fit.out, fit.seed, fit.force}, quiet));
   }
   if (options.rechain) {
-    return make_error(ErrorKind::kUsage, "--rechain needs --capture and --out");
-  }
-  if (calibrate.captures.empty() || calibrate.points.empty() || calibrate.out.empty()) {
-    return make_error(ErrorKind::kUsage,
-                      "a calibration needs --capture, --points and --out; --plan needs the site "
-                      "alone");
-  }
-  if (!(calibrate.holdout >= 0.0 && calibrate.holdout <= 0.8)) {
-    return make_error(ErrorKind::kUsage, "--holdout is a share of the points from 0 to 0.8");
-  }
-  // Smaller errors would claim a survey more accurate than the carrier's wavelength can resolve.
-  if (const auto& error = calibrate.survey_error; error && !(*error >= 0.0005 && *error <= 0.1)) {
-    return make_error(ErrorKind::kUsage, "--survey-error is from 0.0005 to 0.1 m");
+    if (fit.captures.empty() || fit.out.empty()) {
+      return make_error(ErrorKind::kUsage, "--rechain needs --capture and --out");
+    }
+    return status_of(renew_chains(
+        {fit.site, fit.captures, fit.points, fit.time_offset, fit.out, fit.force}, quiet));
   }
   if (options.gains_only) {
-    calibrate.method = "gains-only";
+    fit.method = "gains-only";
   }
-  if (calibrate.resume && calibrate.method != "joint") {
-    return make_error(ErrorKind::kUsage, "--resume goes on with the joint method only");
+  if (const auto usable = check_fit_arguments(fit); !usable) {
+    return tl::make_unexpected(usable.error());
   }
-  return fit(calibrate);
+  return calibrate_survey(fit, options.output).map([](CalibrationOutcome verdict) {
+    return verdict == CalibrationOutcome::kExplains ? 0 : kExitUnexplained;
+  });
 }
 
 RunVerb declare_calibrate(OptionParser& app) {
@@ -129,10 +86,10 @@ RunVerb declare_calibrate(OptionParser& app) {
   app.add_flag(
       "--plan", options->make_plan, "proposes the points of a survey, before there is one");
   app.add_option("--plan-points",
-                 options->plan.points,
+                 options->plan_points,
                  "how many points to plan: 12 for a first day, 36 and 143 for more")
       ->capture_default_str();
-  app.add_option("--picture", options->plan.picture, "picture of the plan: .svg or .png");
+  app.add_option("--picture", options->picture, "picture of the plan: .svg or .png");
   app.add_flag("--rechain",
                options->rechain,
                "only new chain gains, after a power cycle: from 1 to 3 --points, or without them "
@@ -163,9 +120,9 @@ RunVerb declare_calibrate(OptionParser& app) {
       "write into a folder that is not empty, and write a site that explains its survey no "
       "better than the plan does (the exit status is 79 all the same)");
   app.add_flag("--progress",
-               options->calibrate.progress,
+               options->output.progress,
                "for programs: lines \"progress SHARE TEXT\" on stderr, though it is no terminal");
-  app.add_flag("--quiet", options->calibrate.quiet, "no words on stderr");
+  app.add_flag("--quiet", options->output.quiet, "no words on stderr");
   return [options] { return run_calibrate(*options); };
 }
 

@@ -10,10 +10,10 @@
 
 #include <nlohmann/json.hpp>
 
+#include "daemon/cli/calibration/calibration_progress.h"
 #include "daemon/cli/command/verb.h"
 #include "daemon/cli/verbs/train_survey.h"
 #include "daemon/cli/verbs/training_checkpoint.h"
-#include "daemon/lab/calibrate/calibration_progress.h"
 #include "daemon/lab/calibrate/holdout.h"
 #include "daemon/lab/evaluate/error_statistics.h"
 #include "daemon/methods/device_method.h"

@@ -1,12 +1,15 @@
-// `rayloc calibrate`: produces a calibrated site from a site and a survey.
+// Calibration as a use case: produces a calibrated site from a site and a survey.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "daemon/lab/calibrate/fit_observer.h"
+#include "daemon/lab/calibrate/report/calibration_report.h"
 #include "engine/base/expected.h"
 #include "engine/base/timestamp.h"
 #include "engine/calibrate/joint/room_unknowns.h"
@@ -35,8 +38,6 @@ struct CalibrateArguments {
   bool compare = false;
   bool resume = false;
   bool force = false;  // write to a non-empty folder, and write a failed calibration
-  bool quiet = false;
-  bool progress = false;  // progress lines on stderr, for programs
   FitControl control = {};
 };
 
@@ -45,9 +46,31 @@ enum class CalibrationOutcome : std::uint8_t {
   kFails,     // reasons are in CalibrationVerdict; site written only if `force`
 };
 
+struct AccessPointUse {
+  std::size_t index = 0;   // into CalibrationReport::access_points
+  std::size_t points = 0;  // used points
+};
+
+// State of the output after a requested stop.
+struct CalibrationInterruption {
+  bool is_whole = false;     // the written calibration was not shortened by the stop
+  bool resumes = false;      // `resume` continues it
+  bool is_compared = false;  // the comparison was completed, or not requested
+};
+
+struct CalibrationResult {
+  CalibrationOutcome outcome = CalibrationOutcome::kExplains;
+  CalibrationReport report;          // as in report.json
+  std::vector<AccessPointUse> used;  // empty: the inputs were refused before the fit
+  bool is_site_written = true;       // false: `out` has only the reports
+  std::optional<CalibrationInterruption> interruption;
+};
+
 // Writes `out` as a complete site with report.json and report.html, or only the reports if the
 // calibration is no success. Returns an Error that names the row or the access point if the inputs
 // do not fit together. A requested stop ends the fit, and `out` then holds the last good state.
-Expected<CalibrationOutcome> run_calibration(const CalibrateArguments& arguments);
+// Threads may run calibrations at the same time, each into a folder of its own.
+Expected<CalibrationResult> run_calibration(const CalibrateArguments& arguments,
+                                            const FitObserver& observer = {});
 
 }  // namespace rayloc::cli

@@ -4,7 +4,6 @@
 #include <chrono>
 #include <complex>
 #include <cstdint>
-#include <cstdio>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -16,6 +15,7 @@
 
 #include "daemon/lab/calibrate/calibrated_site.h"
 #include "daemon/lab/calibrate/calibration_inputs.h"
+#include "daemon/lab/calibrate/fit_observer.h"
 #include "daemon/lab/calibrate/learned_chains.h"
 #include "daemon/lab/calibrate/unsurveyed/plan_calibration.h"
 #include "daemon/lab/recordings/fixed_frames.h"
@@ -23,7 +23,6 @@
 #include "daemon/site/model/reference_file.h"
 #include "daemon/site/model/room_model.h"
 #include "daemon/site/model/site_copy.h"
-#include "daemon/site/scene/scene_notes.h"
 #include "engine/base/content_hash.h"
 #include "engine/calibrate/chain_refit.h"
 #include "engine/chains/chain_progress.h"
@@ -158,26 +157,43 @@ std::vector<std::complex<double>> empty_room(const std::vector<PersonReference>&
   return {};
 }
 
-// One run of the verb.
+Json chains_json(const std::vector<ChainChange>& chains) {
+  const auto values = [](const ChainValues& one) {
+    return Json{{"gain_db", one.gain_db}, {"phase_deg", one.phase_deg}};
+  };
+  Json all = Json::array();
+  for (const ChainChange& one : chains) {
+    all.push_back({{"core", one.core},
+                   {"against", one.against},
+                   {"before", values(one.before)},
+                   {"after", values(one.after)},
+                   {"sigma", values(one.sigma)}});
+  }
+  return all;
+}
+
+// One run on a site.
 class Rechain {
  public:
-  explicit Rechain(const RechainArguments& arguments) : arguments_(arguments) {}
-  Expected<void> run();
+  Rechain(const RechainArguments& arguments, const Observer& observer)
+      : arguments_(arguments), observer_(observer) {}
+  Expected<RechainResult> run();
 
  private:
   Expected<void> read();
   Expected<void> read_calibration();
   Expected<void> refit();
-  Expected<void> write();
+  Expected<void> write(const RechainResult& result);
   std::vector<KnownSpot> spots_of(std::size_t access_point, ContentHash& content);
   Expected<RefitAccessPoint> refit(std::size_t access_point, ContentHash& content);
   const ChainState* learned(std::size_t access_point) const;
   std::string why_not_learned(std::size_t access_point) const;
-  Json report() const;
-  Json chains_json(const RefitAccessPoint& result) const;
-  void print() const;
+  std::vector<ChainChange> changes(const RefitAccessPoint& result) const;
+  RechainResult result() const;
+  Json report(const RechainResult& result) const;
 
   const RechainArguments& arguments_;
+  const Observer& observer_;
   const std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
   Site site_;
   RoomModel room_;
@@ -226,9 +242,7 @@ Expected<void> Rechain::read() {
     return tl::make_unexpected(std::move(room.error()));
   }
   room_ = *std::move(room);
-  if (!arguments_.quiet) {
-    print_scene_notes(*room_.scene);
-  }
+  note_scene(*room_.scene, observer_);
   auto references = load_references(site_, room_);
   if (!references) {
     return tl::make_unexpected(std::move(references.error()));
@@ -257,9 +271,7 @@ Expected<void> Rechain::read() {
     states_ = *std::move(states);
   }
   for (const std::string& note : received_.notes) {
-    if (!arguments_.quiet) {
-      std::fprintf(stderr, "%s\n", note.c_str());
-    }
+    observer_.note(note);
   }
   return {};
 }
@@ -375,7 +387,7 @@ Expected<void> Rechain::refit() {
 }
 
 // Mean phase and gain of every chain against the first.
-Json Rechain::chains_json(const RefitAccessPoint& result) const {
+std::vector<ChainChange> Rechain::changes(const RefitAccessPoint& result) const {
   const std::string& id = room_.access_points[result.index].id;
   const auto parameters_of = [&](const CalibrationFile& file) {
     for (const CalibratedAccessPoint& ap : file.access_points) {
@@ -388,31 +400,45 @@ Json Rechain::chains_json(const RefitAccessPoint& result) const {
   const auto before = parameters_of(before_);
   const auto after = parameters_of(after_);
   const auto& cores = result.refit.gains.cores;
-  Json chains = Json::array();
+  std::vector<ChainChange> chains;
   for (std::size_t i = 0; i + 1 < after.size(); i += 2) {
-    chains.push_back(
-        {{"core", cores[1 + i / 2]},
-         {"against", cores[0]},
-         {"before", {{"gain_db", before[i].value}, {"phase_deg", before[i + 1].value}}},
-         {"after", {{"gain_db", after[i].value}, {"phase_deg", after[i + 1].value}}},
-         {"sigma", {{"gain_db", after[i].sigma}, {"phase_deg", after[i + 1].sigma}}}});
+    chains.push_back({cores[1 + i / 2],
+                      cores[0],
+                      {before[i].value, before[i + 1].value},
+                      {after[i].value, after[i + 1].value},
+                      {after[i].sigma, after[i + 1].sigma}});
   }
   return chains;
 }
 
-Json Rechain::report() const {
+RechainResult Rechain::result() const {
+  RechainResult result{{}, received_.refused};
+  for (const RefitAccessPoint& one : results_) {
+    result.access_points.push_back(
+        {room_.access_points[one.index].id,
+         one.learned_from,
+         one.refit.spots,
+         one.refit.ripple,
+         one.learned_from > 0 ? std::nullopt : std::optional(one.refit.fit),
+         one.usual ? std::optional(one.usual->median) : std::nullopt,
+         changes(one)});
+  }
+  return result;
+}
+
+Json Rechain::report(const RechainResult& result) const {
   Json access_points = Json::array();
-  for (const RefitAccessPoint& result : results_) {
-    access_points.push_back({{"id", room_.access_points[result.index].id},
-                             {"learned_from_bursts", result.learned_from},
-                             {"spots", result.refit.spots},
-                             {"ripple", result.refit.ripple},
-                             {"fit", result.learned_from > 0 ? Json() : Json(result.refit.fit)},
-                             {"usual_fit", result.usual ? Json(result.usual->median) : Json()},
-                             {"chains", chains_json(result)}});
+  for (const RechainedAccessPoint& one : result.access_points) {
+    access_points.push_back({{"id", one.id},
+                             {"learned_from_bursts", one.learned_from},
+                             {"spots", one.spots},
+                             {"ripple", one.ripple},
+                             {"fit", one.fit ? Json(*one.fit) : Json()},
+                             {"usual_fit", one.usual_fit ? Json(*one.usual_fit) : Json()},
+                             {"chains", chains_json(one.chains)}});
   }
   Json refused = Json::array();
-  for (const RefusedInput& one : received_.refused) {
+  for (const RefusedInput& one : result.refused) {
     refused.push_back({{"what", one.what}, {"reason", one.reason}});
   }
   const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin_;
@@ -427,40 +453,7 @@ Json Rechain::report() const {
           {"refused", std::move(refused)}};
 }
 
-void Rechain::print() const {
-  if (arguments_.unsurveyed) {
-    for (const RefusedInput& one : received_.refused) {
-      std::fprintf(stderr, "%s: %s\n", one.what.c_str(), one.reason.c_str());
-    }
-  }
-  for (const RefitAccessPoint& result : results_) {
-    const std::string& id = room_.access_points[result.index].id;
-    const std::string text =
-        result.learned_from > 0
-            ? fmt::format("learned from {} bursts of devices", result.learned_from)
-            : fmt::format("{} known places, fit {:.3f}{}",
-                          result.refit.spots,
-                          result.refit.fit,
-                          result.usual
-                              ? fmt::format(" ({:.3f} when calibrated)", result.usual->median)
-                              : "; no report of the calibration to compare with");
-    std::fprintf(stderr, "%s: %s\n", id.c_str(), text.c_str());
-    for (const Json& chain : chains_json(result)) {
-      std::fprintf(stderr,
-                   "  core %d against %d: phase %.1f -> %.1f deg (sigma %.1f), gain %.2f -> %.2f "
-                   "dB\n",
-                   chain["core"].get<int>(),
-                   chain["against"].get<int>(),
-                   chain["before"]["phase_deg"].get<double>(),
-                   chain["after"]["phase_deg"].get<double>(),
-                   chain["sigma"]["phase_deg"].get<double>(),
-                   chain["before"]["gain_db"].get<double>(),
-                   chain["after"]["gain_db"].get<double>());
-    }
-  }
-}
-
-Expected<void> Rechain::write() {
+Expected<void> Rechain::write(const RechainResult& result) {
   const fs::path out = arguments_.out;
   if (auto prepared = prepare_output(out, arguments_.force); !prepared) {
     return prepared;
@@ -479,19 +472,21 @@ Expected<void> Rechain::write() {
       return written;
     }
   }
-  return write_file(out / "report.json", report().dump(2) + "\n");
+  return write_file(out / "report.json", report(result).dump(2) + "\n");
 }
 
-Expected<void> Rechain::run() {
-  Expected<void> done = read().and_then([&] { return refit(); }).and_then([&] { return write(); });
-  if (done && !arguments_.quiet) {
-    print();
+Expected<RechainResult> Rechain::run() {
+  if (auto done = read().and_then([&] { return refit(); }); !done) {
+    return tl::make_unexpected(std::move(done.error()));
   }
-  return done;
+  RechainResult renewed = result();
+  return write(renewed).map([&] { return std::move(renewed); });
 }
 
 }  // namespace
 
-Expected<void> run_rechain(const RechainArguments& arguments) { return Rechain(arguments).run(); }
+Expected<RechainResult> run_rechain(const RechainArguments& arguments, const Observer& observer) {
+  return Rechain(arguments, observer).run();
+}
 
 }  // namespace rayloc::cli

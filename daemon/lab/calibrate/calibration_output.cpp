@@ -1,14 +1,12 @@
 #include <sys/resource.h>
 
 #include <cstdint>
-#include <cstdio>
 #include <map>
 #include <system_error>
 #include <utility>
 
 #include "daemon/lab/calibrate/calibrated_site.h"
 #include "daemon/lab/calibrate/calibration_run.h"
-#include "daemon/lab/calibrate/report/calibration_summary.h"
 #include "daemon/site/model/site_copy.h"
 #include "engine/scene/scene_hash.h"
 
@@ -115,61 +113,46 @@ Expected<void> Calibration::write_reports(const CalibrationReport& report) const
   return write_file(out / kHtmlReport, to_html(report));
 }
 
-void Calibration::print_verdict() const {
-  std::fprintf(stderr, "rayloc: %s: %s", options_.site.c_str(), to_text(verdict_).c_str());
-}
-
 // Writes only the reports. Removes the files of an interrupted run: it had the same inputs.
-Expected<CalibrationOutcome> Calibration::write_refusal(const CalibrationReport& report) const {
+Expected<void> Calibration::write_refusal(const CalibrationReport& report) const {
   std::error_code none;
   for (const char* file : {"site.toml", "calibration.toml"}) {
     if (options_.resume) {
       fs::remove(fs::path(options_.out) / file, none);
     }
   }
-  if (auto written = write_reports(report); !written) {
-    return tl::make_unexpected(std::move(written.error()));
-  }
-  print_verdict();
-  std::fprintf(
-      stderr,
-      "rayloc: no site was written, for this calibration is no success; %s has its report. "
-      "--force writes the site all the same\n",
-      options_.out.c_str());
-  return CalibrationOutcome::kFails;
+  return write_reports(report);
 }
 
-Expected<void> Calibration::write_site_and_reports(
+// The site is written for a success, or if forced.
+Expected<CalibrationResult> Calibration::write_site_and_reports(
     const std::vector<CalibrationMethodResult>& methods) {
   const CalibrationMethodResult& first = methods.front();
   const CalibrationFile file = file_of(methods);
-  CalibrationReport report = report_of(methods);
-  judge(report);
-  report.methods.front().calibration.parameters = all_parameters(methods, file);
-  if (!options_.quiet) {
-    std::vector<AccessPointUse> used;
-    for (const AccessPointResult& result : results_) {
-      used.push_back({result.index, result.fit.samples_used});
-    }
-    print_summary(report, used);
+  CalibrationResult result;
+  result.report = report_of(methods);
+  judge(result.report);
+  result.report.methods.front().calibration.parameters = all_parameters(methods, file);
+  result.outcome = outcome();
+  for (const AccessPointResult& one : results_) {
+    result.used.push_back({one.index, one.fit.samples_used});
   }
-  if (!verdict_.is_success() && !options_.force) {
-    return write_refusal(report).map([](CalibrationOutcome) {});
-  }
-  if (!verdict_.is_success()) {
-    print_verdict();
+  result.is_site_written = verdict_.is_success() || options_.force;
+  if (!result.is_site_written) {
+    return write_refusal(result.report).map([&] { return std::move(result); });
   }
   const std::map<std::string, std::string> scene =
       first.method == "gains-only" ? std::map<std::string, std::string>()
                                    : refined_scene(*first.calibration.room.scene);
   if (auto written = write_site(site_, to_toml(file), options_.out, scene); !written) {
-    return written;
+    return tl::make_unexpected(std::move(written.error()));
   }
-  return write_reports(report);
+  return write_reports(result.report).map([&] { return std::move(result); });
 }
 
-// Removes the checkpoint of a whole fit. After a stop, reports the files that were written.
-void Calibration::end(const std::vector<CalibrationMethodResult>& methods) const {
+// Removes the checkpoint of a whole fit. After a stop, returns the state of the output.
+std::optional<CalibrationInterruption> Calibration::end(
+    const std::vector<CalibrationMethodResult>& methods) const {
   const CalibrationMethodResult& written = methods.front();
   const bool resumes = written.calibration.interrupted && can_resume() && !unkept_;
   if (!resumes) {
@@ -177,17 +160,11 @@ void Calibration::end(const std::vector<CalibrationMethodResult>& methods) const
     fs::remove(checkpoint(), none);
   }
   if (!options_.control.is_stop_requested()) {
-    return;
+    return std::nullopt;
   }
   const bool compared =
       !options_.compare || (methods.size() == 2 && !methods.back().calibration.interrupted);
-  std::fprintf(stderr,
-               "interrupted: %s holds the %s%s\n",
-               options_.out.c_str(),
-               written.calibration.interrupted ? "last good state" : "whole calibration",
-               resumes     ? "; --resume goes on"
-               : !compared ? ", without the comparison"
-                           : "");
+  return CalibrationInterruption{!written.calibration.interrupted, resumes, compared};
 }
 
 }  // namespace rayloc::cli

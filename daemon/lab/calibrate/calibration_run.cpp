@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
-#include <cstdio>
 #include <memory>
 #include <utility>
 
@@ -16,7 +15,6 @@
 #include "daemon/site/model/room_match.h"
 #include "daemon/site/model/room_model.h"
 #include "daemon/site/model/site_copy.h"
-#include "daemon/site/scene/scene_notes.h"
 #include "engine/calibrate/check/input_check.h"
 #include "engine/calibrate/joint/joint_calibration.h"
 #include "engine/calibrate/joint/multi_start.h"
@@ -63,11 +61,9 @@ Expected<void> Calibration::measure() {
   }
   plan_ = *std::move(room);
   for (const std::string& warning : room_warnings(*plan_.scene, site_)) {
-    std::fprintf(stderr, "%s\n", warning.c_str());
+    observer_.warn(warning);
   }
-  if (!options_.quiet) {
-    print_scene_notes(*plan_.scene);
-  }
+  note_scene(*plan_.scene, observer_);
   auto inputs = read_calibration_inputs(
       with_bounds(site_, plan_), *captures, options_.points, options_.time_offset);
   if (!inputs) {
@@ -75,16 +71,12 @@ Expected<void> Calibration::measure() {
   }
   inputs_ = *std::move(inputs);
   for (const std::string& note : inputs_.notes) {
-    if (!options_.quiet) {
-      std::fprintf(stderr, "%s\n", note.c_str());
-    }
+    observer_.note(note);
   }
   if (site_.reference_file) {  // it holds the phases of another calibration
     inputs_.refused.push_back({site_.reference_file->filename().string(), kOldReference});
     site_.reference_file.reset();
-    if (!options_.quiet) {
-      std::fprintf(stderr, "%s: [reference] %s\n", options_.site.c_str(), kOldReference);
-    }
+    observer_.note(options_.site + ": [reference] " + kOldReference);
   }
   const CalibrationRequest request{
       options_.method, options_.holdout, options_.seed, options_.survey_error.value_or(0.0)};
@@ -104,8 +96,7 @@ Expected<void> Calibration::check_inputs() {
     return bad_input(options_.points + ": " + check.found.front().message);
   }
   if (!verdict_.is_success() && options_.force) {
-    line_.clear();
-    print_verdict();
+    observer_.verdict(verdict_);
   }
   refuse_misfits(check);
   return {};
@@ -144,10 +135,8 @@ Expected<void> Calibration::fit_gains(const std::vector<std::string>& first_refu
 void Calibration::keep(const StoredCheckpoint& state) {
   const auto written = write_file(checkpoint(), to_json_text(state, id_));
   if (!written && !unkept_) {
-    line_.clear();
-    std::fprintf(stderr,
-                 "warning: %s; after an interruption --resume cannot go on\n",
-                 written.error().message.c_str());
+    observer_.warn("warning: " + written.error().message +
+                   "; after an interruption --resume cannot go on");
   }
   unkept_ = !written;
 }
@@ -184,12 +173,8 @@ Expected<RoomCalibration> Calibration::jointly(const CalibrationObserver& observ
 bool Calibration::go_on() {
   if (options_.control.is_stop_requested() && !is_stopping_) {
     is_stopping_ = true;
-    line_.clear();
-    if (!options_.quiet) {
-      std::fputs("interrupted: finishing with the last good state; once more ends at once\n",
-                 stderr);
-    }
-    line_.begin("finishing");
+    observer_.note("interrupted: finishing with the last good state; once more ends at once");
+    observer_.begin("finishing");
   }
   return !is_stopping_;
 }
@@ -213,9 +198,9 @@ Expected<CalibrationMethodResult> Calibration::calibrate(const std::string& meth
   result.rays = method == "paper"
                     ? TraceOptions{.max_depth = paper.max_depth, .softness = paper.softness}
                     : JointCalibrationOptions().trace;
-  line_.begin(method);
+  observer_.begin(method);
   const auto observer = [&](const CalibrationProgress& progress) {
-    line_.show(progress);
+    observer_.step(progress);
     return go_on();
   };
   const auto begin = std::chrono::steady_clock::now();
@@ -320,11 +305,11 @@ Expected<void> Calibration::fit_what_is_left(const std::vector<CalibrationMethod
   if (methods.front().calibration.survey_sigma > 0.0) {  // stated or estimated
     survey_error_ = methods.front().calibration.survey_sigma;
   }
-  line_.begin("fitting the errors of the model");
+  observer_.begin("fitting the errors of the model");
   if (auto fitted = fit_errors(methods.front()); !fitted) {
     return fitted;
   }
-  line_.begin("locating the points held out");
+  observer_.begin("locating the points held out");
   return fit_certainty(methods.front().calibration.room);
 }
 
@@ -333,15 +318,14 @@ Expected<void> Calibration::fit_what_is_left(const std::vector<CalibrationMethod
 void Calibration::judge(CalibrationReport& report) {
   judge_held_out(report, verdict_);
   if (!verdict_.is_success() && verdict_.found.empty()) {
-    line_.begin("trying other channels");
+    observer_.begin("trying other channels");
     add_carriers(try_carriers(plan_, points_), verdict_);
-    line_.clear();
   }
   report.verdict = verdict_;
 }
 
-Expected<CalibrationOutcome> Calibration::run() {
-  line_.begin("reading the recordings");
+Expected<CalibrationResult> Calibration::run() {
+  observer_.begin("reading the recordings");
   if (auto measured = measure(); !measured) {
     return tl::make_unexpected(std::move(measured.error()));
   }
@@ -352,14 +336,13 @@ Expected<CalibrationOutcome> Calibration::run() {
     if (!options_.force) {
       return bad_input(dead);
     }
-    line_.clear();
-    std::fprintf(stderr, "%s\n", dead.c_str());
+    observer_.warn(dead);
   }
-  line_.begin("comparing points and recordings");
+  observer_.begin("comparing points and recordings");
   if (auto checked = check_inputs(); !checked) {
     return tl::make_unexpected(std::move(checked.error()));
   }
-  line_.begin("fitting chain gains");
+  observer_.begin("fitting chain gains");
   if (auto fitted = fit_gains(survey.first_refusal); !fitted) {
     return tl::make_unexpected(std::move(fitted.error()));
   }
@@ -370,8 +353,12 @@ Expected<CalibrationOutcome> Calibration::run() {
     return tl::make_unexpected(std::move(prepared.error()));
   }
   if (!verdict_.is_success() && !options_.force) {
-    line_.clear();
-    return write_refusal(report_of({gains_only()}));
+    CalibrationResult refused{
+        CalibrationOutcome::kFails, report_of({gains_only()}), {}, false, std::nullopt};
+    if (auto written = write_refusal(refused.report); !written) {
+      return tl::make_unexpected(std::move(written.error()));
+    }
+    return refused;
   }
   const auto methods = calibrate_all();
   if (!methods) {
@@ -380,16 +367,16 @@ Expected<CalibrationOutcome> Calibration::run() {
   if (auto fitted = fit_what_is_left(*methods); !fitted) {
     return tl::make_unexpected(std::move(fitted.error()));
   }
-  line_.clear();
-  if (auto written = write_site_and_reports(*methods); !written) {
-    return tl::make_unexpected(std::move(written.error()));
+  auto result = write_site_and_reports(*methods);
+  if (result) {
+    result->interruption = end(*methods);
   }
-  end(*methods);
-  return outcome();
+  return result;
 }
 
-Expected<CalibrationOutcome> run_calibration(const CalibrateArguments& arguments) {
-  return Calibration(arguments).run();
+Expected<CalibrationResult> run_calibration(const CalibrateArguments& arguments,
+                                            const FitObserver& observer) {
+  return Calibration(arguments, observer).run();
 }
 
 }  // namespace rayloc::cli

@@ -1,17 +1,18 @@
-// Calibration: a run of `rayloc calibrate` on a survey. calibration_run.cpp has the steps,
+// Calibration: a run on a survey. calibration_run.cpp has the steps,
 // calibration_output.cpp writes their results.
 #pragma once
 
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "daemon/lab/calibrate/access_point_stage.h"
 #include "daemon/lab/calibrate/calibrate.h"
 #include "daemon/lab/calibrate/calibration_inputs.h"
-#include "daemon/lab/calibrate/calibration_progress.h"
 #include "daemon/lab/calibrate/checkpoint_file.h"
+#include "daemon/lab/calibrate/fit_observer.h"
 #include "daemon/lab/calibrate/held_out_fixes.h"
 #include "daemon/lab/calibrate/report/calibration_report.h"
 #include "daemon/site/model/calibration_file.h"
@@ -23,11 +24,13 @@ namespace rayloc::cli {
 
 class Calibration {
  public:
-  explicit Calibration(const CalibrateArguments& options)
+  // REQUIRES: `options` and `observer` outlive this object.
+  Calibration(const CalibrateArguments& options, const FitObserver& observer)
       : options_(options),
+        observer_(observer),
         survey_error_(options.survey_error.value_or(CalibrationPriors().survey)) {}
 
-  Expected<CalibrationOutcome> run();
+  Expected<CalibrationResult> run();
 
  private:
   Expected<void> check_site();
@@ -42,7 +45,8 @@ class Calibration {
   void keep(const StoredCheckpoint& state);
   bool go_on();
   bool can_resume() const { return options_.method == "joint"; }  // not by --compare
-  void end(const std::vector<CalibrationMethodResult>& methods) const;
+  std::optional<CalibrationInterruption> end(
+      const std::vector<CalibrationMethodResult>& methods) const;
   Expected<void> fit_errors(const CalibrationMethodResult& method);
   void refuse_unreached(const AccessPointResult& result);
   std::vector<HeldOutSpot> spots(bool all) const;
@@ -54,10 +58,10 @@ class Calibration {
   bool may_replace() const;
   CalibrationReport report_of(const std::vector<CalibrationMethodResult>& methods) const;
   CalibrationFile file_of(const std::vector<CalibrationMethodResult>& methods) const;
-  Expected<void> write_site_and_reports(const std::vector<CalibrationMethodResult>& methods);
+  Expected<CalibrationResult> write_site_and_reports(
+      const std::vector<CalibrationMethodResult>& methods);
   Expected<void> write_reports(const CalibrationReport& report) const;
-  Expected<CalibrationOutcome> write_refusal(const CalibrationReport& report) const;
-  void print_verdict() const;
+  Expected<void> write_refusal(const CalibrationReport& report) const;
 
   // "points.csv:17"
   std::string place_of(std::size_t point) const {
@@ -71,6 +75,7 @@ class Calibration {
   }
 
   const CalibrateArguments& options_;
+  const FitObserver& observer_;
   double survey_error_;  // [m], as stated, or assumed and then estimated
   Site site_;
   CalibrationInputs inputs_;
@@ -81,8 +86,7 @@ class Calibration {
   std::vector<AccessPointResult> gains_;    // in the room of the plan
   std::vector<AccessPointResult> results_;  // in the calibrated room
   std::vector<HeldOutFixes> fixes_;
-  std::string id_;  // hash of all inputs
-  CalibrationProgressLine line_{options_.quiet, options_.progress};
+  std::string id_;            // hash of all inputs
   bool unkept_ = false;       // last state could not be written
   bool is_stopping_ = false;  // a stop was requested, and reported
 };

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <system_error>
@@ -110,19 +109,14 @@ Expected<void> keep_plan(const std::string& learned, const UnsurveyedArguments& 
   return {};
 }
 
-void print_note(const UnsurveyedArguments& arguments, const std::string& text) {
-  if (!arguments.quiet) {
-    std::fprintf(stderr, "%s\n", text.c_str());
-  }
-}
-
 // Fits walls, arrays and chains to the positions of the devices.
-Expected<void> fit_room(const std::string& learned,
-                        const std::string& points,
-                        const LocatedPlaces& places,
-                        const UnsurveyedArguments& arguments) {
+Expected<UnsurveyedOutcome> fit_room(const std::string& learned,
+                                     const std::string& points,
+                                     const LocatedPlaces& places,
+                                     const UnsurveyedArguments& arguments,
+                                     const UnsurveyedObserver& observer) {
   if (auto written = write_file(points, to_csv(places.points)); !written) {
-    return written;
+    return tl::make_unexpected(std::move(written.error()));
   }
   CalibrateArguments calibrate;
   calibrate.site = arguments.site;
@@ -132,28 +126,34 @@ Expected<void> fit_room(const std::string& learned,
   calibrate.survey_error = std::max(places.sigma, kMinSigma);
   calibrate.seed = arguments.seed;
   calibrate.force = arguments.force;
-  calibrate.quiet = arguments.quiet;
   calibrate.control = arguments.control;
-  const auto outcome = run_calibration(calibrate);
-  if (!outcome) {
-    return tl::make_unexpected(outcome.error());
+  const auto calibrated = run_calibration(calibrate, observer);
+  if (!calibrated) {
+    return tl::make_unexpected(calibrated.error());
   }
-  if (*outcome == CalibrationOutcome::kFails) {
-    print_note(
-        arguments,
-        arguments.out + " has the walls of the plan, and the chains that were learned with them");
+  if (observer.on_calibration) {
+    observer.on_calibration(*calibrated);
+  }
+  UnsurveyedOutcome outcome = UnsurveyedOutcome::kWalls;
+  if (calibrated->outcome == CalibrationOutcome::kFails) {
+    outcome = UnsurveyedOutcome::kChains;
+    observer.note(arguments.out +
+                  " has the walls of the plan, and the chains that were learned with them");
     if (auto kept = keep_plan(learned, arguments); !kept) {
-      return kept;
+      return tl::make_unexpected(std::move(kept.error()));
     }
   }
-  return write_file(fs::path(arguments.out) / "places.csv", to_csv(places.points));
+  return write_file(fs::path(arguments.out) / "places.csv", to_csv(places.points)).map([&] {
+    return outcome;
+  });
 }
 
 }  // namespace
 
-Expected<void> run_unsurveyed(const UnsurveyedArguments& arguments) {
+Expected<UnsurveyedOutcome> run_unsurveyed(const UnsurveyedArguments& arguments,
+                                           const UnsurveyedObserver& observer) {
   if (arguments.captures.empty()) {
-    return write_plan(arguments);
+    return write_plan(arguments).map([] { return UnsurveyedOutcome::kPlan; });
   }
   const WorkFolder work;
   if (!work.is_there()) {
@@ -161,17 +161,19 @@ Expected<void> run_unsurveyed(const UnsurveyedArguments& arguments) {
                       fs::temp_directory_path().string() + ": cannot be written");
   }
   if (auto checked = check_output(arguments.out, arguments.site, arguments.force); !checked) {
-    return checked;
+    return tl::make_unexpected(std::move(checked.error()));
   }
   const std::string learned = work.file("learned");
-  if (auto done = run_rechain(
-          {arguments.site, arguments.captures, "", {}, learned, true, arguments.quiet, true});
-      !done) {
-    return done;
+  const auto chains =
+      run_rechain({arguments.site, arguments.captures, "", {}, learned, true, true}, observer);
+  if (!chains) {
+    return tl::make_unexpected(chains.error());
+  }
+  if (observer.on_chains) {
+    observer.on_chains(*chains);
   }
   if (is_one_alone(arguments.captures)) {
-    print_note(
-        arguments,
+    observer.note(
         "chains that were learned with one access point alone may be wrong although they fit: its "
         "regions are wide; verify them with more access points or a survey");
   }
@@ -180,24 +182,21 @@ Expected<void> run_unsurveyed(const UnsurveyedArguments& arguments) {
     return tl::make_unexpected(places.error());
   }
   if (places->points.size() < kFewestPoints) {
-    print_note(
-        arguments,
+    observer.note(
         fmt::format("{} of {} bursts have a reliable position, and walls need {}: walls stay as "
                     "in the plan; record a device that is carried through the whole room while all "
                     "access points receive it",
                     places->points.size(),
                     places->bursts,
                     kFewestPoints));
-    return keep_plan(learned, arguments);
+    return keep_plan(learned, arguments).map([] { return UnsurveyedOutcome::kChains; });
   }
-  print_note(
-      arguments,
-      fmt::format(
-          "{} of {} bursts have a reliable position, to {:.3f} m: they are the survey of the walls",
-          places->points.size(),
-          places->bursts,
-          places->sigma));
-  return fit_room(learned, work.file("places.csv"), *places, arguments);
+  observer.note(fmt::format(
+      "{} of {} bursts have a reliable position, to {:.3f} m: they are the survey of the walls",
+      places->points.size(),
+      places->bursts,
+      places->sigma));
+  return fit_room(learned, work.file("places.csv"), *places, arguments, observer);
 }
 
 }  // namespace rayloc::cli

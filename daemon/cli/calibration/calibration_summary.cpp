@@ -1,4 +1,4 @@
-#include "daemon/lab/calibrate/report/calibration_summary.h"
+#include "daemon/cli/calibration/calibration_summary.h"
 
 #include <cstdio>
 
@@ -44,6 +44,35 @@ void print_summary(const CalibrationReport& report, std::span<const AccessPointU
   }
   if (report.verdict.is_success()) {
     std::fprintf(stderr, "%s\n", expectation(report).c_str());
+  }
+}
+
+void print_verdict(const CalibrationVerdict& verdict, const std::string& site) {
+  std::fprintf(stderr, "rayloc: %s: %s", site.c_str(), to_text(verdict).c_str());
+}
+
+void print_result(const CalibrationResult& result, const TerminalReport& report) {
+  if (!report.quiet && !result.used.empty()) {
+    print_summary(result.report, result.used);
+  }
+  if (!result.report.verdict.is_success()) {
+    print_verdict(result.report.verdict, report.site);
+  }
+  if (!result.is_site_written) {
+    std::fprintf(
+        stderr,
+        "rayloc: no site was written, for this calibration is no success; %s has its report. "
+        "--force writes the site all the same\n",
+        report.out.c_str());
+  }
+  if (const auto& stop = result.interruption) {
+    std::fprintf(stderr,
+                 "interrupted: %s holds the %s%s\n",
+                 report.out.c_str(),
+                 stop->is_whole ? "whole calibration" : "last good state",
+                 stop->resumes        ? "; --resume goes on"
+                 : !stop->is_compared ? ", without the comparison"
+                                      : "");
   }
 }
 

@@ -1,4 +1,4 @@
-#include "daemon/lab/calibrate/calibration_progress.h"
+#include "daemon/cli/calibration/calibration_progress.h"
 
 #include <sys/ioctl.h>
 #include <unistd.h>

@@ -1,0 +1,26 @@
+// Final summary of a calibration on stderr.
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "daemon/lab/calibrate/calibrate.h"
+
+namespace rayloc::cli {
+
+// Folders as on the command line, and how much is printed.
+struct TerminalReport {
+  std::string site;
+  std::string out;
+  bool quiet = false;
+};
+
+void print_summary(const CalibrationReport& report, std::span<const AccessPointUse> used);
+
+// The reasons of a failure; `site` as in TerminalReport. REQUIRES: it is no success.
+void print_verdict(const CalibrationVerdict& verdict, const std::string& site);
+
+// Summary, verdict and state of the output after a run; for a quiet user without the summary.
+void print_result(const CalibrationResult& result, const TerminalReport& report);
+
+}  // namespace rayloc::cli

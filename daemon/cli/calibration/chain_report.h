@@ -1,0 +1,11 @@
+// New chain gains on stderr: how each chain was learned, and its change.
+#pragma once
+
+#include "daemon/lab/calibrate/calibrate_rechain.h"
+
+namespace rayloc::cli {
+
+// `with_refused`: also the access points that keep their gains, first.
+void print_chains(const RechainResult& result, bool with_refused);
+
+}  // namespace rayloc::cli
