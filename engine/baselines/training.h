@@ -83,9 +83,11 @@ struct TrainingInput {
   BaselineValues values;
   std::uint64_t seed = 1;
   std::optional<TrainingCheckpoint> resume;
-  // Both may be empty. keep: called after each epoch of a network.
+  // All may be empty. keep: called after each epoch of a network. stop_requested: polled after it;
+  // true ends the training with an Error (kUnavailable).
   std::function<void(const TrainingProgress&)> progress;
   std::function<void(const TrainingCheckpoint&)> keep;
+  std::function<bool()> stop_requested;
 };
 
 }  // namespace rayloc

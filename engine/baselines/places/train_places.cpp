@@ -40,6 +40,10 @@ class Trainer {
   Network learn(std::size_t stage, const std::vector<const Seen*>& classes);
   PlaceCertainty first_stage();
   TrainingCheckpoint begin_of(std::size_t stage) const;
+  tl::unexpected<Error> stopped() const {
+    return make_error(ErrorKind::kUnavailable,
+                      options_.classifier.method + ": its training was stopped on request");
+  }
 
   const TrainingInput& input_;
   const PlaceTrainingOptions& options_;
@@ -49,6 +53,7 @@ class Trainer {
   std::vector<std::vector<float>> empty_room_;  // images of the empty room
   ImageShape shape_;
   PlaceNetwork learned_;
+  bool is_stopped_ = false;  // a stop was requested
 };
 
 std::vector<std::vector<float>> Trainer::images_of(const std::vector<CsiFrame>& frames,
@@ -189,7 +194,8 @@ Network Trainer::learn(std::size_t stage, const std::vector<const Seen*>& classe
                            std::to_string(state.epoch) + " of " + std::to_string(adam.epochs) +
                            ", loss " + std::to_string(state.loss.back())});
     }
-    return true;
+    is_stopped_ = input_.stop_requested && input_.stop_requested();
+    return !is_stopped_;
   });
   if (stage + 1 == kStages) {
     learned_.loss = reached.network.loss;
@@ -206,6 +212,9 @@ PlaceCertainty Trainer::first_stage() {
     (i % kHeldOutEvery == offset ? others : classes).push_back(&seen_[i]);
   }
   Network network = learn(0, classes);
+  if (is_stopped_) {
+    return {};
+  }
   WeightedPlaces weighted;
   for (const Seen* one : classes) {
     weighted.places.push_back(one->place);
@@ -236,9 +245,15 @@ Expected<std::shared_ptr<const Training>> Trainer::run() {
       input_.resume && input_.resume->stage > 0
           ? PlaceCertainty{input_.resume->temperature, input_.resume->residual}
           : first_stage();
+  if (is_stopped_) {
+    return stopped();
+  }
   learned_.temperature = certainty.temperature;
   learned_.residual = certainty.residual;
   Network network = learn(1, all);
+  if (is_stopped_) {
+    return stopped();
+  }
   learned_.parameters = network.parameters();
   auto training = std::make_shared<Training>();
   training->method = options_.classifier.method;

@@ -229,6 +229,20 @@ TEST(Cifi, GoesOnWhereItWasInterrupted) {
   }
 }
 
+TEST(Cifi, StopsAfterAnEpochOnRequest) {
+  TrainingInput input = input_of(0.5);
+  input.values = {{"epochs", 2.0}, {"images", 2.0}};
+  for (const std::size_t last : {std::size_t{1}, std::size_t{3}}) {
+    std::size_t epochs = 0;
+    input.keep = [&](const TrainingCheckpoint&) { ++epochs; };
+    input.stop_requested = [&] { return epochs == last; };
+    const auto stopped = train_cifi(input);
+    ASSERT_FALSE(stopped);
+    EXPECT_EQ(stopped.error().kind, ErrorKind::kUnavailable);
+    EXPECT_EQ(epochs, last);
+  }
+}
+
 std::shared_ptr<const Training> quick_cifi() {
   static const auto kTraining = [] {
     TrainingInput input = input_of(0.5);
