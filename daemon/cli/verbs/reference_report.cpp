@@ -4,6 +4,7 @@
 #include <complex>
 #include <cstdio>
 #include <numbers>
+#include <string>
 
 #include <spdlog/fmt/fmt.h>
 
@@ -33,12 +34,12 @@ void print_change(const RoomAccessPoint& ap, const DayChange& change) {
 
 }  // namespace
 
-void print_reference(const ReferenceReport& report) {
-  for (const DayChange& change : report.changes) {
-    print_change(report.room.access_points[change.access_point], change);
+void print_reference(const ReferenceInputs& inputs, const LearnedReference& learned) {
+  for (const DayChange& change : learned.changes) {
+    print_change(learned.room.access_points[change.access_point], change);
   }
-  for (const PersonReference& reference : report.references) {
-    const SiteTransmitter& stated = *find_transmitter(report.site, reference.mac);
+  for (const PersonReference& reference : learned.references) {
+    const SiteTransmitter& stated = *find_transmitter(inputs.site, reference.mac);
     const Vec3d moved = reference.transmitter.position - *stated.position;
     std::fprintf(stderr,
                  "%s: placed (%+.1f, %+.1f, %+.1f) mm from the survey\n",
@@ -49,20 +50,20 @@ void print_reference(const ReferenceReport& report) {
     for (const PersonLink& link : reference.links) {
       std::fprintf(stderr,
                    "  %s: empty room explained %.2f; a person's echo times %.2f at %.0f deg\n",
-                   report.room.access_points[link.access_point].id.c_str(),
+                   learned.room.access_points[link.access_point].id.c_str(),
                    link.room_fit,
                    std::abs(link.scale),
                    std::arg(link.scale) * 180.0 / std::numbers::pi);
     }
   }
-  const PersonModel& person = report.references.front().person;
+  const PersonModel& person = learned.references.front().person;
   std::fprintf(
       stderr,
       "person %s: radius %.3f m, strength variance %g, way variance %g, front %g m, diffuse %g, "
       "noise %g, "
       "likelihood_exponent %g\n",
-      report.spots > 0 ? ("from " + std::to_string(report.spots) + " places").c_str()
-                       : "as stated (no --people)",
+      learned.spots > 0 ? ("from " + std::to_string(learned.spots) + " places").c_str()
+                        : "as stated (no --people)",
       person.body.semi_axes[0],
       person.strength_variance,
       person.path_variance,
@@ -76,10 +77,10 @@ void print_reference(const ReferenceReport& report) {
                  "access points\n",
                  *person.second_person);
   }
-  for (const std::string& note : report.notes) {
+  for (const std::string& note : inputs.notes) {
     std::fprintf(stderr, "%s\n", note.c_str());
   }
-  for (const RefusedInput& refused : report.refused) {
+  for (const RefusedInput& refused : learned.refused) {
     std::fprintf(stderr, "not used: %s: %s\n", refused.what.c_str(), refused.reason.c_str());
   }
 }

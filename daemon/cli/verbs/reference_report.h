@@ -1,28 +1,12 @@
 // Summary of `rayloc reference` on standard error.
 #pragma once
 
-#include <cstddef>
-#include <string>
-#include <vector>
-
-#include "daemon/lab/calibrate/report/refused_input.h"
-#include "daemon/site/model/site.h"
-#include "engine/person/calibrate/two_days.h"
-#include "engine/person/person_reference.h"
-#include "engine/room/room_model.h"
+#include "daemon/lab/reference/learn_reference.h"
+#include "daemon/lab/reference/reference_inputs.h"
 
 namespace rayloc::cli {
 
-struct ReferenceReport {
-  const Site& site;
-  const RoomModel& room;
-  const std::vector<DayChange>& changes;  // since the other day on which people were recorded
-  const std::vector<PersonReference>& references;
-  std::size_t spots = 0;                  // points of the person fit
-  const std::vector<std::string>& notes;  // from the recordings
-  const std::vector<RefusedInput>& refused;
-};
-
-void print_reference(const ReferenceReport& report);
+// REQUIRES: `learned` from `inputs`.
+void print_reference(const ReferenceInputs& inputs, const LearnedReference& learned);
 
 }  // namespace rayloc::cli
