@@ -1,5 +1,5 @@
 // State of an interrupted training as two files in the folder training/ of --out: the numbers, and
-// the weights of the network with the state of the optimiser.
+// the weights of the network with the state of the optimizer.
 #pragma once
 
 #include <filesystem>
@@ -8,7 +8,7 @@
 #include "engine/base/expected.h"
 #include "engine/baselines/training.h"
 
-namespace rayloc::cli {
+namespace rayloc {
 
 // `inputs`: hash of all inputs of the training.
 Expected<void> write_checkpoint(const std::filesystem::path& folder,
@@ -23,4 +23,4 @@ Expected<TrainingCheckpoint> read_checkpoint(const std::filesystem::path& folder
 
 void remove_checkpoint(const std::filesystem::path& folder, const std::string& method);
 
-}  // namespace rayloc::cli
+}  // namespace rayloc

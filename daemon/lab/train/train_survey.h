@@ -11,7 +11,7 @@
 #include "engine/channel/mac_address.h"
 #include "engine/room/room_model.h"
 
-namespace rayloc::cli {
+namespace rayloc {
 
 struct TrainSurvey {
   std::vector<TrainingPoint> points;      // with observations
@@ -36,4 +36,4 @@ Expected<TrainSurvey> read_device_survey(const Site& site,
 // Reads the fixed transmitter received at most points, while a person was at each of them.
 Expected<TrainSurvey> read_people_survey(const Site& site, const SurveyArguments& arguments);
 
-}  // namespace rayloc::cli
+}  // namespace rayloc

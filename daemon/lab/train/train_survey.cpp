@@ -1,4 +1,4 @@
-#include "daemon/cli/verbs/train_survey.h"
+#include "daemon/lab/train/train_survey.h"
 
 #include <algorithm>
 #include <map>
@@ -11,7 +11,7 @@
 #include "daemon/site/survey/time_offset.h"
 #include "engine/base/content_hash.h"
 
-namespace rayloc::cli {
+namespace rayloc {
 namespace {
 
 // Largest difference between the clocks of access points and survey.
@@ -23,11 +23,11 @@ Expected<Frames> read_frames(const Site& site,
                              const std::vector<std::string>& arguments,
                              std::vector<std::string>& notes) {
   const auto captures =
-      resolve_captures(arguments, access_point_ids(site), PerAccessPoint::kSeveral);
+      cli::resolve_captures(arguments, access_point_ids(site), cli::PerAccessPoint::kSeveral);
   if (!captures) {
     return tl::make_unexpected(captures.error());
   }
-  auto frames = read_fixed_frames(site, *captures, notes);
+  auto frames = cli::read_fixed_frames(site, *captures, notes);
   if (frames) {
     for (auto& [mac, all] : *frames) {
       std::stable_sort(all.begin(), all.end(), [](const CsiFrame& a, const CsiFrame& b) {
@@ -81,18 +81,18 @@ std::string hash_of(const TrainSurvey& survey) {
 Expected<TrainSurvey> read_device_survey(const Site& site,
                                          const RoomModel& room,
                                          const SurveyArguments& arguments) {
-  const auto captures =
-      resolve_captures(arguments.captures, access_point_ids(site), PerAccessPoint::kSeveral);
+  const auto captures = cli::resolve_captures(
+      arguments.captures, access_point_ids(site), cli::PerAccessPoint::kSeveral);
   if (!captures) {
     return tl::make_unexpected(captures.error());
   }
-  auto read = read_calibration_inputs(
-      with_bounds(site, room), *captures, arguments.points, arguments.time_offset);
+  auto read = cli::read_calibration_inputs(
+      cli::with_bounds(site, room), *captures, arguments.points, arguments.time_offset);
   if (!read) {
     return tl::make_unexpected(std::move(read.error()));
   }
   TrainSurvey survey;
-  for (SurveyedFrames& spot : read->points) {
+  for (cli::SurveyedFrames& spot : read->points) {
     if (!spot.frames.empty()) {
       survey.points.push_back({spot.point.position, std::move(spot.frames)});
     }
@@ -122,8 +122,9 @@ Expected<TrainSurvey> read_people_survey(const Site& site, const SurveyArguments
   }
   if (!survey.transmitter && !frames->empty() && !frames->begin()->second.empty()) {
     const auto& [mac, all] = *frames->begin();
-    return bad_input("--capture: received " + to_string(mac) + " " +
-                     explain_other_times(arguments.points, *points, DeviceTrace::of(all)));
+    return bad_input(
+        "--capture: received " + to_string(mac) + " " +
+        cli::explain_other_times(arguments.points, *points, cli::DeviceTrace::of(all)));
   }
   if (!survey.transmitter) {
     return bad_input(arguments.points +
@@ -145,4 +146,4 @@ Expected<TrainSurvey> read_people_survey(const Site& site, const SurveyArguments
   return survey;
 }
 
-}  // namespace rayloc::cli
+}  // namespace rayloc

@@ -1,4 +1,4 @@
-#include "daemon/cli/verbs/training_checkpoint.h"
+#include "daemon/lab/train/training_checkpoint.h"
 
 #include <system_error>
 #include <utility>
@@ -9,7 +9,7 @@
 #include "daemon/site/model/site_copy.h"
 #include "daemon/site/model/weights_file.h"
 
-namespace rayloc::cli {
+namespace rayloc {
 namespace {
 
 namespace fs = std::filesystem;
@@ -99,4 +99,4 @@ void remove_checkpoint(const fs::path& folder, const std::string& method) {
   fs::remove(weights_file(folder, method), ignored);
 }
 
-}  // namespace rayloc::cli
+}  // namespace rayloc
