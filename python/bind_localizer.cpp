@@ -11,6 +11,7 @@
 #include "daemon/site/model/path_grid_files.h"
 #include "daemon/site/model/room_model.h"
 #include "daemon/site/model/site.h"
+#include "engine/grid/grid.h"
 #include "engine/localize/localizer.h"
 #include "python/arrays.h"
 #include "python/bindings.h"
@@ -75,7 +76,7 @@ LocationEstimate locate(const LocalizerHandle& handle,
 
 py::array_t<double> log_likelihood(const LocalizerHandle& handle, const FrameTable& table) {
   const std::vector<CsiFrame> frames = burst_of(handle, table);
-  const RoomGrid& grid = handle.localizer->grid();
+  const Grid& grid = handle.localizer->grid();
   std::vector<double> map;
   {
     const py::gil_scoped_release unlocked;
@@ -92,7 +93,7 @@ py::array_t<double> log_likelihood(const LocalizerHandle& handle, const FrameTab
 }
 
 py::array_t<double> cells_of(const LocalizerHandle& handle) {
-  const RoomGrid& grid = handle.localizer->grid();
+  const Grid& grid = handle.localizer->grid();
   std::vector<double> centres;
   for (std::size_t i = 0; i < grid.size(); ++i) {
     const Vec3d centre = grid.centre(i);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "engine/base/parallel.h"
+#include "engine/grid/grid.h"
 #include "engine/posterior/posterior.h"
 
 namespace rayloc {
@@ -19,10 +20,10 @@ void summarise_plan(const RoomModel& room,
                     const PlanMapOptions& options,
                     const std::function<double(const Vec3d& place)>& log_likelihood,
                     LocationEstimate& estimate) {
-  RoomGrid grid(room.bounds_min,
-                room.bounds_max,
-                room.device.height,
-                std::max(options.step, std::sqrt(room.area() / kMaxCells)));
+  Grid grid(room.bounds_min,
+            room.bounds_max,
+            room.device.height,
+            std::max(options.step, std::sqrt(room.area() / kMaxCells)));
   grid.height_sigma = room.device.height_sigma;
   std::vector<double> map(grid.size());
   parallel_for(grid.size(), kMapGrain, [&](std::size_t cell) {

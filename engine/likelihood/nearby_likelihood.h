@@ -25,9 +25,9 @@
 #include <vector>
 
 #include "engine/base/vec3.h"
+#include "engine/grid/lattice.h"
 #include "engine/likelihood/lane_kernel.h"
 #include "engine/likelihood/observation_model.h"
-#include "engine/room/lattice.h"
 
 namespace rayloc {
 

@@ -21,10 +21,10 @@
 #include <span>
 #include <vector>
 
+#include "engine/grid/lattice.h"
 #include "engine/likelihood/field_kernel.h"
 #include "engine/likelihood/observation_model.h"
 #include "engine/likelihood/observed_array.h"
-#include "engine/room/lattice.h"
 
 namespace rayloc {
 

@@ -58,7 +58,7 @@ std::size_t kept_fields(std::size_t dimension, const FieldLattice& lattice) {
 
 }  // namespace
 
-FieldLattice places_of_box(const RoomGrid& grid, const HeightLayers& heights, double wavelength) {
+FieldLattice places_of_box(const Grid& grid, double wavelength) {
   const Lattice closest = places_of_cell(grid, wavelength);
   const auto lanes = static_cast<double>(kLaneCount);
   FieldLattice places;
@@ -68,18 +68,15 @@ FieldLattice places_of_box(const RoomGrid& grid, const HeightLayers& heights, do
   const double rows = std::max(1.0, std::round(static_cast<double>(closest.count_y) / lanes));
   places.plan.count_y = static_cast<std::size_t>(rows * lanes);
   places.plan.step_y = grid.step_y / static_cast<double>(places.plan.count_y);
-  for (const HeightSlice& slice : slices_of_box(grid, heights, 0, wavelength)) {
-    places.heights.push_back(slice.offset - heights.offset.front());
+  for (const HeightSlice& slice : slices_of_box(grid, 0, wavelength)) {
+    places.heights.push_back(slice.offset - grid.layers.offset.front());
   }
   return places;
 }
 
-std::vector<HeightSlice> slices_of_box(const RoomGrid& grid,
-                                       const HeightLayers& heights,
-                                       std::size_t layer,
-                                       double wavelength) {
+std::vector<HeightSlice> slices_of_box(const Grid& grid, std::size_t layer, double wavelength) {
   return slices_of(
-      heights, layer, grid.height_sigma, NearbyLikelihood::kHeightDistance * wavelength);
+      grid.layers, layer, grid.height_sigma, NearbyLikelihood::kHeightDistance * wavelength);
 }
 
 struct AccessPointMap::Tracing {
@@ -97,7 +94,7 @@ struct AccessPointMap::Tracing {
       : source(of),
         tracer(PathTracer(of.room->scene, of.room->trace)
                    .at(array_origin<Receiver>(of.room->access_points[of.access_point].array))) {
-    const RoomGrid& grid = source.grid;
+    const Grid& grid = source.grid;
     const RoomModel& room = *source.room;
     rays =
         make_path_grid({grid.size(), [&](std::size_t cell) { return rays_to(grid.centre(cell)); }},
@@ -117,7 +114,7 @@ AccessPointMap::AccessPointMap(const Source& source,
       null_model_(likelihood_->null_model(access_point().error)),
       boxes_(std::make_unique<Kept<PlaceLikelihood>>(kMaxKeptBoxes)),
       close_boxes_(std::make_unique<Kept<PlaceLikelihood>>(kMaxKeptBoxes)),
-      field_lattice_(places_of_box(source.grid, source.heights, wavelength_of(*source.room))),
+      field_lattice_(places_of_box(source.grid, wavelength_of(*source.room))),
       covariances_(std::make_unique<Kept<FieldCovariance>>(kept_covariances(model_.dimension()))),
       fields_(std::make_unique<Kept<RayField>>(kept_fields(model_.dimension(), field_lattice_))) {
   build_cells();
@@ -159,16 +156,16 @@ void AccessPointMap::build_cells() {
     if (!tracing_->rays[cell].empty()) {
       level_db_[cell] = traced_level_db(tracing_->rays[cell], error);
     }
-    if (source_.heights.is_known() || tracing_->rays[cell].empty()) {
+    if (source_.grid.layers.is_known() || tracing_->rays[cell].empty()) {
       cells_[cell] = likelihood_->place({tracing_->rays[cell], offsets_, cell_size()}, error);
       return;
     }
-    const std::vector<HeightSlice> coarse = coarsened(source_.heights, kMaxInColumn);
+    const std::vector<HeightSlice> coarse = coarsened(source_.grid.layers, kMaxInColumn);
     std::vector<std::vector<Ray>> rays;
     std::vector<Likelihood::WeightedPlace> heights;
     rays.reserve(coarse.size());
-    const double thickness = source_.heights.thickness *
-                             static_cast<double>(source_.heights.size()) /
+    const double thickness = source_.grid.layers.thickness *
+                             static_cast<double>(source_.grid.layers.size()) /
                              static_cast<double>(coarse.size());
     for (const HeightSlice& slice : coarse) {
       rays.push_back(rays_at_height(
@@ -182,7 +179,7 @@ void AccessPointMap::build_cells() {
 // Rays from a device in the middle of a layer.
 std::vector<Ray> AccessPointMap::rays_in(std::size_t cell, std::size_t layer) const {
   return rays_at_height(tracing_->rays[cell],
-                        source_.heights.offset[layer],
+                        source_.grid.layers.offset[layer],
                         source_.room->device,
                         access_point().array);
 }
@@ -190,10 +187,10 @@ std::vector<Ray> AccessPointMap::rays_in(std::size_t cell, std::size_t layer) co
 double AccessPointMap::log_likelihood_in(std::size_t cell,
                                          std::size_t layer,
                                          const ObservedBurst& observed) const {
-  const auto box = boxes_->get(cell * source_.heights.size() + layer, [&] {
+  const auto box = boxes_->get(cell * source_.grid.layers.size() + layer, [&] {
     const std::vector<Ray> rays = rays_in(cell, layer);
     const Likelihood::WeightedPlace whole{
-        {rays, offsets_, cell_size(), 0.0, source_.heights.thickness}, 1.0};
+        {rays, offsets_, cell_size(), 0.0, source_.grid.layers.thickness}, 1.0};
     return likelihood_->column({&whole, 1}, access_point().error);
   });
   return likelihood_->log_likelihood(*box, observed);
@@ -248,14 +245,14 @@ std::unique_ptr<const BoxEvaluator> AccessPointMap::evaluator_at(
     std::size_t cell, std::size_t layer, const ObservedBurst& observed) const {
   auto evaluator = std::make_unique<BoxEvaluator>();
   const ModelError& error = access_point().error;
-  if (source_.heights.is_known()) {
+  if (source_.grid.layers.is_known()) {
     evaluator->nearby_ = likelihood_->nearby(
         {tracing_->rays[cell], offsets_, cell_size()}, cells_[cell], error, observed);
   } else {
     evaluator->rays_ = rays_in(cell, layer);
     const Likelihood::Place place{
-        evaluator->rays_, offsets_, cell_size(), 0.0, source_.heights.thickness};
-    evaluator->box_ = close_boxes_->get(cell * source_.heights.size() + layer,
+        evaluator->rays_, offsets_, cell_size(), 0.0, source_.grid.layers.thickness};
+    evaluator->box_ = close_boxes_->get(cell * source_.grid.layers.size() + layer,
                                         [&] { return likelihood_->close(place, error); });
     evaluator->nearby_ = likelihood_->nearby(place, *evaluator->box_, error, observed);
   }
@@ -279,12 +276,13 @@ ObservationModel::Place AccessPointMap::field_place(std::span<const Ray> rays) c
 
 std::shared_ptr<const FieldCovariance> AccessPointMap::field_covariance(std::size_t cell,
                                                                         std::size_t layer) const {
-  const std::size_t count = source_.heights.size();
+  const std::size_t count = source_.grid.layers.size();
   const std::size_t bands = band_of(count - 1) + 1;
   return covariances_->get(cell * bands + band_of(layer), [&] {
     const std::size_t first = band_of(layer) * kLayersOfBand;
     const std::size_t last = std::min(first + kLayersOfBand, count) - 1;
-    const double middle = 0.5 * (source_.heights.offset[first] + source_.heights.offset[last]);
+    const double middle =
+        0.5 * (source_.grid.layers.offset[first] + source_.grid.layers.offset[last]);
     const std::vector<Ray> rays = rays_at(cell, middle);
     return rayloc::field_covariance(model_, field_place(rays), access_point().error);
   });
@@ -293,7 +291,7 @@ std::shared_ptr<const FieldCovariance> AccessPointMap::field_covariance(std::siz
 std::shared_ptr<const RayField> AccessPointMap::field(std::size_t cell,
                                                       std::size_t layer,
                                                       const FieldCovariance& covariance) const {
-  return fields_->get(cell * source_.heights.size() + layer, [&] {
+  return fields_->get(cell * source_.grid.layers.size() + layer, [&] {
     const std::vector<Ray> rays = rays_in(cell, layer);
     return ray_field(model_, covariance, field_place(rays), access_point().error, field_lattice_);
   });

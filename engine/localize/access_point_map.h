@@ -15,14 +15,15 @@
 
 #include "engine/base/kept.h"
 #include "engine/base/vec3.h"
+#include "engine/grid/grid.h"
+#include "engine/grid/height_layers.h"
+#include "engine/grid/lattice.h"
 #include "engine/likelihood/level.h"
 #include "engine/likelihood/likelihood.h"
 #include "engine/likelihood/nearby_likelihood.h"
 #include "engine/likelihood/observation_model.h"
 #include "engine/likelihood/ray_field.h"
 #include "engine/localize/path_grid.h"
-#include "engine/posterior/posterior.h"
-#include "engine/room/height_layers.h"
 #include "engine/room/room_model.h"
 
 namespace rayloc {
@@ -51,20 +52,16 @@ class BoxEvaluator {
 };
 
 // Places of a box, a multiple of eight in y, and the probabilities of their heights in a layer.
-FieldLattice places_of_box(const RoomGrid& grid, const HeightLayers& heights, double wavelength);
-std::vector<HeightSlice> slices_of_box(const RoomGrid& grid,
-                                       const HeightLayers& heights,
-                                       std::size_t layer,
-                                       double wavelength);
+FieldLattice places_of_box(const Grid& grid, double wavelength);
+std::vector<HeightSlice> slices_of_box(const Grid& grid, std::size_t layer, double wavelength);
 
 class AccessPointMap {
  public:
   struct Source {
     std::shared_ptr<const RoomModel> room;
     std::size_t access_point;  // index in RoomModel::access_points
-    RoomGrid grid;
+    Grid grid;
     LikelihoodKind likelihood = LikelihoodKind::kPartial;
-    HeightLayers heights = {{0.0}, {1.0}, 0.0};
   };
   // Traces the grid, or loads the rays from `store` (null: no store). Takes seconds.
   AccessPointMap(const Source& source, PathGridStore* store);

@@ -9,6 +9,9 @@
 #include "engine/base/check.h"
 #include "engine/base/highest.h"
 #include "engine/base/parallel.h"
+#include "engine/grid/cell_mass.h"
+#include "engine/grid/height_layers.h"
+#include "engine/grid/lattice.h"
 #include "engine/posterior/cell_places.h"
 
 namespace rayloc {
@@ -111,7 +114,7 @@ class Searcher {
 
 // Scores of the cells that may be refined.
 std::vector<double> scores(const LocalRefinement& search, const RoomMap& map, double exponent) {
-  const auto close = static_cast<std::ptrdiff_t>(search.compared.close);
+  const auto close = static_cast<std::ptrdiff_t>(search.compared.ones(search.grid));
   std::vector<double> score(map.log_likelihood.begin(), map.log_likelihood.begin() + close);
   for (double& one : score) {
     one *= exponent;
@@ -174,7 +177,7 @@ class BoxSearch {
       : search_(search),
         searcher_(search),
         lattice_(places_of_cell(search.grid, search.wavelength)) {
-    const HeightLayers& heights = search.heights;
+    const HeightLayers& heights = search.grid.layers;
     weight_ = search.focus.layer_weight.empty() ? heights.weight : search.focus.layer_weight;
     for (std::size_t layer = 0; layer < heights.size(); ++layer) {
       slices_.push_back(slices_of(heights,
@@ -230,8 +233,8 @@ class BoxSearch {
     box.log_mass = std::log(weight_[layer]) +
                    search_.likelihood_exponent * search_.fusion.log_likelihood(of_each);
     box.mass.all = uniform_moments(search_.grid);
-    box.mass.all.z = search_.heights.offset[layer];
-    box.mass.all.zz = search_.heights.thickness * search_.heights.thickness / 12.0;
+    box.mass.all.z = search_.grid.layers.offset[layer];
+    box.mass.all.zz = search_.grid.layers.thickness * search_.grid.layers.thickness / 12.0;
     box.mass.best = box.mass.all;
     return box;
   }
@@ -246,7 +249,7 @@ class BoxSearch {
     const double step = slices.size() > 1 ? (slices.back().offset - slices.front().offset) /
                                                 static_cast<double>(slices.size() - 1)
                                           : 0.0;
-    const double lowest = slices.front().offset - search_.heights.offset[box.layer];
+    const double lowest = slices.front().offset - search_.grid.layers.offset[box.layer];
     const Places places =
         searcher_.on(box.cell, evaluators, lattice_, {lowest, step, slices.size()});
     const std::vector<double> fused = searcher_.fused(places);
@@ -315,24 +318,16 @@ class BoxSearch {
 
 }  // namespace
 
-ComparedCells compared_cells(const RoomGrid& grid, const SearchFocus& focus) {
-  ComparedCells compared;
+CellSet compared_cells(const Grid& grid, const SearchFocus& focus) {
   if (focus.cells.empty()) {
-    compared.close = grid.size();
-    return compared;
+    return {};
   }
   RAYLOC_CHECK(!focus.others.empty() && focus.cells.size() < grid.size());
-  compared.cells = focus.cells;
-  compared.cells.insert(compared.cells.end(), focus.others.begin(), focus.others.end());
-  compared.close = focus.cells.size();
-  compared.weights = {focus.cells.size(),
-                      static_cast<double>(grid.size() - focus.cells.size()) /
-                          static_cast<double>(focus.others.size())};
-  return compared;
+  return CellSet::with_sample(focus.cells, focus.others, grid.size());
 }
 
 void refine_locally(const LocalRefinement& search, RoomMap& map) {
-  if (search.heights.is_known()) {
+  if (search.grid.layers.is_known()) {
     search_cells(search, map);
   } else {
     BoxSearch(search).run(map);

@@ -9,11 +9,11 @@
 #include <span>
 #include <vector>
 
+#include "engine/grid/cell_set.h"
+#include "engine/grid/grid.h"
 #include "engine/localize/array_observation.h"
 #include "engine/posterior/access_point_fusion.h"
-#include "engine/posterior/posterior.h"
 #include "engine/posterior/room_map.h"
-#include "engine/room/height_layers.h"
 
 namespace rayloc {
 
@@ -30,29 +30,18 @@ struct SearchFocus {
   std::vector<std::size_t> others;
 };
 
-// The cells that a burst is compared with, by their numbers in a map.
-struct ComparedCells {
-  std::vector<std::size_t> cells;  // empty: all cells of the room, in their order
-  std::size_t close = 0;           // number of leading entries that may be refined
-  CellWeights weights;
-
-  std::size_t cell(std::size_t n) const { return cells.empty() ? n : cells[n]; }
-  std::size_t size(const RoomGrid& grid) const {
-    return cells.empty() ? grid.size() : cells.size();
-  }
-};
-ComparedCells compared_cells(const RoomGrid& grid, const SearchFocus& focus);
+// The cells that a burst is compared with; those of the focus may be refined.
+CellSet compared_cells(const Grid& grid, const SearchFocus& focus);
 
 struct LocalRefinement {
-  const RoomGrid& grid;
-  const HeightLayers& heights;
+  const Grid& grid;
   double wavelength;  // [m]
   std::span<const ArrayObservation> received;
   std::span<const double> null_model;  // [array], log-likelihood of the null model
   const AccessPointFusion& fusion;
   double likelihood_exponent;
   const SearchFocus& focus;
-  const ComparedCells& compared;  // the cells of the map
+  const CellSet& compared;  // the cells of the map
 };
 
 // Replaces the log-likelihood of refined cells by that of the mean over their places.

@@ -11,6 +11,7 @@
 #include "engine/base/check.h"
 #include "engine/base/constants.h"
 #include "engine/base/parallel.h"
+#include "engine/grid/height_layers.h"
 #include "engine/likelihood/level.h"
 #include "engine/likelihood/likelihood.h"
 #include "engine/localize/access_point_map.h"
@@ -55,9 +56,8 @@ class Localizer::Impl {
     if (compares_antennas(options_.likelihood)) {  // at the assumed height
       area_.grid.height_sigma = 0.0;
     }
-    DeviceModel device = room_->device;
-    device.height_sigma = grid_.height_sigma;
-    heights_ = height_layers(device, room_->bounds_min.z, room_->bounds_max.z);
+    area_.grid.layers = height_layers(
+        {room_->device.height, grid_.height_sigma}, room_->bounds_min.z, room_->bounds_max.z);
   }
 
   void build() {
@@ -73,8 +73,7 @@ class Localizer::Impl {
       }
       index_.push_back(i);
       aps_.push_back(std::make_unique<const AccessPointMap>(
-          AccessPointMap::Source{room_, i, grid_, options_.likelihood, heights_},
-          options_.path_grids.get()));
+          AccessPointMap::Source{room_, i, grid_, options_.likelihood}, options_.path_grids.get()));
     }
   }
 
@@ -85,8 +84,7 @@ class Localizer::Impl {
                           double fault) const;
   const RoomModel& room() const { return *room_; }
   const SearchArea& area() const { return area_; }
-  const RoomGrid& grid() const { return grid_; }
-  const HeightLayers& heights() const { return heights_; }
+  const Grid& grid() const { return grid_; }
   const LocalizerOptions& options() const { return options_; }
 
  private:
@@ -100,22 +98,20 @@ class Localizer::Impl {
   AccessPointMaps maps_of(const std::vector<ArrayObservation>& received,
                           double likelihood_exponent,
                           double far_below,
-                          const ComparedCells& compared) const;
-  Evidence finished(RoomMap map,
-                    const AccessPointFusion& fusion,
-                    const ComparedCells& compared) const;
+                          const CellSet& compared) const;
+  Evidence finished(RoomMap map, const AccessPointFusion& fusion, const CellSet& compared) const;
   Evidence tracked_evidence(TrackedSearch& search,
                             std::vector<ArrayObservation> received,
                             const SearchFocus& focus) const;
   TrackedSearch::Room search_room() const {
-    return {grid_, heights_, kSpeedOfLight / room_->grid.centre_hz, room_->likelihood_exponent};
+    return {grid_, kSpeedOfLight / room_->grid.centre_hz, room_->likelihood_exponent};
   }
   LocalRefinement local_refinement(const std::vector<ArrayObservation>& received,
                                    const AccessPointMaps& maps,
                                    const AccessPointFusion& fusion,
                                    double likelihood_exponent,
                                    const SearchFocus& focus,
-                                   const ComparedCells& compared) const;
+                                   const CellSet& compared) const;
   void keep_explained(std::vector<ArrayObservation>& received,
                       AccessPointMaps& maps,
                       LocationEstimate& estimate) const;
@@ -125,8 +121,7 @@ class Localizer::Impl {
   std::shared_ptr<const RoomModel> room_;
   LocalizerOptions options_;
   SearchArea area_;
-  const RoomGrid& grid_ = area_.grid;
-  HeightLayers heights_;
+  const Grid& grid_ = area_.grid;
   std::vector<std::unique_ptr<const AccessPointMap>> aps_;
   std::vector<std::size_t> index_;  // [access point], index in RoomModel::access_points
   std::vector<std::string> warnings_;
@@ -182,7 +177,7 @@ std::vector<ArrayObservation> Localizer::Impl::arrays_of(std::span<const CsiFram
 AccessPointMaps Localizer::Impl::maps_of(const std::vector<ArrayObservation>& received,
                                          double likelihood_exponent,
                                          double far_below,
-                                         const ComparedCells& compared) const {
+                                         const CellSet& compared) const {
   const std::size_t count = compared.size(grid_);
   AccessPointMaps maps;
   for (const ArrayObservation& one : received) {
@@ -238,9 +233,8 @@ LocalRefinement Localizer::Impl::local_refinement(const std::vector<ArrayObserva
                                                   const AccessPointFusion& fusion,
                                                   double likelihood_exponent,
                                                   const SearchFocus& focus,
-                                                  const ComparedCells& compared) const {
+                                                  const CellSet& compared) const {
   return {grid_,
-          heights_,
           kSpeedOfLight / room_->grid.centre_hz,
           received,
           maps.null_model,
@@ -305,7 +299,7 @@ LocationEstimate Localizer::Impl::locate(std::span<const CsiFrame> frames,
     return std::move(estimate);
   }
   const SearchFocus anywhere;
-  const ComparedCells compared = compared_cells(grid_, anywhere);
+  const CellSet compared = compared_cells(grid_, anywhere);
   AccessPointMaps maps = maps_of(observation.arrays, likelihood_exponent, kFarBelow, compared);
   keep_explained(observation.arrays, maps, estimate);
   if (observation.arrays.empty()) {
@@ -361,7 +355,7 @@ Localizer::Evidence Localizer::Impl::evidence(const RoomObservation& observation
     }
   }
   const double likelihood_exponent = room_->likelihood_exponent;
-  const ComparedCells compared = compared_cells(grid_, focus);
+  const CellSet compared = compared_cells(grid_, focus);
   AccessPointMaps maps = maps_of(received, likelihood_exponent, 0.0, compared);
   LocationEstimate unused;
   keep_explained(received, maps, unused);
@@ -372,7 +366,7 @@ Localizer::Evidence Localizer::Impl::evidence(const RoomObservation& observation
   const AccessPointFusion fusion(maps.cell, likelihood_exponent, faulty, compared.weights);
   RoomMap map = fuse(maps.cell, fusion);
   const bool is_quick =  // a single height has few places
-      focus.is_quick && focus.cells.empty() && !heights_.is_known() &&
+      focus.is_quick && focus.cells.empty() && !grid_.layers.is_known() &&
       received.front().map->has_fields();
   if (scan == Scan::kPlaces && is_quick) {
     search_best_boxes(search_room(), received, maps.null_model, fusion, focus, map);
@@ -391,10 +385,8 @@ Localizer::Evidence Localizer::Impl::tracked_evidence(TrackedSearch& search,
   SearchFocus searched;
   searched.cells = search.cells();
   searched.others = focus.others;
-  const ComparedCells compared = compared_cells(grid_, searched);
-  ComparedCells others;
-  others.cells = focus.others;
-  AccessPointMaps maps = maps_of(received, exponent, 0.0, others);
+  const CellSet compared = compared_cells(grid_, searched);
+  AccessPointMaps maps = maps_of(received, exponent, 0.0, CellSet{focus.others, {}});
   const auto close = search.scan(maps.null_model);
   for (std::size_t i = 0; i < received.size(); ++i) {
     maps.cell[i].insert(maps.cell[i].begin(), close[i].begin(), close[i].end());
@@ -423,17 +415,15 @@ Localizer::Evidence Localizer::Impl::tracked_evidence(TrackedSearch& search,
 // Adds the probability of a device outside the area or an uninformative burst.
 Localizer::Evidence Localizer::Impl::finished(RoomMap map,
                                               const AccessPointFusion& fusion,
-                                              const ComparedCells& compared) const {
+                                              const CellSet& compared) const {
   const double exponent = room_->likelihood_exponent;
   Evidence result;
   result.within = std::move(map.within);
   result.log_likelihood = std::move(map.log_likelihood);
   const double contradicted = fusion.outlier(
       log_mean_exp(result.log_likelihood, exponent, compared.weights), options_.faults.outlier);
-  const double outside =
-      take_outside(area_, exponent, result.log_likelihood, compared.cells, compared.weights);
-  result.cells = compared.cells;
-  result.weights = compared.weights;
+  const double outside = take_outside(area_, exponent, result.log_likelihood, compared);
+  result.evaluated = compared;
   result.outlier = 1.0 - (1.0 - contradicted) * (1.0 - outside);
   return result;
 }
@@ -473,8 +463,7 @@ Localizer::Evidence Localizer::evidence(const RoomObservation& observation,
 }
 
 const SearchArea& Localizer::area() const { return impl_->area(); }
-const RoomGrid& Localizer::grid() const { return impl_->grid(); }
-const HeightLayers& Localizer::heights() const { return impl_->heights(); }
+const Grid& Localizer::grid() const { return impl_->grid(); }
 const RoomModel& Localizer::room() const { return impl_->room(); }
 const LocalizerOptions& Localizer::options() const { return impl_->options(); }
 

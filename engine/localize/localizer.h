@@ -18,6 +18,9 @@
 
 #include "engine/base/expected.h"
 #include "engine/channel/csi_frame.h"
+#include "engine/grid/cell_mass.h"
+#include "engine/grid/cell_set.h"
+#include "engine/grid/grid.h"
 #include "engine/likelihood/likelihood.h"
 #include "engine/localize/access_point_map.h"
 #include "engine/localize/array_observation.h"
@@ -26,7 +29,6 @@
 #include "engine/localize/search_area.h"
 #include "engine/observe/burst.h"
 #include "engine/posterior/access_point_fusion.h"
-#include "engine/posterior/posterior.h"
 #include "engine/room/location_estimate.h"
 #include "engine/room/room_model.h"
 
@@ -76,11 +78,9 @@ class Localizer {
     // RoomModel::likelihood_exponent, which does not apply to it); empty if no place explains the
     // burst.
     std::vector<double> log_likelihood;
-    // Cells of log_likelihood, if the focus restricts the search; empty: all of grid().
-    std::vector<std::size_t> cells;
-    CellWeights weights;
+    CellSet evaluated;     // of grid(), in the order of log_likelihood
     double outlier = 0.0;  // probability that the burst is uninformative
-    KnownCells within;     // distribution inside the best cells; empty with kCells
+    RefinedCells within;   // distribution inside the best cells; empty with kCells
   };
   // `focus`: prior on the position. It selects the cells to evaluate, the cells to refine and the
   // heights, and is not part of the evidence.
@@ -88,8 +88,7 @@ class Localizer {
                     Scan scan = Scan::kCells,
                     const SearchFocus& focus = {}) const;
   const SearchArea& area() const;
-  const RoomGrid& grid() const;  // of the calibrated area
-  const HeightLayers& heights() const;
+  const Grid& grid() const;  // of the calibrated area, with layers of heights
 
   const RoomModel& room() const;
   const LocalizerOptions& options() const;

@@ -73,7 +73,7 @@ bool is_plausible(const PathGrid& grid, const PathGridSource& source) {
 
 std::string path_grid_key(const RoomModel& room,
                           const RoomAccessPoint& access_point,
-                          const RoomGrid& grid,
+                          const Grid& grid,
                           std::size_t most_rays) {
   ContentHash hash;
   hash.add(kVersion);

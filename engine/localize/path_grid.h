@@ -16,7 +16,7 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/posterior/posterior.h"
+#include "engine/grid/grid.h"
 #include "engine/room/ray.h"
 #include "engine/room/room_model.h"
 
@@ -38,7 +38,7 @@ class PathGridStore {
 // A hash, as text, of all inputs of the rays of an access point of the room.
 std::string path_grid_key(const RoomModel& room,
                           const RoomAccessPoint& access_point,
-                          const RoomGrid& grid,
+                          const Grid& grid,
                           std::size_t most_rays);
 
 struct PathGridSource {

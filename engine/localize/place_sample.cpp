@@ -7,6 +7,8 @@
 
 #include "engine/base/constants.h"
 #include "engine/base/parallel.h"
+#include "engine/grid/height_layers.h"
+#include "engine/grid/lattice.h"
 #include "engine/posterior/cell_places.h"
 
 namespace rayloc {
@@ -47,7 +49,7 @@ std::vector<SampleBox> drawn_boxes(const Localizer& localizer,
   std::vector<double> log_mass;
   for (const auto& [cell, mass] : evidence.within) {
     const double whole = localizer.room().likelihood_exponent * evidence.log_likelihood[cell];
-    for (std::size_t layer = 0; layer < localizer.heights().size(); ++layer) {
+    for (std::size_t layer = 0; layer < localizer.grid().layers.size(); ++layer) {
       const double share = mass.layers.empty() ? 1.0 : static_cast<double>(mass.layers[layer]);
       if (share > 0.0) {
         boxes.push_back({cell, layer, 0});
@@ -78,7 +80,7 @@ std::vector<SampledPlace> places_in(const SampleBox& box,
       return {};
     }
   }
-  const HeightLayers& heights = localizer.heights();
+  const HeightLayers& heights = localizer.grid().layers;
   const double wavelength = kSpeedOfLight / localizer.room().grid.centre_hz;
   const Lattice lattice = places_of_cell(localizer.grid(), wavelength);
   std::vector<Vec3d> places;

@@ -11,7 +11,7 @@ namespace rayloc {
 
 struct SampledPlace {
   std::size_t cell = 0;
-  std::size_t layer = 0;  // index in Localizer::heights()
+  std::size_t layer = 0;  // index in Grid::layers
   Vec3d moved;            // [m], from the centre of both
   double share = 0.0;     // share of the mass that it represents; all shares add to 1
 };

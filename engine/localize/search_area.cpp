@@ -30,8 +30,8 @@ SearchArea search_area(const RoomModel& room) {
       std::max(kFinestStep, std::sqrt((high.x - low.x) * (high.y - low.y) / kCells));
   SearchArea area{{low, high, room.device.height, step}, {}};
   area.grid.height_sigma = room.device.height_sigma;
-  RoomGrid& grid = area.grid;
-  const RoomGrid inner = grid;
+  Grid& grid = area.grid;
+  const Grid inner = grid;
   const Vec3d& reach_low = room.scene->bounds_min();
   const Vec3d& reach_high = room.scene->bounds_max();
   const std::size_t west = cells_beside(low.x - reach_low.x, grid.step_x);
@@ -58,8 +58,7 @@ SearchArea search_area(const RoomModel& room) {
 double take_outside(const SearchArea& area,
                     double likelihood_exponent,
                     std::vector<double>& log_likelihood,
-                    std::span<const std::size_t> cells,
-                    const CellWeights& weights) {
+                    const CellSet& cells) {
   if (area.inside.empty()) {
     return 0.0;
   }
@@ -67,9 +66,10 @@ double take_outside(const SearchArea& area,
   double all = 0.0;
   double outside = 0.0;
   for (std::size_t i = 0; i < log_likelihood.size(); ++i) {
-    const double mass = weights.of(i) * std::exp(likelihood_exponent * (log_likelihood[i] - top));
+    const double mass =
+        cells.weights.of(i) * std::exp(likelihood_exponent * (log_likelihood[i] - top));
     all += mass;
-    if (area.inside[cells.empty() ? i : cells[i]] == 0) {
+    if (area.inside[cells.cell(i)] == 0) {
       outside += mass;
       log_likelihood[i] = AccessPointFusion::kNothing;
     }

@@ -6,12 +6,10 @@
 // and the mass that they explain is the probability that the device is outside the area.
 #pragma once
 
-#include <cstddef>
-#include <span>
 #include <vector>
 
-#include "engine/posterior/access_point_fusion.h"
-#include "engine/posterior/posterior.h"
+#include "engine/grid/cell_set.h"
+#include "engine/grid/grid.h"
 #include "engine/room/room_model.h"
 
 namespace rayloc {
@@ -23,7 +21,7 @@ struct SearchArea {
   static constexpr const char* kBeside =
       "the device is beside the area: the scene explains it better there";
 
-  RoomGrid grid;
+  Grid grid;
   std::vector<char> inside;  // [cell], 1 in the calibrated area; empty: all are
 };
 
@@ -32,11 +30,10 @@ struct SearchArea {
 SearchArea search_area(const RoomModel& room);
 
 // The probability of the cells outside the area, from a map of log-likelihoods; their cells are set
-// to AccessPointFusion::kNothing. cells: the cells of the map; empty: all.
+// to AccessPointFusion::kNothing. cells: the cells of the map.
 double take_outside(const SearchArea& area,
                     double likelihood_exponent,
                     std::vector<double>& log_likelihood,
-                    std::span<const std::size_t> cells = {},
-                    const CellWeights& weights = {});
+                    const CellSet& cells = {});
 
 }  // namespace rayloc

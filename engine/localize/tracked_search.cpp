@@ -39,11 +39,11 @@ TrackedSearch::TrackedSearch(const Room& room,
                              const SearchFocus& focus)
     : room_(room),
       received_(std::move(received)),
-      layer_weight_(focus.layer_weight.empty() ? room.heights.weight : focus.layer_weight),
-      lattice_(places_of_box(room.grid, room.heights, room.wavelength)) {
+      layer_weight_(focus.layer_weight.empty() ? room.grid.layers.weight : focus.layer_weight),
+      lattice_(places_of_box(room.grid, room.wavelength)) {
   RAYLOC_CHECK(!received_.empty() && !focus.cells.empty());
   for (std::size_t layer = 0; layer < layer_weight_.size(); ++layer) {
-    slices_.push_back(slices_of_box(room.grid, room.heights, layer, room.wavelength));
+    slices_.push_back(slices_of_box(room.grid, layer, room.wavelength));
   }
   choose_boxes(focus);
   choose_rows();
@@ -228,9 +228,9 @@ TrackedSearch::Mass TrackedSearch::uniform(const Box& box, double sum) const {
   Mass mass;
   mass.sum = sum;
   mass.where.all = uniform_moments(room_.grid);
-  if (!room_.heights.is_known()) {
-    mass.where.all.z = room_.heights.offset[box.layer];
-    mass.where.all.zz = room_.heights.thickness * room_.heights.thickness / 12.0;
+  if (!room_.grid.layers.is_known()) {
+    mass.where.all.z = room_.grid.layers.offset[box.layer];
+    mass.where.all.zz = room_.grid.layers.thickness * room_.grid.layers.thickness / 12.0;
   }
   mass.where.best = mass.where.all;
   return mass;
@@ -349,7 +349,7 @@ void TrackedSearch::put_cell(std::size_t first,
   cell.all = mixture_of(parts);
   cell.best = masses[best].where.best;
   cell.best_share = std::clamp(peak(best) / mean, 0.0, 1.0);
-  if (room_.heights.is_known()) {
+  if (room_.grid.layers.is_known()) {
     cell.layers.clear();
   }
   const std::size_t number = boxes_[first].number;

@@ -9,13 +9,14 @@
 #include <span>
 #include <vector>
 
+#include "engine/grid/cell_mass.h"
+#include "engine/grid/grid.h"
+#include "engine/grid/height_layers.h"
 #include "engine/likelihood/ray_field.h"
 #include "engine/localize/array_observation.h"
 #include "engine/localize/local_refinement.h"
 #include "engine/posterior/access_point_fusion.h"
-#include "engine/posterior/posterior.h"
 #include "engine/posterior/room_map.h"
-#include "engine/room/height_layers.h"
 
 namespace rayloc {
 
@@ -23,8 +24,7 @@ class TrackedSearch {
  public:
   // The arguments must outlive it. REQUIRES: every map has_fields(); focus.cells is not empty.
   struct Room {
-    const RoomGrid& grid;
-    const HeightLayers& heights;
+    const Grid& grid;
     double wavelength;  // [m]
     double likelihood_exponent;
   };

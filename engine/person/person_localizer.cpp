@@ -10,8 +10,11 @@
 
 #include "engine/base/check.h"
 #include "engine/base/parallel.h"
+#include "engine/grid/grid.h"
+#include "engine/grid/lattice.h"
 #include "engine/posterior/access_point_fusion.h"
 #include "engine/posterior/cell_places.h"
+#include "engine/posterior/posterior.h"
 #include "engine/room/preprocess_burst.h"
 
 namespace rayloc {
@@ -95,8 +98,7 @@ class PersonLocalizer::Impl {
 
  private:
   std::vector<std::size_t> clear_cells(const PersonContext& context) const;
-  std::vector<std::size_t> evaluated_cells(const PersonContext& context) const;
-  CellWeights weights_of(const PersonContext& context) const;
+  CellSet evaluated_cells(const PersonContext& context) const;
   ArrayMap whole_map(const PersonObservation::Array& array,
                      std::span<const std::size_t> cells,
                      std::span<const PersonSample> others) const;
@@ -156,7 +158,7 @@ PersonObservation PersonLocalizer::Impl::receive(std::span<const CsiFrame> frame
 
 // Cells that a person can occupy, clear of the others.
 std::vector<std::size_t> PersonLocalizer::Impl::clear_cells(const PersonContext& context) const {
-  const RoomGrid& grid = squares_.walkable.grid;
+  const Grid& grid = squares_.walkable.grid;
   const TargetBody& body = reference_.person.body;
   const double apart = 2.0 * std::max(body.semi_axes[0], body.semi_axes[1]);
   std::vector<std::size_t> cells;
@@ -175,24 +177,12 @@ std::vector<std::size_t> PersonLocalizer::Impl::clear_cells(const PersonContext&
   return cells;
 }
 
-std::vector<std::size_t> PersonLocalizer::Impl::evaluated_cells(
-    const PersonContext& context) const {
+CellSet PersonLocalizer::Impl::evaluated_cells(const PersonContext& context) const {
   if (context.cells.empty()) {
-    return clear_cells(context);
-  }
-  std::vector<std::size_t> cells(context.cells.begin(), context.cells.end());
-  cells.insert(cells.end(), context.sample.begin(), context.sample.end());
-  return cells;
-}
-
-// Number of cells that each of evaluated_cells() represents.
-CellWeights PersonLocalizer::Impl::weights_of(const PersonContext& context) const {
-  if (context.cells.empty() || context.sample.empty()) {
     return {};
   }
   const auto free = std::count(squares_.walkable.free.begin(), squares_.walkable.free.end(), 1);
-  const auto others = static_cast<double>(free) - static_cast<double>(context.cells.size());
-  return {context.cells.size(), others / static_cast<double>(context.sample.size())};
+  return CellSet::with_sample(context.cells, context.sample, static_cast<std::size_t>(free));
 }
 
 ArrayMap PersonLocalizer::Impl::whole_map(const PersonObservation::Array& array,
@@ -321,7 +311,9 @@ PersonMap PersonLocalizer::Impl::map(const PersonObservation& observation,
   PersonMap map;
   std::vector<double>& total = map.log_likelihood;
   total.assign(squares_.walkable.grid.size(), kNoMass);
-  std::vector<std::size_t> cells = evaluated_cells(context);
+  map.evaluated = evaluated_cells(context);
+  const std::vector<std::size_t> cells =
+      map.evaluated.is_all() ? clear_cells(context) : map.evaluated.cells;
   if (cells.empty()) {  // the others occupy all cells
     map.is_explained = false;
     map.presence = kNoMass;
@@ -357,11 +349,7 @@ PersonMap PersonLocalizer::Impl::map(const PersonObservation& observation,
     total[cell] *= exponent;
     walkable.push_back(total[cell]);
   }
-  map.weights = weights_of(context);
-  map.presence = log_mean_exp(walkable, 1.0, map.weights);
-  if (!context.cells.empty()) {
-    map.cells = std::move(cells);
-  }
+  map.presence = log_mean_exp(walkable, 1.0, map.evaluated.weights);
   return map;
 }
 

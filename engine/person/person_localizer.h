@@ -18,14 +18,14 @@
 
 #include "engine/base/expected.h"
 #include "engine/channel/csi_frame.h"
+#include "engine/grid/cell_mass.h"
+#include "engine/grid/cell_set.h"
 #include "engine/observe/burst.h"
 #include "engine/person/person_likelihood.h"
 #include "engine/person/person_reference.h"
 #include "engine/person/person_scattering.h"
 #include "engine/person/person_squares.h"
 #include "engine/person/walkable_area.h"
-#include "engine/posterior/access_point_fusion.h"
-#include "engine/posterior/posterior.h"
 #include "engine/room/location_estimate.h"
 #include "engine/room/room_model.h"
 
@@ -67,11 +67,9 @@ struct PersonMap {
   // For every cell, tempered, relative to the null model (no person there); far below 0 in cells
   // that no person can occupy and in cells that were not evaluated.
   std::vector<double> log_likelihood;
-  // The evaluated cells if PersonContext::cells is given, followed by its sample; empty: all.
-  // `weights`: number of cells that each one represents.
-  std::vector<std::size_t> cells;
-  CellWeights weights;
-  KnownCells within;      // position within the best cells
+  // PersonContext::cells, if they are given, followed by its sample; all cells otherwise.
+  CellSet evaluated;
+  RefinedCells within;    // position within the best cells
   double presence = 0.0;  // log of the mean over the places that a person can occupy
   std::vector<std::string> warnings;
   bool is_explained = true;  // by a person at one of the places

@@ -7,6 +7,7 @@
 
 #include "engine/base/constants.h"
 #include "engine/base/parallel.h"
+#include "engine/grid/grid.h"
 
 namespace rayloc {
 namespace {
@@ -62,7 +63,7 @@ Expected<PersonLinkMap> SquaresBuilder::make_link_map(const PersonLink& link, in
 // The rays are traced once, in the middle of a block of squares.
 void SquaresBuilder::build_block(std::size_t block_x, std::size_t block_y) {
   WalkableArea& walkable = squares_.walkable;
-  const RoomGrid& grid = walkable.grid;
+  const Grid& grid = walkable.grid;
   std::vector<std::size_t> cells;
   for (std::size_t x = block_x; x < std::min(block_x + kBlock, grid.count_x); ++x) {
     for (std::size_t y = block_y; y < std::min(block_y + kBlock, grid.count_y); ++y) {
@@ -106,7 +107,7 @@ Expected<PersonSquares> SquaresBuilder::build(int depth) {
     }
     squares_.links.push_back(*std::move(map));
   }
-  const RoomGrid& grid = squares_.walkable.grid;
+  const Grid& grid = squares_.walkable.grid;
   const double wavelength = kSpeedOfLight / room_.grid.centre_hz;
   squares_.samples = static_cast<std::size_t>(
       std::ceil(std::max(grid.step_x, grid.step_y) / (kSampleStep * wavelength)));
@@ -121,7 +122,7 @@ Expected<PersonSquares> SquaresBuilder::build(int depth) {
 }  // namespace
 
 Lattice PersonSquares::lattice() const {
-  const RoomGrid& grid = walkable.grid;
+  const Grid& grid = walkable.grid;
   const PatchPlan plan{0.0, 0.0, std::max(grid.step_x, grid.step_y), samples};
   return {samples, samples, plan.step(), plan.step()};
 }

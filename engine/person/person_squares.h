@@ -7,11 +7,11 @@
 
 #include "engine/base/expected.h"
 #include "engine/base/vec3.h"
+#include "engine/grid/lattice.h"
 #include "engine/person/person_likelihood.h"
 #include "engine/person/person_reference.h"
 #include "engine/person/person_scattering.h"
 #include "engine/person/walkable_area.h"
-#include "engine/room/lattice.h"
 #include "engine/room/room_model.h"
 
 namespace rayloc {

@@ -59,7 +59,7 @@ class Obstacles {
   std::vector<const Mesh*> solids_;
 };
 
-RoomGrid make_grid(const RoomModel& room, const std::optional<PersonArea>& area, double step) {
+Grid make_grid(const RoomModel& room, const std::optional<PersonArea>& area, double step) {
   Vec3d low = room.bounds_min;
   Vec3d high = room.bounds_max;
   if (area) {
@@ -82,7 +82,7 @@ WalkableArea make_walkable_area(const RoomModel& room,
                                 const std::optional<PersonArea>& area,
                                 double step) {
   WalkableArea walkable{make_grid(room, area, step), {}};
-  const RoomGrid& grid = walkable.grid;
+  const Grid& grid = walkable.grid;
   walkable.free.assign(grid.size(), 1);
   const Obstacles obstacles(room, body);
   const double reach = kElbowRoom * std::min(body.semi_axes[0], body.semi_axes[1]);

@@ -7,14 +7,14 @@
 #include <optional>
 #include <vector>
 
+#include "engine/grid/grid.h"
 #include "engine/person/person_reference.h"
-#include "engine/posterior/posterior.h"
 #include "engine/room/room_model.h"
 
 namespace rayloc {
 
 struct WalkableArea {
-  RoomGrid grid;                   // on the floor
+  Grid grid;                       // on the floor
   std::vector<std::uint8_t> free;  // 1: a person fits at the middle of the cell
 };
 

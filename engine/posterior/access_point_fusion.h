@@ -22,9 +22,10 @@
 
 #include <array>
 #include <cstddef>
-#include <limits>
 #include <span>
 #include <vector>
+
+#include "engine/grid/cell_set.h"
 
 namespace rayloc {
 
@@ -33,15 +34,6 @@ namespace rayloc {
 struct FaultPrior {
   double access_point = 0.015;  // an access point carries no information on the position
   double outlier = 0.015;       // the device is not in the area
-};
-
-// Number of cells of a room that each value of a map represents: 1 for the first `ones` values,
-// which are evaluated themselves, and `others` for the rest, a sample of the remaining cells.
-struct CellWeights {
-  std::size_t ones = std::numeric_limits<std::size_t>::max();
-  double others = 1.0;
-
-  double of(std::size_t n) const { return n < ones ? 1.0 : others; }
 };
 
 // Possible losses of sharpness of an access point: its log-likelihood is multiplied by

@@ -43,7 +43,7 @@ std::pair<double, CellMoments> moments_of(const Lattice& lattice,
 
 }  // namespace
 
-Lattice places_of_cell(const RoomGrid& grid, double wavelength) {
+Lattice places_of_cell(const Grid& grid, double wavelength) {
   const double most = NearbyLikelihood::kPlaceDistance * wavelength;
   Lattice result;
   result.count_x = static_cast<std::size_t>(std::ceil(grid.step_x / most));

@@ -4,13 +4,14 @@
 #include <span>
 #include <utility>
 
-#include "engine/posterior/posterior.h"
-#include "engine/room/lattice.h"
+#include "engine/grid/cell_mass.h"
+#include "engine/grid/grid.h"
+#include "engine/grid/lattice.h"
 
 namespace rayloc {
 
 // Places that fill a cell, at most NearbyLikelihood::kPlaceDistance of a wavelength [m] apart.
-Lattice places_of_cell(const RoomGrid& grid, double wavelength);
+Lattice places_of_cell(const Grid& grid, double wavelength);
 
 // Logarithm of the mean tempered likelihood, divided by the exponent, and the distribution of mass;
 // the best place includes its neighbours. `log_likelihood`: [place], of the lattice.
@@ -18,7 +19,7 @@ std::pair<double, CellMass> summarise_places(const Lattice& lattice,
                                              std::span<const double> log_likelihood,
                                              double likelihood_exponent);
 
-// The places of a lattice at one height [m] (relative to RoomGrid::first): natural logarithms of
+// The places of a lattice at one height [m] (relative to Grid::first): natural logarithms of
 // their masses.
 struct PlacesAtHeight {
   double height = 0.0;

@@ -1,6 +1,7 @@
 #include "engine/posterior/posterior.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <span>
 #include <utility>
@@ -75,7 +76,7 @@ void smooth_line(const std::vector<double>& in,
 
 // The cell with the most mass around it, among those for which `take` holds.
 template <typename Take>
-std::size_t peak_of(const RoomGrid& grid, const std::vector<double>& mass, const Take& take) {
+std::size_t peak_of(const Grid& grid, const std::vector<double>& mass, const Take& take) {
   std::vector<double> half(mass.size());
   std::vector<double> smooth(mass.size());
   const auto kernel_x = kernel_of(grid.step_x);
@@ -102,7 +103,7 @@ double horizontal_distance(const Vec3d& a, const Vec3d& b) {
 
 // The posterior: masses of the cells of a grid, and their distributions inside the cells.
 struct Masses {
-  const RoomGrid& grid;
+  const Grid& grid;
   std::vector<double> mass;
   std::span<const CellMass> within;  // [cell], distribution inside the cell; empty: uniform
   CellMoments uniform;
@@ -118,7 +119,7 @@ struct Masses {
 };
 
 // Empty if no cell has a known distribution.
-std::vector<CellMass> of_every_cell(const RoomGrid& grid, const KnownCells& known) {
+std::vector<CellMass> of_every_cell(const Grid& grid, const RefinedCells& known) {
   std::vector<CellMass> all;
   if (!known.empty()) {
     const CellMoments uniform = uniform_moments(grid);
@@ -365,30 +366,11 @@ void add_hypotheses(Masses masses, const PosteriorOptions& options, LocationEsti
 
 }  // namespace
 
-RoomGrid::RoomGrid(const Vec3d& bounds_min, const Vec3d& bounds_max, double height, double step) {
-  const double width_x = bounds_max.x - bounds_min.x;
-  const double width_y = bounds_max.y - bounds_min.y;
-  RAYLOC_CHECK(width_x > 0.0 && width_y > 0.0 && step > 0.0);
-  count_x = static_cast<std::size_t>(std::ceil(width_x / step));
-  count_y = static_cast<std::size_t>(std::ceil(width_y / step));
-  step_x = width_x / static_cast<double>(count_x);
-  step_y = width_y / static_cast<double>(count_y);
-  first = {bounds_min.x + 0.5 * step_x, bounds_min.y + 0.5 * step_y, height};
-}
-
-CellMoments uniform_moments(const RoomGrid& grid) {
-  CellMoments m;
-  m.xx = grid.step_x * grid.step_x / 12.0;
-  m.yy = grid.step_y * grid.step_y / 12.0;
-  m.zz = grid.height_sigma * grid.height_sigma;
-  return m;
-}
-
-void summarise_posterior(const RoomGrid& grid,
+void summarise_posterior(const Grid& grid,
                          const std::vector<double>& log_likelihood,
                          const PosteriorOptions& options,
                          LocationEstimate& estimate,
-                         const KnownCells& within) {
+                         const RefinedCells& within) {
   RAYLOC_CHECK(log_likelihood.size() == grid.size());
   const std::vector<CellMass> of_cells = of_every_cell(grid, within);
   const Masses masses{grid,

@@ -4,14 +4,14 @@
 #include <span>
 #include <vector>
 
+#include "engine/grid/cell_mass.h"
 #include "engine/posterior/access_point_fusion.h"
-#include "engine/posterior/posterior.h"
 
 namespace rayloc {
 
 struct RoomMap {
   std::vector<double> log_likelihood;  // [cell]
-  KnownCells within;                   // of the refined cells
+  RefinedCells within;                 // of the refined cells
   std::vector<std::vector<double>>
       fault_probability;  // [access point][cell], probability that it is wrong
 };

@@ -16,7 +16,7 @@ constexpr double kMiddles = 8.0;
 // Masses of discs of cells.
 class DiscMasses {
  public:
-  DiscMasses(const RoomGrid& grid, const std::vector<double>& mass)
+  DiscMasses(const Grid& grid, const std::vector<double>& mass)
       : grid_(grid), below_(grid.count_x * (grid.count_y + 1)) {
     for (std::size_t x = 0; x < grid.count_x; ++x) {
       double* row = below_.data() + x * (grid.count_y + 1);
@@ -63,13 +63,13 @@ class DiscMasses {
     return row[std::min(y + along + 1, grid_.count_y)] - row[y - std::min(y, along)];
   }
 
-  const RoomGrid& grid_;
+  const Grid& grid_;
   std::vector<double> below_;  // [x][y], sum over the cells of a row before y
 };
 
 }  // namespace
 
-Disc smallest_half_mass_disc(const RoomGrid& grid, const std::vector<double>& mass, double least) {
+Disc smallest_half_mass_disc(const Grid& grid, const std::vector<double>& mass, double least) {
   RAYLOC_CHECK(mass.size() == grid.size() && least > 0.0);
   const DiscMasses discs(grid, mass);
   const double most = grid.step_x * static_cast<double>(grid.count_x) +

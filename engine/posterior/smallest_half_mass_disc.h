@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "engine/base/vec3.h"
-#include "engine/posterior/posterior.h"
+#include "engine/grid/grid.h"
 
 namespace rayloc {
 
@@ -25,6 +25,6 @@ struct Disc {
 
 // The first disc with half of the mass, of radii from `least` [m] on, each a fifth larger than the
 // previous one, centred on a cell of the grid. mass: of each cell, sums to 1.
-Disc smallest_half_mass_disc(const RoomGrid& grid, const std::vector<double>& mass, double least);
+Disc smallest_half_mass_disc(const Grid& grid, const std::vector<double>& mass, double least);
 
 }  // namespace rayloc

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/grid/cell_window.h"
+
 namespace rayloc {
 namespace {
 
@@ -18,12 +20,12 @@ std::vector<double> log_masses(std::vector<double> mass) {
 }
 
 void summarise_filter(const GridFilter& filter,
-                      const RoomGrid& grid,
+                      const Grid& grid,
                       PosteriorOptions options,
-                      const KnownCells& within,
+                      const RefinedCells& within,
                       LocationEstimate& location) {
   const CellWindow& window = filter.window();
-  KnownCells in_window;
+  RefinedCells in_window;
   for (const auto& [cell, mass] : within) {
     if (const auto number = window.number(cell, grid)) {
       in_window.emplace_back(*number, mass);

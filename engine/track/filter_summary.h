@@ -3,6 +3,8 @@
 
 #include <vector>
 
+#include "engine/grid/cell_mass.h"
+#include "engine/grid/grid.h"
 #include "engine/posterior/posterior.h"
 #include "engine/room/location_estimate.h"
 #include "engine/track/grid_filter.h"
@@ -16,9 +18,9 @@ std::vector<double> log_masses(std::vector<double> mass);
 // cells_of_room is set here, and the mass outside the filter's window is added to the outlier
 // probability. `within`: distribution of the position inside the best cells of the room.
 void summarise_filter(const GridFilter& filter,
-                      const RoomGrid& grid,
+                      const Grid& grid,
                       PosteriorOptions options,
-                      const KnownCells& within,
+                      const RefinedCells& within,
                       LocationEstimate& location);
 
 }  // namespace rayloc

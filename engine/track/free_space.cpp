@@ -8,9 +8,7 @@
 #include "engine/scene/solid.h"
 
 namespace rayloc {
-FreeSpace make_free_space(const Scene& scene,
-                          const RoomGrid& grid,
-                          const std::vector<Vec3d>& inside) {
+FreeSpace make_free_space(const Scene& scene, const Grid& grid, const std::vector<Vec3d>& inside) {
   FreeSpace space{grid,
                   std::vector<std::uint8_t>(grid.size(), 1),
                   std::vector<std::uint8_t>(grid.size(), 0),

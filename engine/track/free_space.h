@@ -8,14 +8,14 @@
 #include <vector>
 
 #include "engine/base/vec3.h"
-#include "engine/posterior/posterior.h"
+#include "engine/grid/grid.h"
 
 namespace rayloc {
 
 class Scene;
 
 struct FreeSpace {
-  RoomGrid grid;
+  Grid grid;
   std::vector<std::uint8_t> free;    // 1: a device can be in the cell
   std::vector<std::uint8_t> link_x;  // 1: it can move to the next cell in x (grid.count_y further)
   std::vector<std::uint8_t> link_y;  // 1: it can move to the next cell in y (1 further)
@@ -24,8 +24,6 @@ struct FreeSpace {
 // Cells inside a closed object are not free. An object around a position of `inside` (the access
 // points') is the hull of the room, not an obstacle. When no cell would be free, the plan is
 // rejected and every cell is free.
-FreeSpace make_free_space(const Scene& scene,
-                          const RoomGrid& grid,
-                          const std::vector<Vec3d>& inside);
+FreeSpace make_free_space(const Scene& scene, const Grid& grid, const std::vector<Vec3d>& inside);
 
 }  // namespace rayloc

@@ -10,6 +10,7 @@
 #include "engine/base/check.h"
 #include "engine/base/highest.h"
 #include "engine/base/work_done.h"
+#include "engine/grid/grid.h"
 
 namespace rayloc {
 namespace {
@@ -125,7 +126,7 @@ void GridFilter::move_y(double share, std::vector<float>& mass) const {
 }
 
 void GridFilter::carry(Mode& mode, double seconds) const {
-  const RoomGrid& grid = space_->grid;
+  const Grid& grid = space_->grid;
   const double cells_x = mode.velocity_x * seconds / grid.step_x;
   const double cells_y = mode.velocity_y * seconds / grid.step_y;
   const double steps = std::max(1.0, std::ceil(std::max(std::abs(cells_x), std::abs(cells_y))));
@@ -168,24 +169,25 @@ void GridFilter::weigh_change(double change) {
   normalise();
 }
 
-GridFilter::Relative GridFilter::relative(const Sampled& burst,
+GridFilter::Relative GridFilter::relative(std::span<const double> log_likelihood,
+                                          const CellSet& cells,
                                           double exponent,
                                           double outlier) const {
-  const double top = *std::max_element(burst.log_likelihood.begin(), burst.log_likelihood.end());
+  const double top = *std::max_element(log_likelihood.begin(), log_likelihood.end());
   Relative result;
-  result.of.resize(burst.log_likelihood.size());
+  result.of.resize(log_likelihood.size());
   double sum = 0.0;
-  double cells = 0.0;
+  double represented = 0.0;
   for (std::size_t n = 0; n < result.of.size(); ++n) {
-    if (space_->free[burst.cells.empty() ? n : burst.cells[n]] != 0) {
-      const double weight = burst.weights.of(n);
-      result.of[n] = std::exp(exponent * (burst.log_likelihood[n] - top));
+    if (space_->free[cells.cell(n)] != 0) {
+      const double weight = cells.weights.of(n);
+      result.of[n] = std::exp(exponent * (log_likelihood[n] - top));
       sum += weight * result.of[n];
-      cells += weight;
+      represented += weight;
     }
   }
   // Relative to the mean of the free cells, so that numbers stay near 1.
-  result.scale = sum > 0.0 ? (1.0 - outlier) * cells / sum : 0.0;
+  result.scale = sum > 0.0 ? (1.0 - outlier) * represented / sum : 0.0;
   return result;
 }
 
@@ -193,16 +195,19 @@ void GridFilter::update(std::span<const double> log_likelihood,
                         double exponent,
                         double burst_outlier) {
   RAYLOC_CHECK(log_likelihood.size() == space_->grid.size());
-  update(Sampled{log_likelihood, {}, {}}, exponent, burst_outlier);
+  update(log_likelihood, CellSet{}, exponent, burst_outlier);
 }
 
-void GridFilter::update(const Sampled& burst, double exponent, double burst_outlier) {
-  RAYLOC_CHECK(exponent >= 0.0 && !burst.log_likelihood.empty());
+void GridFilter::update(std::span<const double> log_likelihood,
+                        const CellSet& cells,
+                        double exponent,
+                        double burst_outlier) {
+  RAYLOC_CHECK(exponent >= 0.0 && !log_likelihood.empty());
   const double outlier = std::clamp(burst_outlier, motion_.outlier, 1.0);
-  const Relative likelihood = relative(burst, exponent, outlier);
+  const Relative likelihood = relative(log_likelihood, cells, exponent, outlier);
   std::vector<float> values(window_.size(), 1.0F);
   for (std::size_t n = 0; n < likelihood.of.size(); ++n) {
-    const auto at = window_.number(burst.cells.empty() ? n : burst.cells[n], space_->grid);
+    const auto at = window_.number(cells.cell(n), space_->grid);
     if (at) {
       values[*at] = static_cast<float>(likelihood.scale * likelihood.of[n] + outlier);
     }
@@ -218,7 +223,7 @@ void GridFilter::update(const Sampled& burst, double exponent, double burst_outl
 
 // Mass outside the new window is added to away(); cells that enter the window are empty.
 void GridFilter::take(const CellWindow& window) {
-  const RoomGrid& grid = space_->grid;
+  const Grid& grid = space_->grid;
   for (Mode& mode : modes_) {
     std::vector<float> mass(window.size());
     double kept = 0.0;
@@ -236,7 +241,7 @@ void GridFilter::take(const CellWindow& window) {
 }
 
 void GridFilter::narrow(double share, Duration reach) {
-  const RoomGrid& grid = space_->grid;
+  const Grid& grid = space_->grid;
   std::vector<double> by_x(window_.count_x);
   std::vector<double> by_y(window_.count_y);
   double all = 0.0;
@@ -280,7 +285,7 @@ void GridFilter::narrow(double share, Duration reach) {
 }
 
 void GridFilter::widen() {
-  const RoomGrid& grid = space_->grid;
+  const Grid& grid = space_->grid;
   if (window_.is_all_of(grid)) {
     return;
   }

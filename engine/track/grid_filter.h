@@ -18,8 +18,8 @@
 #include <vector>
 
 #include "engine/base/timestamp.h"
-#include "engine/posterior/access_point_fusion.h"
-#include "engine/track/cell_window.h"
+#include "engine/grid/cell_set.h"
+#include "engine/grid/cell_window.h"
 #include "engine/track/free_space.h"
 
 namespace rayloc {
@@ -49,14 +49,12 @@ class GridFilter {
 
   // Updates with the log-likelihood of every cell; `exponent` tempers it.
   void update(std::span<const double> log_likelihood, double exponent, double burst_outlier = 0.0);
-  // Log-likelihoods of some cells that represent the room. Cells that were not compared get the
-  // mean likelihood of the room.
-  struct Sampled {
-    std::span<const double> log_likelihood;
-    std::span<const std::size_t> cells;  // empty: all
-    CellWeights weights;
-  };
-  void update(const Sampled& burst, double exponent, double burst_outlier);
+  // The same for some cells that represent the room. Cells that were not compared get the mean
+  // likelihood of the room.
+  void update(std::span<const double> log_likelihood,
+              const CellSet& cells,
+              double exponent,
+              double burst_outlier);
 
   // Narrows to the smallest window that leaves out at most `share` of the mass, extended by the
   // cells that a walk reaches within `reach`. Call before predict(reach).
@@ -100,7 +98,10 @@ class GridFilter {
   void move_x(double share, std::vector<float>& mass) const;
   void move_y(double share, std::vector<float>& mass) const;
   void take(const CellWindow& window);
-  Relative relative(const Sampled& burst, double exponent, double outlier) const;
+  Relative relative(std::span<const double> log_likelihood,
+                    const CellSet& cells,
+                    double exponent,
+                    double outlier) const;
 
   std::shared_ptr<const FreeSpace> space_;
   MotionModel motion_;

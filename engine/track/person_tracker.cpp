@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "engine/base/parallel.h"
+#include "engine/grid/grid.h"
 #include "engine/scene/scene.h"
 #include "engine/track/filter_summary.h"
 
@@ -19,7 +20,7 @@ constexpr double kWalkHeight = 0.8;
 constexpr double kStillChange = 1e-3;
 
 FreeSpace make_space(const RoomModel& room, const WalkableArea& area, const TargetBody& body) {
-  const RoomGrid& grid = area.grid;
+  const Grid& grid = area.grid;
   FreeSpace space{grid,
                   area.free,
                   std::vector<std::uint8_t>(grid.size(), 0),
@@ -148,16 +149,16 @@ PersonMap PersonTracker::evaluate(const PersonObservation& observation) {
 
 // Updates the filter with the cells that were evaluated.
 void PersonTracker::learn(const PersonMap& map, double weight) {
-  if (map.cells.empty()) {
+  if (map.evaluated.is_all()) {
     life_->filter.update(map.log_likelihood, weight);
     return;
   }
   std::vector<double> log_likelihood;
-  log_likelihood.reserve(map.cells.size());
-  for (const std::size_t cell : map.cells) {
+  log_likelihood.reserve(map.evaluated.cells.size());
+  for (const std::size_t cell : map.evaluated.cells) {
     log_likelihood.push_back(map.log_likelihood[cell]);
   }
-  life_->filter.update(GridFilter::Sampled{log_likelihood, map.cells, map.weights}, weight, 0.0);
+  life_->filter.update(log_likelihood, map.evaluated, weight, 0.0);
 }
 
 PersonTracker::Sight PersonTracker::sight_of(const PersonMap& map, double least) {
@@ -262,7 +263,7 @@ void PersonTracker::report(LocationEstimate location,
   options.accuracy_confidence = location.accuracy_confidence;
   options.max_hypotheses = localizer_->options().max_hypotheses;
   summarise_filter(
-      life_->filter, space_->grid, options, is_seen ? life_->within : KnownCells{}, location);
+      life_->filter, space_->grid, options, is_seen ? life_->within : RefinedCells{}, location);
   PersonUpdate update;
   update.track = life_->track;
   update.estimate.location = std::move(location);

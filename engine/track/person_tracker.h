@@ -22,6 +22,7 @@
 #include <vector>
 
 #include "engine/channel/csi_frame.h"
+#include "engine/grid/cell_mass.h"
 #include "engine/person/person_localizer.h"
 #include "engine/track/free_space.h"
 #include "engine/track/grid_filter.h"
@@ -133,7 +134,7 @@ class PersonTracker {
     double credit = 0.0;      // share of a snapshot's weight already given to the present channel
     bool is_clear = true;     // a clear detection in the present channel
     std::vector<PersonObservation::Array> last{};
-    KnownCells within{};  // distribution inside the best cells, from the last weighed moment
+    RefinedCells within{};  // distribution inside the best cells, from the last weighed moment
   };
 
   void receive_moment(std::span<const CsiFrame> frames, std::vector<PersonUpdate>& updates);

@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "engine/base/highest.h"
+#include "engine/grid/cell_window.h"
+#include "engine/grid/grid.h"
 
 namespace rayloc {
 namespace {
@@ -15,7 +17,7 @@ constexpr std::size_t kOthers = 64;    // a count, chosen: cells that represent 
 std::vector<std::size_t> sample_of_others(const FreeSpace& space,
                                           const std::vector<std::size_t>& cells,
                                           std::size_t burst) {
-  const RoomGrid& grid = space.grid;
+  const Grid& grid = space.grid;
   const auto stride = static_cast<std::size_t>(
       std::max(1.0, std::round(std::sqrt(static_cast<double>(grid.size()) / kOthers))));
   // The step from one lattice to the next is about the golden section of their number.

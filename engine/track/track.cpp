@@ -5,6 +5,8 @@
 #include <utility>
 
 #include "engine/base/highest.h"
+#include "engine/grid/cell_set.h"
+#include "engine/grid/height_layers.h"
 #include "engine/track/filter_summary.h"
 #include "engine/track/searched_cells.h"
 
@@ -21,13 +23,15 @@ constexpr Duration kVelocityWindow = std::chrono::seconds(1);
 
 // Log-likelihood of a cell; 0 for a cell that was not compared. The cells are in ascending order.
 double value_of(const Localizer::Evidence& evidence, std::size_t cell) {
-  if (evidence.cells.empty()) {
+  const CellSet& evaluated = evidence.evaluated;
+  if (evaluated.is_all()) {
     return evidence.log_likelihood[cell];
   }
-  const auto end = evidence.cells.begin() + static_cast<std::ptrdiff_t>(evidence.weights.ones);
-  const auto found = std::lower_bound(evidence.cells.begin(), end, cell);
+  const auto first = evaluated.cells.begin();
+  const auto end = first + static_cast<std::ptrdiff_t>(evaluated.weights.ones);
+  const auto found = std::lower_bound(first, end, cell);
   return found != end && *found == cell
-             ? evidence.log_likelihood[static_cast<std::size_t>(found - evidence.cells.begin())]
+             ? evidence.log_likelihood[static_cast<std::size_t>(found - first)]
              : 0.0;
 }
 
@@ -111,9 +115,8 @@ bool Track::weigh(const RoomObservation& observation, Duration elapsed) {
   }
   credit_ = credit;
   if (!map.empty()) {
-    filter_.update(GridFilter::Sampled{map, evidence.cells, evidence.weights},
-                   weight * localizer_->room().likelihood_exponent,
-                   evidence.outlier);
+    filter_.update(
+        map, evidence.evaluated, weight * localizer_->room().likelihood_exponent, evidence.outlier);
     within_ = std::move(evidence.within);
     credit_ += weight;
     searched_with_.resize(localizer_->room().access_points.size());
@@ -185,7 +188,7 @@ Localizer::Evidence Track::evaluate(const RoomObservation& observation, bool& is
 SearchFocus Track::focus() const {
   SearchFocus focus;
   focus.is_quick = !options_.is_exhaustive;
-  if (!localizer_->heights().is_known()) {
+  if (!localizer_->grid().layers.is_known()) {
     focus.layer_weight = layers_;
   }
   SearchedCells searched = searched_cells(filter_, *space_, bursts_);
@@ -209,7 +212,7 @@ void Track::narrow(Duration reach) {
 // The height is a probability of each layer, the same at every position of the device. A burst of
 // which only a share is new is weighted by that share.
 void Track::learn_height(const std::vector<double>& mass, double weight) {
-  const HeightLayers& heights = localizer_->heights();
+  const HeightLayers& heights = localizer_->grid().layers;
   if (heights.is_known()) {
     return;
   }
@@ -245,7 +248,7 @@ void Track::spread_height(double seconds) {
   if (layers_.empty()) {
     return;
   }
-  const HeightLayers& heights = localizer_->heights();
+  const HeightLayers& heights = localizer_->grid().layers;
   const double steps = options_.height_speed * seconds / heights.thickness;
   const double variance = std::min(0.5, steps * steps);
   const double anew = 1.0 - std::exp(-options_.height_change_rate * seconds);
@@ -282,7 +285,7 @@ void Track::enter(TrackState state,
   }
 }
 
-FilteredEstimate Track::summarise(LocationEstimate location, const KnownCells& within) const {
+FilteredEstimate Track::summarise(LocationEstimate location, const RefinedCells& within) const {
   FilteredEstimate estimate;
   location.reason.clear();
   summarise_filter(filter_,
@@ -345,7 +348,7 @@ void Track::compact() {
     }
     std::vector<std::size_t> best = highest(of_cells, kCompactRefined);
     std::sort(best.begin(), best.end());
-    KnownCells kept;
+    RefinedCells kept;
     kept.reserve(best.size());
     for (const std::size_t i : best) {
       kept.push_back(std::move(within_[i]));

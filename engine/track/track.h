@@ -19,6 +19,7 @@
 #include <tl/expected.hpp>
 
 #include "engine/channel/csi_frame.h"
+#include "engine/grid/cell_mass.h"
 #include "engine/localize/localizer.h"
 #include "engine/observe/alignment.h"
 #include "engine/track/filtered_estimate.h"
@@ -112,7 +113,7 @@ class Track {
   void enter(TrackState state, Timestamp time, std::string reason, FilteredEstimate& estimate);
   void advance(Timestamp time);
   FilteredEstimate predict(Timestamp time);
-  FilteredEstimate summarise(LocationEstimate location, const KnownCells& within) const;
+  FilteredEstimate summarise(LocationEstimate location, const RefinedCells& within) const;
   void remember(FilteredEstimate& estimate);
 
   Duration phase_;
@@ -135,7 +136,7 @@ class Track {
   // From the last frames: all evidence of the filter relies on the same chains, equally suspect.
   FrameFault fault_;
   // Distribution inside the best cells, from the last weighed burst.
-  KnownCells within_;
+  RefinedCells within_;
   std::vector<double> layers_;  // probability of each layer of heights; empty: known, or the prior
   std::vector<Earlier> last_;   // arrays of the last usable burst
   std::deque<Fix> fixes_;       // positions of the last second

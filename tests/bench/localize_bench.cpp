@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "engine/base/content_hash.h"
+#include "engine/grid/grid.h"
 #include "engine/localize/localizer.h"
 #include "engine/localize/path_grid.h"
 #include "engine/trace/path_tracer.h"
@@ -86,7 +87,7 @@ void BM_ColdStart(benchmark::State& state) {
 
 void BM_BareTracing(benchmark::State& state) {
   const Prepared& p = prepared(size_of(state));
-  const RoomGrid& grid = p.localizer->grid();
+  const Grid& grid = p.localizer->grid();
   for (auto _ : state) {
     for (const RoomAccessPoint& ap : p.room->access_points) {
       const PathTracer tracer(p.room->scene, p.room->trace);

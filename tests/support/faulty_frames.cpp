@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "engine/base/constants.h"
+#include "engine/grid/grid.h"
 #include "engine/localize/access_point_map.h"
 #include "engine/observe/alignment.h"
 
@@ -56,7 +57,7 @@ Expected expected_of(const RoomModel& room, std::size_t access_point, const Vec3
   const Vec3d aside{0.01, 0.01, 0.0};
   const AccessPointMap map({std::make_shared<const RoomModel>(room),
                             access_point,
-                            RoomGrid(device - aside, device + aside, device.z, 2.0 * aside.x),
+                            Grid(device - aside, device + aside, device.z, 2.0 * aside.x),
                             LikelihoodKind::kPartial},
                            nullptr);
   const RoomAccessPoint& ap = room.access_points[access_point];

@@ -7,6 +7,7 @@
 
 #include "engine/base/check.h"
 #include "engine/person/people.h"
+#include "engine/posterior/posterior.h"
 #include "engine/posterior/tempering_exponent.h"
 
 namespace rayloc {

@@ -1,4 +1,5 @@
 #include "engine/chains/chain_evidence.h"
+#include "engine/grid/grid.h"
 
 #include <gtest/gtest.h>
 
@@ -26,7 +27,7 @@ std::shared_ptr<const Localizer> localizer() {
 
 // The share of the cells that are likelier than the cell of the place.
 double share_above(const std::vector<double>& of_cell, const Vec3d& place) {
-  const RoomGrid& grid = localizer()->grid();
+  const Grid& grid = localizer()->grid();
   std::size_t nearest = 0;
   for (std::size_t cell = 0; cell < grid.size(); ++cell) {
     const auto away = [&](std::size_t one) {

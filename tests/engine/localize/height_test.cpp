@@ -4,10 +4,8 @@
 #include <Eigen/Dense>
 #include <cmath>
 #include <memory>
-#include <numeric>
 
 #include "engine/localize/localizer.h"
-#include "engine/room/height_layers.h"
 #include "engine/room/ray_at_height.h"
 #include "tests/support/synthetic_room.h"
 
@@ -33,50 +31,6 @@ const Localizer& localizer() {
   static const Localizer kLocalizer =
       *Localizer::create(std::make_shared<const RoomModel>(room_of_unknown_heights()), {});
   return kLocalizer;
-}
-
-TEST(HeightLayers, AreOneLayerWhereTheHeightIsKnown) {
-  const HeightLayers layers = height_layers({}, 0.0, 2.5);
-  EXPECT_TRUE(layers.is_known());
-  EXPECT_EQ(layers.offset, std::vector<double>{0.0});
-  EXPECT_EQ(layers.weight, std::vector<double>{1.0});
-}
-
-TEST(HeightLayers, FollowThePriorAndStayInTheRoom) {
-  DeviceModel device;
-  device.height_sigma = kSigma;
-  const HeightLayers layers = height_layers(device, 0.0, 2.5);
-  EXPECT_GE(layers.size(), 9U);
-  EXPECT_NEAR(std::accumulate(layers.weight.begin(), layers.weight.end(), 0.0), 1.0, 1e-12);
-  double variance = 0.0;
-  for (std::size_t i = 0; i < layers.size(); ++i) {
-    EXPECT_NEAR(layers.weight[i], layers.weight[layers.size() - 1 - i], 1e-12);
-    variance += layers.weight[i] * layers.offset[i] * layers.offset[i];
-  }
-  EXPECT_NEAR(std::sqrt(variance), kSigma, 0.1 * kSigma);  // its tails are cut off
-  device.height = 0.3;
-  const HeightLayers low = height_layers(device, 0.0, 2.5);
-  EXPECT_GE(device.height + low.offset.front() - 0.5 * low.thickness, 0.0);
-  EXPECT_LE(low.thickness, layers.thickness + 0.05);
-}
-
-TEST(HeightLayers, SlicesFillALayer) {
-  DeviceModel device;
-  device.height_sigma = kSigma;
-  const HeightLayers layers = height_layers(device, 0.0, 2.5);
-  const auto slices = slices_of(layers, 0, kSigma, 0.015);
-  double sum = 0.0;
-  for (std::size_t i = 0; i < slices.size(); ++i) {
-    sum += slices[i].weight;
-    if (i > 0) {
-      EXPECT_LE(slices[i].offset - slices[i - 1].offset, 0.015 + 1e-12);
-      EXPECT_GT(slices[i].weight, slices[i - 1].weight);  // the lowest layer, below the mean
-    }
-  }
-  EXPECT_NEAR(sum, 1.0, 1e-12);
-  EXPECT_NEAR(slices.front().offset - 0.5 * (slices[1].offset - slices[0].offset),
-              layers.offset[0] - 0.5 * layers.thickness,
-              1e-12);
 }
 
 // The tracer's rays from the raised place, ray by ray.
@@ -204,13 +158,13 @@ TEST(UnknownHeight, EvidenceTellsLayersAndKeepsToTheFocus) {
   const auto free = localizer().evidence(observation, Localizer::Scan::kPlaces);
   ASSERT_FALSE(free.within.empty());
   for (const auto& [cell, mass] : free.within) {
-    ASSERT_EQ(mass.layers.size(), localizer().heights().size());
+    ASSERT_EQ(mass.layers.size(), localizer().grid().layers.size());
     EXPECT_NEAR(std::accumulate(mass.layers.begin(), mass.layers.end(), 0.0F), 1.0F, 1e-4F);
   }
   SearchFocus focus;
   focus.log_prior.assign(localizer().grid().size(), -100.0);
   focus.log_prior[7] = 0.0;
-  focus.layer_weight = localizer().heights().weight;
+  focus.layer_weight = localizer().grid().layers.weight;
   const auto only = localizer().evidence(observation, Localizer::Scan::kPlaces, focus);
   ASSERT_EQ(only.within.size(), 1U);
   EXPECT_EQ(only.within.front().first, 7U);

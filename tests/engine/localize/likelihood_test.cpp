@@ -1,4 +1,5 @@
 #include "engine/likelihood/likelihood.h"
+#include "engine/grid/lattice.h"
 
 #include <gtest/gtest.h>
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "engine/base/constants.h"
+#include "engine/grid/grid.h"
 #include "engine/localize/access_point_map.h"
 #include "engine/localize/localizer.h"
 #include "tests/support/scenes.h"
@@ -172,7 +173,7 @@ TEST(LocalizerLevel, IsNotBelievedWithADeadChain) {
 
 TEST(LocalizerLevel, SaysNothingOfTheRoomAsAWhole) {
   const auto room = std::make_shared<const RoomModel>(make_field());
-  const RoomGrid grid(room->bounds_min, room->bounds_max, 1.2, 0.25);
+  const Grid grid(room->bounds_min, room->bounds_max, 1.2, 0.25);
   const AccessPointMap map(AccessPointMap::Source{room, 0, grid, LikelihoodKind::kPartial},
                            nullptr);
   const double offset = known_level(*room).offset_db;

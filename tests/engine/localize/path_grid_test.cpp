@@ -1,4 +1,5 @@
 #include "engine/localize/path_grid.h"
+#include "engine/grid/grid.h"
 
 #include <gtest/gtest.h>
 
@@ -116,49 +117,49 @@ TEST(PathGrid, WhatThisProgramWouldNotMakeIsRefusedAndReplaced) {
 
 TEST(PathGrid, KeyTellsApartWhateverTheRaysDependOn) {
   const RoomModel room = test::make_room();
-  const RoomGrid grid(room.bounds_min, room.bounds_max, room.device.height, 0.05);
+  const Grid grid(room.bounds_min, room.bounds_max, room.device.height, 0.05);
   const auto key = [&](auto change) {
     RoomModel changed = room;
-    RoomGrid cells = grid;
+    Grid cells = grid;
     std::size_t most = 64;
     change(changed, cells, most);
     return path_grid_key(changed, changed.access_points[0], cells, most);
   };
-  const std::string same = key([](RoomModel&, RoomGrid&, std::size_t&) {});
-  EXPECT_EQ(same, key([](RoomModel& r, RoomGrid&, std::size_t&) {
+  const std::string same = key([](RoomModel&, Grid&, std::size_t&) {});
+  EXPECT_EQ(same, key([](RoomModel& r, Grid&, std::size_t&) {
               // These are no business of the rays.
               r.name = "other";
               r.likelihood_exponent = 0.1;
               r.access_points[0].gains = {};
               r.access_points[1].array.pose.position.x += 0.1;
             }));
-  EXPECT_NE(same, key([](RoomModel& r, RoomGrid&, std::size_t&) {
+  EXPECT_NE(same, key([](RoomModel& r, Grid&, std::size_t&) {
               r.scene = test::make_scene({{"floor", test::box_mesh({-2, -2, -0.1}, {2, 2, 0})}},
                                          test::kConcrete);
             }));
-  EXPECT_NE(same, key([](RoomModel& r, RoomGrid&, std::size_t&) {
+  EXPECT_NE(same, key([](RoomModel& r, Grid&, std::size_t&) {
               r.surface_correction.assign(r.scene->surfaces().size(), 0.9);
             }));
-  EXPECT_NE(same, key([](RoomModel& r, RoomGrid&, std::size_t&) { r.trace.max_depth = 1; }));
-  EXPECT_NE(same, key([](RoomModel& r, RoomGrid&, std::size_t&) { r.trace.transmission = true; }));
+  EXPECT_NE(same, key([](RoomModel& r, Grid&, std::size_t&) { r.trace.max_depth = 1; }));
+  EXPECT_NE(same, key([](RoomModel& r, Grid&, std::size_t&) { r.trace.transmission = true; }));
   const std::string edges =
-      key([](RoomModel& r, RoomGrid&, std::size_t&) { r.trace.diffraction = true; });
+      key([](RoomModel& r, Grid&, std::size_t&) { r.trace.diffraction = true; });
   EXPECT_NE(same, edges);
-  EXPECT_NE(edges, key([](RoomModel& r, RoomGrid&, std::size_t&) {
+  EXPECT_NE(edges, key([](RoomModel& r, Grid&, std::size_t&) {
               r.trace.diffraction = r.trace.double_diffraction = true;
             }));
-  EXPECT_NE(same, key([](RoomModel& r, RoomGrid&, std::size_t&) { r.trace.diffuse = true; }));
-  EXPECT_NE(same, key([](RoomModel& r, RoomGrid&, std::size_t&) {
+  EXPECT_NE(same, key([](RoomModel& r, Grid&, std::size_t&) { r.trace.diffuse = true; }));
+  EXPECT_NE(same, key([](RoomModel& r, Grid&, std::size_t&) {
               r.device.pattern = AntennaPattern::kIsotropic;
             }));
-  EXPECT_NE(same, key([](RoomModel& r, RoomGrid&, std::size_t&) {
+  EXPECT_NE(same, key([](RoomModel& r, Grid&, std::size_t&) {
               r.access_points[0].array.pose.position.x += 1e-9;
             }));
-  EXPECT_NE(same, key([](RoomModel& r, RoomGrid&, std::size_t&) {
+  EXPECT_NE(same, key([](RoomModel& r, Grid&, std::size_t&) {
               r.access_points[0].array.pose.orientation.yaw += 1e-9;
             }));
-  EXPECT_NE(same, key([](RoomModel&, RoomGrid& cells, std::size_t&) { cells.first.z += 0.01; }));
-  EXPECT_NE(same, key([](RoomModel&, RoomGrid&, std::size_t& most) { most = 32; }));
+  EXPECT_NE(same, key([](RoomModel&, Grid& cells, std::size_t&) { cells.first.z += 0.01; }));
+  EXPECT_NE(same, key([](RoomModel&, Grid&, std::size_t& most) { most = 32; }));
 }
 
 TEST(PathGrid, LocalizerIsTheSameToTheBitWithAStoreAndWithout) {

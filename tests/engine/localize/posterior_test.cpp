@@ -1,4 +1,6 @@
 #include "engine/posterior/posterior.h"
+#include "engine/grid/cell_mass.h"
+#include "engine/grid/grid.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +11,7 @@
 namespace rayloc::posterior_test {
 namespace {
 
-RoomGrid grid() { return {{-2.0, -1.5, 0.0}, {2.0, 1.5, 2.5}, 1.2, 0.05}; }
+Grid grid() { return {{-2.0, -1.5, 0.0}, {2.0, 1.5, 2.5}, 1.2, 0.05}; }
 
 double gaussian(const Vec3d& p, double x, double y, double sigma) {
   const double dx = (p.x - x) / sigma;
@@ -18,7 +20,7 @@ double gaussian(const Vec3d& p, double x, double y, double sigma) {
 }
 
 template <typename Function>
-std::vector<double> map_of(const RoomGrid& g, const Function& function) {
+std::vector<double> map_of(const Grid& g, const Function& function) {
   std::vector<double> map;
   for (std::size_t i = 0; i < g.size(); ++i) {
     map.push_back(function(g.centre(i)));
@@ -27,7 +29,7 @@ std::vector<double> map_of(const RoomGrid& g, const Function& function) {
 }
 
 TEST(Posterior, OfAGaussianHasItsMomentsAndItsRadius) {
-  const RoomGrid g = grid();
+  const Grid g = grid();
   const double sigma = 0.2;
   LocationEstimate estimate;
   summarise_posterior(
@@ -42,7 +44,7 @@ TEST(Posterior, OfAGaussianHasItsMomentsAndItsRadius) {
 }
 
 TEST(Posterior, TemperWidens) {
-  const RoomGrid g = grid();
+  const Grid g = grid();
   const auto map = map_of(g, [](const Vec3d& p) { return gaussian(p, 0.0, 0.0, 0.15); });
   LocationEstimate sharp;
   LocationEstimate wide;
@@ -52,7 +54,7 @@ TEST(Posterior, TemperWidens) {
 }
 
 TEST(Posterior, LeavesOverWhatTheMapMayBeWrongBy) {
-  const RoomGrid g = grid();
+  const Grid g = grid();
   const auto map = map_of(g, [](const Vec3d& p) { return gaussian(p, 0.0, 0.0, 0.08); });
   LocationEstimate sure;
   LocationEstimate suspect;
@@ -66,7 +68,7 @@ TEST(Posterior, LeavesOverWhatTheMapMayBeWrongBy) {
 
 // Four fifths are at one place; to hold 95 % of all a radius needs three quarters of the rest.
 TEST(Posterior, HoldsWhatIsAnywhereWhereMuchIsLeftOver) {
-  const RoomGrid g = grid();
+  const Grid g = grid();
   const auto map = map_of(g, [](const Vec3d& p) { return gaussian(p, 0.0, 0.0, 0.08); });
   LocationEstimate lost;
   summarise_posterior(g, map, {1.0, 0.95, 5, 0.2}, lost);
@@ -79,12 +81,12 @@ TEST(Posterior, HoldsWhatIsAnywhereWhereMuchIsLeftOver) {
 }
 
 TEST(Posterior, KnowsWhereInTheCellsTheMassIs) {
-  const RoomGrid g = grid();
+  const Grid g = grid();
   std::vector<double> map(g.size(), -100.0);
   const std::size_t cell = 1000;
   map[cell] = 0.0;
   const CellMoments moments{0.012, -0.017, 4e-6, 0.0, 1e-6};
-  const KnownCells within{{cell, {moments, moments, 1.0}}};
+  const RefinedCells within{{cell, {moments, moments, 1.0}}};
   LocationEstimate estimate;
   summarise_posterior(g, map, {}, estimate, within);
   ASSERT_TRUE(estimate.position);
@@ -96,7 +98,7 @@ TEST(Posterior, KnowsWhereInTheCellsTheMassIs) {
 
 // Nine tenths of a cell's mass are within millimetres, the rest somewhere in the cell.
 TEST(Posterior, StatesTheCoreOfAHillAndItsFoot) {
-  const RoomGrid g = grid();
+  const Grid g = grid();
   std::vector<double> map(g.size(), -100.0);
   const std::size_t cell = 1000;
   map[cell] = 0.0;
@@ -104,7 +106,7 @@ TEST(Posterior, StatesTheCoreOfAHillAndItsFoot) {
   const CellMoments best{0.01, 0.0, 9e-6, 0.0, 9e-6};
   CellMoments all{0.009, 0.0, 0.0, 0.0, 0.9 * best.yy + 0.1 * uniform.yy};
   all.xx = 0.9 * (best.xx + best.x * best.x) + 0.1 * uniform.xx - all.x * all.x;
-  const KnownCells within{{cell, {all, best, 0.9}}};
+  const RefinedCells within{{cell, {all, best, 0.9}}};
   PosteriorOptions options;
   options.sigma_floor = 0.001;
   LocationEstimate estimate;
@@ -129,7 +131,7 @@ TEST(Posterior, StatesTheCoreOfAHillAndItsFoot) {
 }
 
 TEST(Posterior, StatesBothOfTwoPlacesAndThatItIsAmbiguous) {
-  const RoomGrid g = grid();
+  const Grid g = grid();
   const auto map = map_of(g, [](const Vec3d& p) {
     return std::log(2.0 * std::exp(gaussian(p, -1.0, 0.5, 0.06)) +
                     std::exp(gaussian(p, 1.0, -0.5, 0.06)) + 1e-30);
@@ -147,7 +149,7 @@ TEST(Posterior, StatesBothOfTwoPlacesAndThatItIsAmbiguous) {
 
 // A hypothesis reaches 0.3 m: a broader hill is stated in pieces, which are one place.
 TEST(Posterior, IsNotAmbiguousForABroadHill) {
-  const RoomGrid g = grid();
+  const Grid g = grid();
   const auto ridge = [&](double gap) {
     const auto map = map_of(g, [&](const Vec3d& p) {
       return std::abs(p.x) < gap ? -60.0 : -p.x * p.x / 0.5 - p.y * p.y / 0.005;
@@ -164,7 +166,7 @@ TEST(Posterior, IsNotAmbiguousForABroadHill) {
 }
 
 TEST(Posterior, PrefersAHillToASpike) {
-  const RoomGrid g = grid();
+  const Grid g = grid();
   const auto map = map_of(g, [](const Vec3d& p) {
     return std::log(3.0 * std::exp(gaussian(p, -1.0, 0.5, 0.01)) +
                     std::exp(gaussian(p, 1.0, -0.5, 0.1)) + 1e-30);
@@ -176,7 +178,7 @@ TEST(Posterior, PrefersAHillToASpike) {
 
 // The heaviest hill has two fifths, the others are side by side.
 TEST(Posterior, IsWhereHalfOfTheMassIsNear) {
-  const RoomGrid g = grid();
+  const Grid g = grid();
   const auto map = map_of(g, [](const Vec3d& p) {
     return std::log(4.0 * std::exp(gaussian(p, -1.0, 0.5, 0.05)) +
                     3.1 * std::exp(gaussian(p, 1.0, -0.5, 0.05)) +
@@ -190,7 +192,7 @@ TEST(Posterior, IsWhereHalfOfTheMassIsNear) {
 }
 
 TEST(SmallestHalfMassDisc, HoldsHalfAndIsTheSmallest) {
-  const RoomGrid g = grid();
+  const Grid g = grid();
   std::vector<double> mass(g.size());
   const auto put = [&](std::size_t x, std::size_t y, double m) { mass[x * g.count_y + y] = m; };
   // 0.3 m apart, and 1 m away.
@@ -210,20 +212,11 @@ TEST(SmallestHalfMassDisc, HoldsHalfAndIsTheSmallest) {
 }
 
 TEST(Posterior, OfAFlatMapIsNoPosition) {
-  const RoomGrid g = grid();
+  const Grid g = grid();
   LocationEstimate estimate;
   summarise_posterior(g, std::vector<double>(g.size(), -7.0), {}, estimate);
   EXPECT_FALSE(estimate.position);
   EXPECT_NE(estimate.reason.find("flat"), std::string::npos);
-}
-
-TEST(RoomGrid, CoversTheRoomEvenly) {
-  const RoomGrid g({0.0, 0.0, 0.0}, {1.0, 0.32, 2.0}, 1.2, 0.1);
-  EXPECT_EQ(g.count_x, 10U);
-  EXPECT_EQ(g.count_y, 4U);
-  EXPECT_NEAR(g.centre(0).y, 0.04, 1e-12);
-  EXPECT_NEAR(g.centre(g.size() - 1).x, 0.95, 1e-12);
-  EXPECT_NEAR(g.centre(g.size() - 1).y, 0.28, 1e-12);
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 #include "engine/localize/search_area.h"
+#include "engine/grid/grid.h"
 
 #include <gtest/gtest.h>
 
@@ -35,7 +36,7 @@ TEST(SearchArea, IsTheRoomWhereTheSceneReachesNoFurther) {
 
 TEST(SearchArea, HoldsTheCellsOfTheAreaAndThoseBesideIt) {
   const RoomModel room = half_room();
-  const RoomGrid inner(room.bounds_min, room.bounds_max, room.device.height, 0.05);
+  const Grid inner(room.bounds_min, room.bounds_max, room.device.height, 0.05);
   const SearchArea area = search_area(room);
   ASSERT_EQ(area.inside.size(), area.grid.size());
   EXPECT_EQ(static_cast<std::size_t>(std::accumulate(area.inside.begin(), area.inside.end(), 0)),

@@ -311,7 +311,7 @@ TEST(DeviceTracker, KnowsThePlaceWithinACell) {
   }
   const auto exact = std::make_shared<const Localizer>(
       *Localizer::create(std::make_shared<const RoomModel>(std::move(room)), {}));
-  const RoomGrid& grid = exact->grid();
+  const Grid& grid = exact->grid();
   const Vec3d centre = grid.centre((grid.count_x / 3) * grid.count_y + grid.count_y / 2);
   for (const double side : {-0.4, 0.4}) {
     DeviceTracker tracker(exact, {});

@@ -1,4 +1,5 @@
 #include "engine/track/grid_filter.h"
+#include "engine/grid/grid.h"
 
 #include <gtest/gtest.h>
 
@@ -20,13 +21,13 @@ std::shared_ptr<const FreeSpace> divided_room() {
                                        {"cupboard", test::box_mesh({1, 0, 0}, {1.5, 1, 2})},
                                        {"table", test::box_mesh({-1, 0, 0}, {-0.5, 1, 0.7})}},
                                       test::kConcrete);
-  const RoomGrid grid({-2, -1, 0}, {2, 1, 2}, kHeight, 0.1);
+  const Grid grid({-2, -1, 0}, {2, 1, 2}, kHeight, 0.1);
   return std::make_shared<const FreeSpace>(make_free_space(*scene, grid, {}));
 }
 
 // A room of 8 x 8 m without anything in it.
 std::shared_ptr<const FreeSpace> empty_room() {
-  const RoomGrid grid({-4, -4, 0}, {4, 4, 2}, kHeight, 0.1);
+  const Grid grid({-4, -4, 0}, {4, 4, 2}, kHeight, 0.1);
   const std::vector<std::uint8_t> all(grid.size(), 1);
   FreeSpace space{grid, all, all, all};
   for (std::size_t cell = 0; cell < grid.size(); ++cell) {
@@ -35,7 +36,7 @@ std::shared_ptr<const FreeSpace> empty_room() {
   return std::make_shared<const FreeSpace>(std::move(space));
 }
 
-std::size_t cell_near(const RoomGrid& grid, double x, double y) {
+std::size_t cell_near(const Grid& grid, double x, double y) {
   std::size_t best = 0;
   const auto distance = [&](std::size_t cell) {
     return std::hypot(grid.centre(cell).x - x, grid.centre(cell).y - y);
@@ -47,13 +48,13 @@ std::size_t cell_near(const RoomGrid& grid, double x, double y) {
 }
 
 // A burst that is sure of one cell.
-void put_at(GridFilter& filter, const RoomGrid& grid, double x, double y) {
+void put_at(GridFilter& filter, const Grid& grid, double x, double y) {
   std::vector<double> map(grid.size(), -200.0);
   map[cell_near(grid, x, y)] = 0.0;
   filter.update(map, 1.0);
 }
 
-double probability(const GridFilter& filter, const RoomGrid& grid, auto where) {
+double probability(const GridFilter& filter, const Grid& grid, auto where) {
   const auto mass = filter.mass();
   double sum = 0.0;
   for (std::size_t cell = 0; cell < mass.size(); ++cell) {
@@ -63,7 +64,7 @@ double probability(const GridFilter& filter, const RoomGrid& grid, auto where) {
 }
 
 // Mean of the mass along x [m].
-double mean_x(const GridFilter& filter, const RoomGrid& grid) {
+double mean_x(const GridFilter& filter, const Grid& grid) {
   const auto mass = filter.mass();
   double mean = 0.0;
   for (std::size_t cell = 0; cell < mass.size(); ++cell) {
@@ -72,7 +73,7 @@ double mean_x(const GridFilter& filter, const RoomGrid& grid) {
   return mean;
 }
 
-double variance_x(const GridFilter& filter, const RoomGrid& grid) {
+double variance_x(const GridFilter& filter, const Grid& grid) {
   const auto mass = filter.mass();
   const double mean = mean_x(filter, grid);
   double variance = 0.0;
@@ -101,7 +102,7 @@ TEST(FreeSpace, ThingsAreNotFreeAndTablesArePassedAbove) {
 TEST(FreeSpace, HullAroundAnAccessPointIsNoThing) {
   const auto scene =
       test::make_scene({{"room", test::box_mesh({-2, -1, 0}, {2, 1, 2})}}, test::kConcrete);
-  const RoomGrid grid({-2, -1, 0}, {2, 1, 2}, kHeight, 0.1);
+  const Grid grid({-2, -1, 0}, {2, 1, 2}, kHeight, 0.1);
   const FreeSpace space = make_free_space(*scene, grid, {{1.0, 0.5, 1.5}});
   EXPECT_EQ(std::accumulate(space.free.begin(), space.free.end(), std::size_t{0}), grid.size());
 }

@@ -1,4 +1,4 @@
-#include "engine/room/height_layers.h"
+#include "engine/grid/height_layers.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,23 +16,23 @@ double below(double x) { return 0.5 * std::erfc(-x / std::numbers::sqrt2); }
 
 }  // namespace
 
-HeightLayers height_layers(const DeviceModel& device, double floor, double ceiling) {
-  if (device.height_sigma <= 0.0) {
-    return {{0.0}, {1.0}, 0.0};
+HeightLayers height_layers(const HeightPrior& prior, double floor, double ceiling) {
+  if (prior.sigma <= 0.0) {
+    return {};
   }
-  const double reach = kReach * device.height_sigma;
-  const double low = std::max(-reach, std::min(floor + kMinAbove - device.height, 0.0));
-  const double high = std::min(reach, std::max(ceiling - kMinAbove - device.height, 0.0));
+  const double reach = kReach * prior.sigma;
+  const double low = std::max(-reach, std::min(floor + kMinAbove - prior.mean, 0.0));
+  const double high = std::min(reach, std::max(ceiling - kMinAbove - prior.mean, 0.0));
   const auto count = std::max<std::size_t>(
       1, static_cast<std::size_t>(std::ceil((high - low) / kThickest - 1e-9)));
-  HeightLayers layers;
+  HeightLayers layers{{}, {}, 0.0};
   layers.thickness = (high - low) / static_cast<double>(count);
   double sum = 0.0;
   for (std::size_t i = 0; i < count; ++i) {
     const double from = low + layers.thickness * static_cast<double>(i);
     layers.offset.push_back(from + 0.5 * layers.thickness);
-    layers.weight.push_back(below((from + layers.thickness) / device.height_sigma) -
-                            below(from / device.height_sigma));
+    layers.weight.push_back(below((from + layers.thickness) / prior.sigma) -
+                            below(from / prior.sigma));
     sum += layers.weight.back();
   }
   for (double& weight : layers.weight) {
