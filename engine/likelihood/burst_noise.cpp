@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "engine/likelihood/gain_profile.h"
+#include "engine/likelihood/gaussian/whitened_gaussian.h"
 #include "engine/likelihood/min_power.h"
-#include "engine/likelihood/whitened_gaussian.h"
 
 namespace rayloc {
 namespace {
@@ -37,9 +37,9 @@ double log_likelihood_with_noise(const PlaceModel& place,
   for (const std::complex<float>& w : place.whitener) {
     trace += static_cast<double>(std::norm(w));
   }
-  const auto whitened = whiten(place.whitener, y);
-  const auto inverse = unwhiten(place.whitener, whitened);  // Sigma^-1 y
-  const auto twice = whiten(place.whitener, inverse);       // W Sigma^-1 y
+  const auto whitened = whiten(place, y);
+  const auto inverse = unwhiten(place, whitened);  // Sigma^-1 y
+  const auto twice = whiten(place, inverse);       // W Sigma^-1 y
   const double power = power_of(whitened);
   const double inverse_power = power_of(inverse);
   // The gain is that of (Sigma + n' I / D)^-1 ~ Sigma^-1 - `less` Sigma^-2, which is exact if Sigma
@@ -71,8 +71,7 @@ double log_likelihood_with_noise(const PlaceModel& place,
                     2.0 * dimension * std::log(r) - left / (1.0 + noise * inverse_left / left) +
                         (is_obstructed ? kLogObstructed : 0.0));
   }
-  return best - static_cast<double>(place.log_determinant) -
-         dimension * std::log1p(noise * trace / dimension);
+  return best - place.log_determinant - dimension * std::log1p(noise * trace / dimension);
 }
 
 ModelError with_noise(ModelError error, const ObservedArray& observed) {

@@ -8,8 +8,8 @@
 
 #include "engine/base/check.h"
 #include "engine/likelihood/gain_profile.h"
+#include "engine/likelihood/gaussian/whitened_gaussian.h"
 #include "engine/likelihood/min_power.h"
-#include "engine/likelihood/whitened_gaussian.h"
 
 namespace rayloc {
 namespace {
@@ -67,7 +67,7 @@ NearbyLikelihood::NearbyLikelihood(const ObservationModel& observation_model,
     for (std::size_t i = 0; i < size_; ++i) {
       y[i] = observed.value(i, t);
     }
-    Delay delay{whiten(model_.whitener, y), 0.0};
+    Delay delay{whiten(model_, y), 0.0};
     for (const Value& v : delay.observed) {
       delay.power += std::norm(v);
     }
@@ -124,7 +124,7 @@ void NearbyLikelihood::keep_direct(std::size_t ray) {
     std::copy_n(means_.begin() + static_cast<std::ptrdiff_t>(ray * coordinates_),
                 coordinates_,
                 of.begin() + static_cast<std::ptrdiff_t>(m * coordinates_));
-    direct_.of.push_back(whiten(model_.whitener, of));
+    direct_.of.push_back(whiten(model_, of));
     observed_.insert(observed_.end(), direct_.of[m].begin(), direct_.of[m].end());
   }
   for (const Delay& delay : delays_) {
@@ -160,9 +160,7 @@ NearbyLikelihood::Means NearbyLikelihood::means_at(const Vec3d& moved, bool obst
       means.by_y[source.antenna * coordinates_ + i] += times(turn_y, one);
     }
   }
-  return {whiten(model_.whitener, means.value),
-          whiten(model_.whitener, means.by_x),
-          whiten(model_.whitener, means.by_y)};
+  return {whiten(model_, means.value), whiten(model_, means.by_x), whiten(model_, means.by_y)};
 }
 
 NearbyLikelihood::Slope NearbyLikelihood::slope(const Means& means) const {
@@ -186,8 +184,7 @@ NearbyLikelihood::Slope NearbyLikelihood::slope(const Means& means) const {
   for (std::size_t i = 0; i < size_; ++i) {
     residual[i] = r * times(turn, best->observed[i]) - means.value[i];
   }
-  return {best_value - inner_product(means.value, means.value).real() -
-              static_cast<double>(model_.log_determinant),
+  return {best_value - inner_product(means.value, means.value).real() - model_.log_determinant,
           2.0 * inner_product(means.by_x, residual).real(),
           2.0 * inner_product(means.by_y, residual).real()};
 }
@@ -209,7 +206,7 @@ PlaceModel NearbyLikelihood::model_at(const Vec3d& moved) const {
     const std::vector<Value> mean = means_at(moved, obstructed).value;
     place.mean.insert(place.mean.end(), mean.begin(), mean.end());
     powers.whitened = static_cast<float>(power_of(mean));
-    powers.inverse = static_cast<float>(power_of(unwhiten(model_.whitener, mean)));
+    powers.inverse = static_cast<float>(power_of(unwhiten(model_, mean)));
   };
   append(false, place.open);
   if (!direct_.of.empty()) {
@@ -357,7 +354,7 @@ LaneRow NearbyLikelihood::log_likelihoods(std::span<const LaneRow> re,
     }
   }
   for (float& value : values) {
-    value -= model_.log_determinant;
+    value -= static_cast<float>(model_.log_determinant);
   }
   return values;
 }

@@ -394,7 +394,7 @@ double ObservationModel::log_likelihood(const PlaceModel& place,
         peak -= 0.5 * slope * slope / curvature;
       }
     }
-    best = std::max(best, peak - static_cast<double>(place.log_determinant));
+    best = std::max(best, peak - place.log_determinant);
   });
   return best;
 }
@@ -406,7 +406,7 @@ ObservationModel::Coarse ObservationModel::coarse(const PlaceModel& place,
   const auto at = static_cast<std::size_t>(top - values.begin());
   return {lacks_noise(place, observed)
               ? log_likelihood_with_noise(place, observed, observed.coarse, at)
-              : static_cast<double>(*top) - static_cast<double>(place.log_determinant),
+              : static_cast<double>(*top) - place.log_determinant,
           ObservedArray::peak_windows(values)};
 }
 

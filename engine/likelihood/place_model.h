@@ -3,25 +3,23 @@
 #pragma once
 
 #include <cmath>
-#include <complex>
-#include <vector>
+
+#include "engine/likelihood/gaussian/whitened_gaussian.h"
 
 namespace rayloc {
 
-// The inverse Cholesky factor W of Sigma, and W mu.
-struct PlaceModel {
-  std::vector<std::complex<float>> whitener;  // lower triangle by rows
-  std::vector<std::complex<float>> mean;      // W mu; followed by W mu_obstructed if it exists
+// Its means are W mu, followed by W mu_obstructed if it exists. The logarithm of the determinant is
+// rounded to single precision, as the sums that it is subtracted from.
+struct PlaceModel : WhitenedGaussian {
   // |W mu|^2 and |Sigma^-1 mu|^2 of these means.
   struct Powers {
     float whitened = 0.0F;
     float inverse = 0.0F;
   };
-  Powers open;
-  Powers obstructed;
-  float log_determinant = 0.0F;  // of Sigma
-  float noise = 0.0F;            // n; 0: Sigma includes the burst's noise
-  bool reachable = false;        // at least one ray exists
+  Powers open = {};
+  Powers obstructed = {};
+  float noise = 0.0F;      // n; 0: Sigma includes the burst's noise
+  bool reachable = false;  // at least one ray exists
 };
 
 // Prior probability that a line of sight is obstructed.

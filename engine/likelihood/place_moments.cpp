@@ -2,9 +2,7 @@
 
 #include <cmath>
 
-#include <Eigen/Cholesky>
-
-#include "engine/base/check.h"
+#include "engine/likelihood/gaussian/covariance_factor.h"
 
 namespace rayloc {
 namespace {
@@ -17,21 +15,12 @@ PlaceModel factorised_model(const Eigen::MatrixXcd& sigma,
                             const Eigen::VectorXcd& mu,
                             const Eigen::VectorXcd& obstructed,
                             double noise) {
-  const Eigen::LLT<Eigen::MatrixXcd> cholesky(sigma);
-  RAYLOC_CHECK(cholesky.info() == Eigen::Success);
-  const Index size = mu.size();
-  const Eigen::MatrixXcd whitener =
-      cholesky.matrixL().solve(Eigen::MatrixXcd::Identity(size, size));
+  const CovarianceFactor factor(sigma);
+  const Eigen::MatrixXcd& whitener = factor.whitener();
   const Eigen::VectorXcd mean = whitener * mu;
-  PlaceModel place;
-  place.whitener.reserve(static_cast<std::size_t>(size * (size + 1) / 2));
-  double log_determinant = 0.0;
-  for (Index i = 0; i < size; ++i) {
-    for (Index j = 0; j <= i; ++j) {
-      place.whitener.emplace_back(whitener(i, j));
-    }
-    place.mean.emplace_back(mean(i));
-    log_determinant -= 2.0 * std::log(whitener(i, i).real());
+  PlaceModel place{factor.gaussian()};
+  for (const Value& v : mean) {
+    place.mean.emplace_back(v);
   }
   const auto powers_of = [&](const Eigen::VectorXcd& whitened) {
     return PlaceModel::Powers{static_cast<float>(whitened.squaredNorm()),
@@ -45,7 +34,7 @@ PlaceModel factorised_model(const Eigen::MatrixXcd& sigma,
     }
     place.obstructed = powers_of(without);
   }
-  place.log_determinant = static_cast<float>(log_determinant);
+  place.log_determinant = static_cast<double>(static_cast<float>(place.log_determinant));
   place.noise = static_cast<float>(noise);
   place.reachable = true;
   return place;

@@ -27,7 +27,7 @@ ChainProducts products_of(const PlaceModel& place,
 float offset_of(const PlaceModel& place, std::size_t mean) {
   return (mean == 0 ? -place.open.whitened
                     : static_cast<float>(kLogObstructed) - place.obstructed.whitened) -
-         place.log_determinant;
+         static_cast<float>(place.log_determinant);
 }
 
 void raise(const PlaceModel& place,

@@ -16,7 +16,7 @@
 #include <span>
 #include <vector>
 
-#include "engine/likelihood/whitened_gaussian.h"
+#include "engine/likelihood/gaussian/whitened_gaussian.h"
 
 namespace rayloc {
 

@@ -7,12 +7,12 @@
 #include <optional>
 #include <utility>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
 #include "engine/base/check.h"
 #include "engine/base/constants.h"
 #include "engine/likelihood/gain_profile.h"
+#include "engine/likelihood/gaussian/covariance_factor.h"
 #include "engine/person/path_errors.h"
 #include "engine/person/triangle.h"
 
@@ -74,7 +74,7 @@ void add_samples(const ScatteredRay& ray,
 
 // W of a square for its detailed evaluation.
 Eigen::MatrixXcd whitener_of(const PersonPlace& place) {
-  const auto n = static_cast<Index>(place.mean.size() / place.mean_power.size());
+  const auto n = static_cast<Index>(place.close.mean.size() / place.mean_power.size());
   Eigen::MatrixXcd whitener = Eigen::MatrixXcd::Zero(n, n);
   const std::complex<float>* next = place.close.whitener.data();
   for (Index i = 0; i < n; ++i) {
@@ -195,10 +195,9 @@ ScatteredPatch PersonLikelihood::patch(const ScatteredRays& rays,
   return patch;
 }
 
-// `sigma`: without the noise and the delay, lower triangle by rows.
-WhitenedGaussian PersonLikelihood::factorise(std::vector<Value> sigma,
-                                             std::span<const Value> mean,
-                                             const PersonModel& model) const {
+// Zero mean. `sigma`: without the noise and the delay, lower triangle by rows.
+WhitenedGaussian PersonLikelihood::gaussian_of(std::vector<Value> sigma,
+                                               const PersonModel& model) const {
   const std::size_t size = dimension();
   add_outer(kDelayDeviation * kDelayDeviation, turned_, 0, sigma);
   Eigen::MatrixXcd matrix(static_cast<Index>(size), static_cast<Index>(size));
@@ -208,24 +207,16 @@ WhitenedGaussian PersonLikelihood::factorise(std::vector<Value> sigma,
     }
     matrix(static_cast<Index>(i), static_cast<Index>(i)) += model.noise / static_cast<double>(size);
   }
-  const Eigen::LLT<Eigen::MatrixXcd, Eigen::Lower> cholesky(matrix);
-  RAYLOC_CHECK(cholesky.info() == Eigen::Success);
-  const Eigen::MatrixXcd whitener = cholesky.matrixL().solve(
-      Eigen::MatrixXcd::Identity(static_cast<Index>(size), static_cast<Index>(size)));
-  WhitenedGaussian gaussian;
-  gaussian.whitener.reserve(triangle_size(size));
-  for (std::size_t i = 0; i < size; ++i) {
-    for (std::size_t j = 0; j <= i; ++j) {
-      gaussian.whitener.emplace_back(whitener(static_cast<Index>(i), static_cast<Index>(j)));
-    }
-    gaussian.log_determinant -=
-        2.0 * std::log(whitener(static_cast<Index>(i), static_cast<Index>(i)).real());
-  }
-  if (!mean.empty()) {
-    const auto whitened = whiten(gaussian, mean);
-    gaussian.mean.assign(whitened.begin(), whitened.end());
-    gaussian.mean_power = power_of(whitened);
-  }
+  return CovarianceFactor(matrix).gaussian();
+}
+
+PersonGaussian PersonLikelihood::gaussian_of(std::vector<Value> sigma,
+                                             std::span<const Value> mean,
+                                             const PersonModel& model) const {
+  PersonGaussian gaussian{gaussian_of(std::move(sigma), model)};
+  const auto whitened = whiten(gaussian, mean);
+  gaussian.mean.assign(whitened.begin(), whitened.end());
+  gaussian.mean_power = power_of(whitened);
   return gaussian;
 }
 
@@ -250,8 +241,8 @@ PersonPlace PersonLikelihood::place(const ScatteredPatch& patch,
     }
   }
   PersonPlace place;
-  place.close = factorise(sigma, {}, model);
-  place.mean.reserve(patch.sample.size());
+  place.close = gaussian_of(sigma, model);
+  place.close.mean.reserve(patch.sample.size());
   place.mean_power.reserve(places);
   std::vector<Value> mean(size);
   std::vector<Value> mu(size);
@@ -262,7 +253,7 @@ PersonPlace PersonLikelihood::place(const ScatteredPatch& patch,
       mu[i] = empty_[i] + z;
     }
     const auto whitened = whiten(place.close, mu);
-    place.mean.insert(place.mean.end(), whitened.begin(), whitened.end());
+    place.close.mean.insert(place.close.mean.end(), whitened.begin(), whitened.end());
     place.mean_power.push_back(static_cast<float>(power_of(whitened)));
   }
   for (std::size_t p = 0; p < places; ++p) {
@@ -274,15 +265,15 @@ PersonPlace PersonLikelihood::place(const ScatteredPatch& patch,
   for (std::size_t i = 0; i < size; ++i) {
     mean[i] += empty_[i];
   }
-  place.whole = factorise(std::move(sigma), mean, model);
+  place.whole = gaussian_of(std::move(sigma), mean, model);
   return place;
 }
 
-WhitenedGaussian PersonLikelihood::no_person(const PersonModel& model) const {
-  return factorise(std::vector<Value>(triangle_size(dimension())), empty_, model);
+PersonGaussian PersonLikelihood::no_person(const PersonModel& model) const {
+  return gaussian_of(std::vector<Value>(triangle_size(dimension())), empty_, model);
 }
 
-WhitenedGaussian PersonLikelihood::changed(double share, const PersonModel& model) const {
+PersonGaussian PersonLikelihood::changed(double share, const PersonModel& model) const {
   const std::size_t q = basis_.size();
   std::vector<Value> sigma(triangle_size(dimension()));
   for (std::size_t m = 0; m < dimension(); m += q) {
@@ -293,7 +284,7 @@ WhitenedGaussian PersonLikelihood::changed(double share, const PersonModel& mode
       }
     }
   }
-  return factorise(std::move(sigma), empty_, model);
+  return gaussian_of(std::move(sigma), empty_, model);
 }
 
 // Sums the covariances of the people's squares, without the noise and the delay that every Gaussian
@@ -337,7 +328,7 @@ OtherPeople PersonLikelihood::co_occupants(std::span<const PersonCandidate> peop
   return co_occupants;
 }
 
-double PersonLikelihood::log_likelihood(const WhitenedGaussian& gaussian,
+double PersonLikelihood::log_likelihood(const PersonGaussian& gaussian,
                                         const Observed& observed,
                                         const OtherPeople& co_occupants) const {
   if (co_occupants.empty()) {
@@ -418,8 +409,8 @@ void PersonLikelihood::log_likelihood(const PersonPlace& place,
   RAYLOC_CHECK(out.size() == place.mean_power.size());
   if (co_occupants.empty()) {
     std::vector<LaneSums> along(out.size());
-    LaneRow power =
-        rayloc::whiten(place.close.whitener.data(), observed.re, observed.im, place.mean, along);
+    LaneRow power = rayloc::whiten(
+        place.close.whitener.data(), observed.re, observed.im, place.close.mean, along);
     for (float& one : power) {
       one = std::max(one, static_cast<float>(kMinPower));
     }

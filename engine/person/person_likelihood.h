@@ -29,8 +29,8 @@
 
 #include "engine/channel/ofdm_grid.h"
 #include "engine/likelihood/delay_basis.h"
+#include "engine/likelihood/gaussian/whitened_gaussian.h"
 #include "engine/likelihood/lane_kernel.h"
-#include "engine/likelihood/whitened_gaussian.h"
 #include "engine/observe/alignment.h"
 #include "engine/person/other_people.h"
 #include "engine/person/person_reference.h"
@@ -64,16 +64,21 @@ struct ScatteredPatch {
   double power = 0.0;                       // sum |z_p|^2
 };
 
+// One Gaussian.
+struct PersonGaussian : WhitenedGaussian {
+  double mean_power = 0.0;  // |W mu|^2
+};
+
 // A square with the errors of a model.
 struct PersonPlace {
-  WhitenedGaussian whole;
-  WhitenedGaussian close;                 // without the spread of the samples; no mean
-  std::vector<std::complex<float>> mean;  // W mu of every sample place, [place][coordinate]
-  std::vector<float> mean_power;          // |W mu|^2
+  PersonGaussian whole;
+  // Without the spread of the samples; the means are those of the sample places.
+  WhitenedGaussian close;
+  std::vector<float> mean_power;  // |W mu|^2 of each sample place
 
   std::span<const std::complex<float>> mean_of(std::size_t sample) const {
-    const std::size_t size = mean.size() / mean_power.size();
-    return std::span(mean).subspan(sample * size, size);
+    const std::size_t size = close.mean.size() / mean_power.size();
+    return std::span(close.mean).subspan(sample * size, size);
   }
 };
 
@@ -119,15 +124,15 @@ class PersonLikelihood {
                     std::complex<double> scale,
                     const PersonModel& model) const;
   // Null model: the empty room.
-  WhitenedGaussian no_person(const PersonModel& model) const;
+  PersonGaussian no_person(const PersonModel& model) const;
   // The room with a change of unknown kind, by this share of its power.
-  WhitenedGaussian changed(double share, const PersonModel& model) const;
+  PersonGaussian changed(double share, const PersonModel& model) const;
 
   // People at these places, for the likelihood of one more.
   OtherPeople co_occupants(std::span<const PersonCandidate> people, const PersonModel& model) const;
 
   // Log-likelihoods, maximised over gain, phase and delay; up to a constant of the measurement.
-  double log_likelihood(const WhitenedGaussian& gaussian,
+  double log_likelihood(const PersonGaussian& gaussian,
                         const Observed& observed,
                         const OtherPeople& co_occupants = {}) const;
   // For every sample place. REQUIRES: out.size() == place.mean_power.size().
@@ -149,7 +154,9 @@ class PersonLikelihood {
   struct PlaceEvaluation;
   class AccompaniedPlace;
   Eigen::VectorXcd echo_of(const PersonCandidate& candidate) const;
-  WhitenedGaussian factorise(std::vector<std::complex<double>> sigma,
+  WhitenedGaussian gaussian_of(std::vector<std::complex<double>> sigma,
+                               const PersonModel& model) const;
+  PersonGaussian gaussian_of(std::vector<std::complex<double>> sigma,
                              std::span<const std::complex<double>> mean,
                              const PersonModel& model) const;
 

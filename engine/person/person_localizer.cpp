@@ -198,10 +198,10 @@ ArrayMap PersonLocalizer::Impl::whole_map(const PersonObservation::Array& array,
                {},
                -std::numeric_limits<double>::infinity(),
                0.0};
-  const auto likelihood = [&](const WhitenedGaussian& gaussian) {
+  const auto likelihood = [&](const PersonGaussian& gaussian) {
     return link.likelihood.log_likelihood(gaussian, array.observed, map.co_occupants);
   };
-  for (const WhitenedGaussian& changed : link.changed) {
+  for (const PersonGaussian& changed : link.changed) {
     map.floor = std::max(map.floor, likelihood(changed) + std::log(kStrange));
   }
   map.no_person = likelihood(link.no_person);

@@ -27,8 +27,8 @@ struct PersonLinkMap {
   PersonLikelihood likelihood;
   PersonScattering scattering;
   std::vector<PersonPlace> cells;  // empty where no person fits
-  WhitenedGaussian no_person;
-  std::vector<WhitenedGaussian> changed;  // the room, changed but not by a person, by some shares
+  PersonGaussian no_person;
+  std::vector<PersonGaussian> changed;  // the room, changed but not by a person, by some shares
 };
 
 struct PersonSquares {

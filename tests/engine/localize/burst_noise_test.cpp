@@ -133,7 +133,7 @@ TEST_F(BurstNoise, IsExactOfNoiseAlone) {
     }
     place.mean.emplace_back(0.0F);
   }
-  place.log_determinant = static_cast<float>(kSize * std::log(kNoise / kSize));
+  place.log_determinant = kSize * std::log(kNoise / kSize);
   place.noise = static_cast<float>(kNoise);
   ObservedArray observed(kSize);
   observed.noise = 0.5;

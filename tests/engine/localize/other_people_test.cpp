@@ -6,6 +6,8 @@
 #include <gtest/gtest.h>
 #include <Eigen/Cholesky>
 
+#include "engine/likelihood/gaussian/covariance_factor.h"
+
 namespace rayloc::other_people_test {
 namespace {
 
@@ -34,7 +36,6 @@ struct Accompanied {
   WhitenedGaussian gaussian;
   OtherPeople co_occupants;
   Eigen::MatrixXcd sigma;
-  double log_determinant = 0.0;  // of the Gaussian alone
 };
 
 Accompanied make(std::size_t columns, std::mt19937& random) {
@@ -44,15 +45,7 @@ Accompanied make(std::size_t columns, std::mt19937& random) {
     root.col(i) = as_eigen(random_vector(random));
   }
   made.sigma = root * root.adjoint() + Eigen::MatrixXcd::Identity(kRows, kRows);
-  const Eigen::LLT<Eigen::MatrixXcd> cholesky(made.sigma);
-  const Eigen::MatrixXcd whitener =
-      cholesky.matrixL().solve(Eigen::MatrixXcd::Identity(kRows, kRows));
-  for (Index i = 0; i < kRows; ++i) {
-    for (Index j = 0; j <= i; ++j) {
-      made.gaussian.whitener.emplace_back(whitener(i, j));
-    }
-    made.log_determinant -= 2.0 * std::log(whitener(i, i).real());
-  }
+  made.gaussian = CovarianceFactor(made.sigma).gaussian();
   made.co_occupants.added = random_vector(random);
   for (std::size_t c = 0; c < columns; ++c) {
     made.co_occupants.spread.push_back(random_vector(random));
@@ -78,7 +71,7 @@ TEST_P(OtherPeopleTest, IsTheGaussianOfBothTogether) {
   for (Index i = 0; i < kRows; ++i) {
     log_determinant += 2.0 * std::log(lower(i, i).real());
   }
-  EXPECT_NEAR(made.log_determinant + with.log_determinant(), log_determinant, kClose);
+  EXPECT_NEAR(made.gaussian.log_determinant + with.log_determinant(), log_determinant, kClose);
 
   for (int i = 0; i < 5; ++i) {
     const auto x = random_vector(random);

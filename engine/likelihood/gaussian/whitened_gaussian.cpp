@@ -1,4 +1,4 @@
-#include "engine/likelihood/whitened_gaussian.h"
+#include "engine/likelihood/gaussian/whitened_gaussian.h"
 
 #include <cstddef>
 
@@ -6,9 +6,9 @@ namespace rayloc {
 
 using Value = std::complex<double>;
 
-std::vector<Value> whiten(std::span<const std::complex<float>> whitener, std::span<const Value> y) {
+std::vector<Value> whiten(const WhitenedGaussian& gaussian, std::span<const Value> y) {
   std::vector<Value> result(y.size());
-  const std::complex<float>* w = whitener.data();
+  const std::complex<float>* w = gaussian.whitener.data();
   for (std::size_t i = 0; i < y.size(); ++i) {
     double re = 0.0;
     double im = 0.0;
@@ -23,14 +23,9 @@ std::vector<Value> whiten(std::span<const std::complex<float>> whitener, std::sp
   return result;
 }
 
-std::vector<Value> whiten(const WhitenedGaussian& gaussian, std::span<const Value> y) {
-  return whiten(gaussian.whitener, y);
-}
-
-std::vector<Value> unwhiten(std::span<const std::complex<float>> whitener,
-                            std::span<const Value> u) {
+std::vector<Value> unwhiten(const WhitenedGaussian& gaussian, std::span<const Value> u) {
   std::vector<Value> result(u.size());
-  const std::complex<float>* w = whitener.data();
+  const std::complex<float>* w = gaussian.whitener.data();
   for (std::size_t i = 0; i < u.size(); ++i) {
     const double re = u[i].real();
     const double im = u[i].imag();

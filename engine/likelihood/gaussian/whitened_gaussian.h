@@ -1,4 +1,7 @@
-// WhitenedGaussian: a complex Gaussian with a mean, stored as its whitening transform.
+// WhitenedGaussian: complex Gaussians of one covariance, stored as its whitening transform.
+//
+// CovarianceFactor makes it. The means are the caller's: a place of a device whitens them in double
+// precision (PlaceMoments), a place of a person by the rounded transform (PersonLikelihood).
 //
 // Triangles are lower triangles by rows: n (n + 1) / 2 values.
 #pragma once
@@ -12,18 +15,15 @@ namespace rayloc {
 // Inverse Cholesky factor W of the covariance Sigma, Sigma^-1 = W^H W, and derived values.
 struct WhitenedGaussian {
   std::vector<std::complex<float>> whitener;  // W, a triangle
-  std::vector<std::complex<float>> mean;      // W mu; empty: zero mean
-  double mean_power = 0.0;                    // |W mu|^2
+  std::vector<std::complex<float>> mean;      // W mu of each Gaussian, one by one; empty: zero mean
   double log_determinant = 0.0;               // of Sigma
 };
 
 // W y
-std::vector<std::complex<double>> whiten(std::span<const std::complex<float>> whitener,
-                                         std::span<const std::complex<double>> y);
 std::vector<std::complex<double>> whiten(const WhitenedGaussian& gaussian,
                                          std::span<const std::complex<double>> y);
 // W^H u
-std::vector<std::complex<double>> unwhiten(std::span<const std::complex<float>> whitener,
+std::vector<std::complex<double>> unwhiten(const WhitenedGaussian& gaussian,
                                            std::span<const std::complex<double>> u);
 
 // a^H b
