@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "daemon/live/machine/machine_check.h"
+#include "daemon/base/finding.h"
 #include "engine/base/expected.h"
 
 namespace rayloc::cli {

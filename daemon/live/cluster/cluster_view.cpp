@@ -76,6 +76,11 @@ bool ClusterView::has_owner(const v1::SiteClaim& claim) const {
   return worker != workers.end() && worker->second.state.incarnation() == claim.incarnation();
 }
 
+std::size_t ClusterView::sites_without_owner() const {
+  return static_cast<std::size_t>(std::count_if(
+      sites.begin(), sites.end(), [&](const auto& site) { return !has_owner(site.second.claim); }));
+}
+
 bool wait_for_broker(const Broker& broker, milliseconds patience) {
   const auto deadline = std::chrono::steady_clock::now() + patience;
   while (!broker.connected() && std::chrono::steady_clock::now() < deadline) {

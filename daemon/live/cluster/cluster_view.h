@@ -2,6 +2,8 @@
 // workers, owners of sites, and the progress of each site.
 #pragma once
 
+#include <chrono>
+#include <cstddef>
 #include <map>
 #include <string>
 
@@ -25,6 +27,8 @@ struct ClusterView {
 
   // Returns true if a state of the worker that claimed it was received.
   bool has_owner(const v1::SiteClaim& claim) const;
+  // Number of sites whose owner is missing.
+  std::size_t sites_without_owner() const;
 };
 
 // Listens to workers until each owner of a site has reported and half a lease has passed, a

@@ -1,24 +1,18 @@
-// `rayloc cluster remove`: removes a decommissioned site from the cluster.
-//
-// The verb first notifies the processes that fetch applied sites. Once no worker has the site, its
-// stream is deleted. Its published messages stay for as long as results are kept, and so does the
-// generation of its last claim, for a later site of that name.
+#include "daemon/live/cluster/operate/remove_site.h"
+
 #include <chrono>
-#include <string>
+#include <cstdint>
+#include <optional>
 #include <thread>
-#include <utility>
 
-#include <fmt/format.h>
-
-#include "daemon/cli/verbs/cluster_verbs.h"
 #include "daemon/live/cluster/cluster_names.h"
 #include "daemon/live/cluster/cluster_view.h"
 #include "daemon/live/cluster/operate/site_bundle.h"
 #include "daemon/live/cluster/operate/stream_admin.h"
 #include "daemon/live/cluster/sealed_message.h"
-#include "engine/base/printable.h"
+#include "rayloc/v1/cluster.pb.h"
 
-namespace rayloc::cli {
+namespace rayloc {
 namespace {
 
 constexpr std::chrono::milliseconds kRemovalStep{200};
@@ -81,7 +75,6 @@ Expected<bool> close_claim(Broker& broker, const std::string& site, std::uint64_
 
 }  // namespace
 
-// Allows a new claim: workers claim no site that was recently removed.
 Expected<void> reopen_claim(Broker& broker, const std::string& site) {
   if (!broker.stream_state(std::string(kClaimStream))) {
     return {};  // no worker has ever claimed a site
@@ -97,39 +90,31 @@ Expected<void> reopen_claim(Broker& broker, const std::string& site) {
   return sent ? Expected<void>() : tl::make_unexpected(sent.error());
 }
 
-Expected<void> run_cluster_remove(const BrokerOptions& options, const std::string& site) {
-  const auto broker = connect(options);
-  if (!broker) {
-    return tl::make_unexpected(broker.error());
-  }
-  const auto retracted = retract(**broker, site);
+Expected<void> remove_site(Broker& broker, const std::string& site) {
+  const auto retracted = retract(broker, site);
   if (!retracted) {
     return tl::make_unexpected(retracted.error());
   }
-  const auto claim = last_claim(**broker, site);
+  const auto claim = last_claim(broker, site);
   if (!claim) {
     return tl::make_unexpected(claim.error());
   }
   // A stream without a claim is left over from an earlier attempt that failed to delete it.
-  if (!*claim && !*retracted && !(*broker)->stream_state(csi_stream(site))) {
+  if (!*claim && !*retracted && !broker.stream_state(csi_stream(site))) {
     return make_error(ErrorKind::kUnavailable,
                       "no site '" + site +
                           "' was applied or claimed; `rayloc cluster sites` lists "
                           "those that were");
   }
   if (*claim) {
-    const auto closed = close_claim(**broker, site, (*claim)->generation());
+    const auto closed = close_claim(broker, site, (*claim)->generation());
     if (!closed || !*closed) {
       return closed ? make_error(ErrorKind::kUnavailable,
                                  "site '" + site + "' was claimed meanwhile; try again")
                     : tl::make_unexpected(closed.error());
     }
   }
-  if (Expected<void> gone = forget_stream(**broker, csi_stream(site)); !gone) {
-    return gone;
-  }
-  fmt::print("site {} is taken out\n", printable(site));
-  return {};
+  return forget_stream(broker, csi_stream(site));
 }
 
-}  // namespace rayloc::cli
+}  // namespace rayloc

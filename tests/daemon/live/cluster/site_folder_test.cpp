@@ -1,0 +1,106 @@
+// Tests the folder of applied sites: its differences from the bundles on the broker, and their
+// settlement.
+#include "daemon/live/cluster/operate/site_folder.h"
+
+#include <unistd.h>
+
+#include <fstream>
+#include <iterator>
+#include <optional>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/daemon/live/cluster/fake_broker.h"
+
+namespace rayloc::site_folder_test {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+using Kind = SiteChange::Kind;
+
+std::string text_of(const fs::path& file) {
+  std::ifstream in(file);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+class SiteFolderTest : public ::testing::Test {
+ protected:
+  SiteFolderTest() {
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  // Stores a bundle for the site; returns its hash.
+  std::string store(const std::string& site, const std::string& text) {
+    SiteBundle bundle;
+    bundle.files["site.toml"] = text;
+    EXPECT_TRUE(store_bundle(broker_, site, bundle, 1));
+    return bundle.hash();
+  }
+  // Settles the only difference from these bundles; nothing where there is none.
+  std::optional<SiteChange> settle(const std::map<std::string, std::string>& stored) {
+    const std::vector<SiteDifference> differences = sites_.differences(stored);
+    EXPECT_LE(differences.size(), 1U);
+    return differences.empty() ? std::nullopt
+                               : std::optional(sites_.settle(broker_, differences.front()));
+  }
+
+  const fs::path folder_ = fs::temp_directory_path() / ("site_folder." + std::to_string(getpid()));
+  FakeBroker broker_;
+  ErrorKind refusal_ = ErrorKind::kConfiguration;
+  SiteFolder sites_{folder_, [this](const fs::path& site) -> Expected<std::string> {
+                      const std::string text = text_of(site / "site.toml");
+                      return text == "bad" ? make_error(refusal_, "it is bad")
+                                           : Expected<std::string>(text);
+                    }};
+};
+
+TEST_F(SiteFolderTest, TakesASiteOnceAndRemovesItAgain) {
+  const std::string hash = store("the hall", "good");
+  const auto taken = settle({{"the hall", hash}});
+  ASSERT_TRUE(taken);
+  EXPECT_EQ(taken->kind, Kind::kReplaced) << taken->reason;
+  EXPECT_TRUE(taken->has_changed());
+  EXPECT_EQ(text_of(folder_ / "the%20hall" / "site.toml"), "good");
+  EXPECT_THAT(text_of(folder_ / "the%20hall.toml"), HasSubstr("name = \"the hall\""));
+  EXPECT_FALSE(fs::exists(folder_ / "the%20hall.new"));
+  EXPECT_FALSE(settle({{"the hall", hash}}));
+
+  const auto removed = settle({{"the hall", ""}});
+  ASSERT_TRUE(removed);
+  EXPECT_EQ(removed->kind, Kind::kRemoved);
+  EXPECT_TRUE(fs::is_empty(folder_));
+  EXPECT_FALSE(settle({{"the hall", ""}}));
+}
+
+TEST_F(SiteFolderTest, ARefusedSiteIsTriedOnceAndAnUnavailableOneAgain) {
+  const std::string hash = store("hall", "bad");
+  refusal_ = ErrorKind::kUnavailable;
+  for (int i = 0; i < 2; ++i) {
+    const auto refused = settle({{"hall", hash}});
+    ASSERT_TRUE(refused) << i;
+    EXPECT_EQ(refused->kind, Kind::kRefused);
+    EXPECT_FALSE(refused->has_changed());
+  }
+  refusal_ = ErrorKind::kConfiguration;
+  const auto refused = settle({{"hall", hash}});
+  ASSERT_TRUE(refused);
+  EXPECT_EQ(refused->reason, "it is bad");
+  EXPECT_FALSE(settle({{"hall", hash}}));
+  EXPECT_TRUE(fs::is_empty(folder_));
+}
+
+TEST_F(SiteFolderTest, RefusesANameThatAConfigurationCannotHold) {
+  EXPECT_TRUE(is_plain_site_name("the hall"));
+  EXPECT_FALSE(is_plain_site_name("the \"hall\""));
+  EXPECT_FALSE(is_plain_site_name("the\nhall"));
+  const auto refused = settle({{"a\\b", store("a\\b", "good")}});
+  ASSERT_TRUE(refused);
+  EXPECT_EQ(refused->kind, Kind::kRefused);
+}
+
+}  // namespace
+}  // namespace rayloc::site_folder_test
