@@ -1,31 +1,24 @@
 // `rayloc top`: activity of a running raylocd, live on the terminal or once as a table.
 #include <algorithm>
 #include <chrono>
-#include <cmath>
+#include <cstdint>
 #include <cstdio>
-#include <map>
 #include <memory>
-#include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "daemon/cli/feed/message_source.h"
 #include "daemon/cli/feed/top_model.h"
+#include "daemon/cli/feed/top_sites.h"
 #include "daemon/cli/feed/top_snapshot.h"
-#include "daemon/cli/feed/top_view.h"
 #include "daemon/cli/terminal/stop_signal.h"
 #include "daemon/cli/terminal/terminal_screen.h"
 #include "daemon/cli/verbs/verbs.h"
-#include "daemon/messages/topic.h"
-#include "engine/base/printable.h"
 
 namespace rayloc::cli {
 namespace {
 
 using TopClock = TopModel::Clock;
-// By the site in the topics; a raylocd may have several.
-using Models = std::map<std::string, TopModel>;
 
 struct TopArguments {
   MessageSource from;
@@ -37,43 +30,14 @@ struct TopArguments {
 
 // Receives messages until `until`; returns early when `stop` holds.
 template <typename Stop>
-void collect(const Receive& receive, TopClock::time_point until, Models& models, Stop stop) {
+void collect(const Receive& receive, TopClock::time_point until, TopSites& sites, Stop stop) {
   constexpr auto kPoll = std::chrono::milliseconds(100);
   for (auto now = TopClock::now(); now < until && !stop(); now = TopClock::now()) {
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - now);
     if (const auto message = receive(std::min(kPoll, left))) {
-      v1::Envelope envelope;
-      if (envelope.ParseFromString(message->payload)) {
-        models[std::string(topic_site(message->topic))].add(
-            message->topic, envelope, TopClock::now(), message->from_snapshot);
-      }
+      sites.add(*message, TopClock::now());
     }
   }
-}
-
-bool is_wanted(const std::string& component, const std::string& only) {
-  return only.empty() || decoded_component(component) == only;
-}
-
-// The sites one below the other, each with its name if there are several.
-std::vector<std::string> lines_of(const Models& models,
-                                  const std::string& only,
-                                  std::size_t width = kAnyWidth) {
-  std::vector<std::string> lines;
-  for (const auto& [site, model] : models) {
-    const std::string name = decoded_component(site);
-    if (!is_wanted(site, only)) {
-      continue;
-    }
-    if (models.size() > 1 && only.empty()) {
-      lines.insert(lines.end(), lines.empty() ? 0U : 1U, "");
-      lines.push_back("site " + printable(name));
-    }
-    for (std::string& line : top_lines(model, TopClock::now(), width)) {
-      lines.push_back(std::move(line));
-    }
-  }
-  return lines.empty() ? top_lines(TopModel(), TopClock::now(), width) : lines;
 }
 
 TopClock::duration seconds(double count) {
@@ -84,34 +48,26 @@ TopClock::duration seconds(double count) {
 Expected<void> print_once(const Receive& receive, const TopArguments& arguments) {
   constexpr std::uint64_t kHeartbeats = 2;
   StopSignal::install();
-  Models models;
-  collect(receive, TopClock::now() + seconds(arguments.timeout), models, [&] {
-    return StopSignal::requested() ||
-           (!models.empty() && std::all_of(models.begin(), models.end(), [&](const auto& one) {
-             return !is_wanted(one.first, arguments.site) ||
-                    one.second.heartbeats() >= kHeartbeats || one.second.goodbye();
-           }));
+  TopSites sites(arguments.site);
+  collect(receive, TopClock::now() + seconds(arguments.timeout), sites, [&] {
+    return StopSignal::requested() || sites.is_complete(kHeartbeats);
   });
-  if (std::none_of(models.begin(), models.end(), [](const auto& one) {
-        return one.second.heartbeat().has_value();
-      })) {
+  if (!sites.has_heartbeat()) {
     return make_error(
         ErrorKind::kUnavailable,
         "no heartbeat from " + arguments.from.endpoint + "; is raylocd running there?");
   }
-  if (std::none_of(models.begin(), models.end(), [&](const auto& one) {
-        return is_wanted(one.first, arguments.site);
-      })) {
+  if (!sites.has_shown_site()) {
     return make_error(ErrorKind::kUsage, "no site is called '" + arguments.site + "' there");
   }
-  for (const std::string& line : lines_of(models, arguments.site)) {
+  for (const std::string& line : sites.lines(TopClock::now())) {
     std::printf("%s\n", line.c_str());
   }
   return {};
 }
 
 void show(const Receive& receive, const TopArguments& arguments) {
-  Models models;
+  TopSites sites(arguments.site);
   TerminalScreen screen;
   bool is_wanted = true;
   const auto heed_keys = [&] {
@@ -121,37 +77,18 @@ void show(const Receive& receive, const TopArguments& arguments) {
     return !is_wanted || screen.ended() || screen.is_stale();
   };
   while (is_wanted && !screen.ended()) {
-    std::vector<std::string> lines = lines_of(models, arguments.site, TerminalScreen::columns());
+    std::vector<std::string> lines = sites.lines(TopClock::now(), TerminalScreen::columns());
     lines.emplace_back();
     lines.emplace_back("q ends");
     if (!screen.draw(lines)) {
       return;
     }
-    collect(receive, TopClock::now() + seconds(arguments.interval), models, heed_keys);
+    collect(receive, TopClock::now() + seconds(arguments.interval), sites, heed_keys);
   }
-}
-
-// Connects with a snapshot of the last messages, so that zones and quiet targets are available at
-// once. If no snapshot is given or found at the usual address, it connects without one.
-Expected<Receive> connect_top(const MessageSource& from, double patience) {
-  constexpr double kMaxPatience = 2.0;  // [s]
-  const std::vector<std::string> all = {"v1/"};
-  const std::optional<std::string> usual =
-      from.snapshot.empty() ? usual_snapshot(from.endpoint) : std::nullopt;
-  if (usual) {
-    MessageSource late = from;
-    late.snapshot = *usual;
-    late.patience =
-        std::chrono::milliseconds(std::llround(1000.0 * std::min(patience, kMaxPatience)));
-    if (Expected<Receive> receive = connect(late, all)) {
-      return receive;
-    }
-  }
-  return connect(from, all);
 }
 
 Expected<void> run_top(const TopArguments& arguments) {
-  const Expected<Receive> receive = connect_top(arguments.from, arguments.timeout);
+  const Expected<Receive> receive = connect_with_snapshot(arguments.from, arguments.timeout);
   if (!receive) {
     return tl::make_unexpected(receive.error());
   }
