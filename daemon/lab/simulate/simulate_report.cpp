@@ -13,7 +13,7 @@
 #include "engine/base/constants.h"
 #include "engine/scene/antenna_array.h"
 
-namespace rayloc::cli {
+namespace rayloc {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -145,19 +145,19 @@ std::string simulation_json(const SimulatedTruth& truth) {
   if (truth.handling.changes_anything()) {
     json["handling"] = handling_json(truth.handling);
   }
-  if (truth.day != nullptr) {
-    json["second_day"] = second_day_json(*truth.day, *truth.lived);
+  if (truth.day) {
+    json["second_day"] = second_day_json(*truth.day, truth.lived);
   }
   return json.dump() + "\n";
 }
 
-std::string truth_csv(const SimulatedTruth& truth, bool is_walk) {
+std::string truth_csv(const SimulatedTruth& truth) {
   const bool is_handled = truth.handling.changes_anything();
-  std::string csv = is_walk ? "t,x,y,z" : "t_start,t_end,x,y,z";
+  std::string csv = truth.is_walk ? "t,x,y,z" : "t_start,t_end,x,y,z";
   csv += is_handled ? ",tilt_deg,tilt_towards_deg,power_db\n" : "\n";
   for (const SimulatedSpot& spot : truth.spots) {
     csv += seconds_text(spot.t_start);
-    csv += is_walk ? "" : "," + seconds_text(spot.t_end);
+    csv += truth.is_walk ? "" : "," + seconds_text(spot.t_end);
     const Vec3d& place = spot.position;
     csv += fmt::format(",{:.6f},{:.6f},{:.6f}", place.x, place.y, place.z);
     if (is_handled) {
@@ -169,4 +169,4 @@ std::string truth_csv(const SimulatedTruth& truth, bool is_walk) {
   return csv;
 }
 
-}  // namespace rayloc::cli
+}  // namespace rayloc

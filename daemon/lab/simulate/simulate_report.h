@@ -1,8 +1,8 @@
-// Output of `rayloc simulate`: the truth of its recordings, as JSON.
+// The truth of simulated recordings, as values, as JSON and as csv.
 #pragma once
 
 #include <cstddef>
-#include <span>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,7 +12,7 @@
 #include "engine/channel/radio_channel.h"
 #include "engine/observe/chain_gains.h"
 
-namespace rayloc::cli {
+namespace rayloc {
 
 struct CaptureReport {
   std::string access_point;
@@ -25,13 +25,14 @@ struct CaptureReport {
 
 // The complete truth of the simulation.
 struct SimulatedTruth {
-  const CaptureOptions& options;
-  std::span<const SimulatedSpot> spots;
-  std::span<const CaptureReport> captures;
+  CaptureOptions options;
+  std::vector<SimulatedSpot> spots;
+  bool is_walk = false;
+  std::vector<CaptureReport> captures;  // in the order of the recordings
   Handling handling = {};
-  const SecondDay* day = nullptr;  // with the room on that day; nullptr: the first day
-  const LivedInRoom* lived = nullptr;
-  std::span<const RadioChannel> channels = {};  // hop channels of the device; empty: the site's
+  std::optional<SecondDay> day = {};        // empty: the first day
+  LivedInRoom lived = {};                   // the room on `day`
+  std::vector<RadioChannel> channels = {};  // hop channels of the device; empty: the site's
 };
 
 // One object on a line: `seed, transmitter, depth, transmission, frames, impairments{key: value},
@@ -49,6 +50,6 @@ std::string simulation_json(const SimulatedTruth& truth);
 
 // The points as a file for `rayloc evaluate --truth`: `t_start,t_end,x,y,z`, for a walk `t,x,y,z`,
 // and for hand-held devices further columns as above.
-std::string truth_csv(const SimulatedTruth& truth, bool is_walk);
+std::string truth_csv(const SimulatedTruth& truth);
 
-}  // namespace rayloc::cli
+}  // namespace rayloc
