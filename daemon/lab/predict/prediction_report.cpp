@@ -8,7 +8,9 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "daemon/base/arrays/npz_file.h"
+#include "daemon/lab/draw/picture_bytes.h"
 #include "daemon/lab/draw/room_map.h"
+#include "daemon/site/model/site_copy.h"
 #include "daemon/site/plan/palette.h"
 #include "engine/base/median.h"
 
@@ -80,6 +82,27 @@ Expected<void> write_npz(const Prediction& prediction, const std::string& path) 
   file->add("error", error, {places, draws});
   file->add("estimate", estimate, {places, draws, 3});
   return file->close();
+}
+
+Expected<void> check_prediction_file(const std::string& file) {
+  if (!is_npz(file) && !file.ends_with(".csv") && !file.ends_with(".svg") &&
+      !file.ends_with(".png")) {
+    return make_error(ErrorKind::kUsage, "--out " + file + ": write .png, .svg, .csv or .npz");
+  }
+  return {};
+}
+
+Expected<void> write_prediction(const Prediction& prediction,
+                                const RoomModel& room,
+                                const std::string& file) {
+  if (is_npz(file)) {
+    return write_npz(prediction, file);
+  }
+  if (file.ends_with(".csv")) {
+    return write_file(file, prediction_csv(prediction));
+  }
+  const auto bytes = draw::picture_bytes(prediction_picture(prediction, room), file);
+  return bytes ? write_file(file, *bytes) : tl::make_unexpected(bytes.error());
 }
 
 }  // namespace rayloc

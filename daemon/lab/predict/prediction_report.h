@@ -24,4 +24,13 @@ std::string prediction_csv(const Prediction& prediction);
 // position [place][3], error [place][draw], estimate [place][draw][3], all in metres.
 Expected<void> write_npz(const Prediction& prediction, const std::string& path);
 
+// Returns an Error (kUsage) for an ending other than .png, .svg, .csv and .npz.
+Expected<void> check_prediction_file(const std::string& file);
+
+// Writes one of the above, by the ending of the name. REQUIRES: check_prediction_file().
+// kUnavailable if it cannot be written.
+Expected<void> write_prediction(const Prediction& prediction,
+                                const RoomModel& room,
+                                const std::string& file);
+
 }  // namespace rayloc
