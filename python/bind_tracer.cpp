@@ -6,7 +6,7 @@
 
 #include <pybind11/stl.h>
 
-#include "daemon/cli/arguments/gradient_argument.h"
+#include "daemon/lab/trace/named_parameters.h"
 #include "engine/base/parallel.h"
 #include "engine/trace/diffuse/rough_materials.h"
 #include "engine/trace/link_change.h"
@@ -178,7 +178,7 @@ Source: engine/trace/path_tracer.h.)")
 NamedParameters parameters_of(const std::vector<std::string>& names, const Scene& scene) {
   NamedParameters found;
   for (const std::string& name : names) {
-    for (auto& each : value_of(cli::parse_parameters(name, scene))) {
+    for (auto& each : value_of(parse_parameters(name, scene))) {
       found.names.push_back(std::move(each.name));
       found.parameters.push_back(each.parameter);
     }

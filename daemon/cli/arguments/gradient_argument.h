@@ -1,35 +1,17 @@
-// `--gradient power:WHAT`: selects derivatives of the received power.
-//
-// WHAT is one or more of, separated by commas:
-//   rx, tx                              position, x y z [1/m]
-//   rx_orientation, tx_orientation      yaw pitch roll [1/rad]
-//   rx_array_turn, tx_array_turn        the same about the origin of the antenna's array [1/rad]
-//   NAME (or object.NAME)               translation of that object, x y z [1/m]
-// each with ".0", ".1" or ".2" behind it for one of the three only, and
-//   rx_gain, tx_gain                    amplitude factor of the antenna
-//   offset.NAME                         of each surface of the object along its normal [1/m]
-//   eps_r.NAME, sigma.NAME, thickness.NAME   of that material
-// The three are named NAME.0 to NAME.2 in the answer, an object's surfaces offset.NAME.0 and so on.
+// `--gradient power:WHAT`: selects derivatives of the received power; WHAT as in
+// parse_parameters().
 #pragma once
 
 #include <string>
 #include <vector>
 
+#include "daemon/lab/trace/named_parameters.h"
 #include "engine/base/expected.h"
 #include "engine/scene/scene.h"
-#include "engine/trace/parameter.h"
 
 namespace rayloc::cli {
 
-struct NamedParameter {
-  std::string name;  // "rx.0", "table.2", "eps_r.wood"
-  Parameter parameter;
-};
-
-// Errors (kUsage) name the unknown name and the closest valid one.
+// Errors (kUsage) name the option, the unknown name and the closest valid one.
 Expected<std::vector<NamedParameter>> parse_gradient(const std::string& text, const Scene& scene);
-
-// The same for WHAT alone; errors do not mention the option.
-Expected<std::vector<NamedParameter>> parse_parameters(const std::string& what, const Scene& scene);
 
 }  // namespace rayloc::cli

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "daemon/cli/arguments/number_list.h"
-#include "daemon/site/scene/solid_around.h"
 #include "engine/base/suggestion.h"
 
 namespace rayloc::cli {
@@ -163,18 +162,6 @@ Expected<Link> parse_link(const LinkArguments& arguments) {
                       "--tx and --rx are the same point; give two different points");
   }
   return Link{Transmitter{*tx}, Receiver{*rx}};
-}
-
-std::string note_on_ends(const Scene& scene, const Link& link) {
-  std::string note;
-  for (const auto& [name, position] : {std::pair("transmitter", link.transmitter.position),
-                                       std::pair("receiver", link.receiver.position)}) {
-    if (const auto around = solid_around(scene, position)) {
-      note += (note.empty() ? "" : "; ") + std::string("the ") + name + " is inside of object '" +
-              scene.objects()[*around].name + "'";
-    }
-  }
-  return note;
 }
 
 }  // namespace rayloc::cli

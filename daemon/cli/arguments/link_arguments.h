@@ -2,14 +2,13 @@
 // selection of paths between them.
 #pragma once
 
-#include <memory>
 #include <optional>
 #include <string>
 
 #include "daemon/cli/command/option_parser.h"
+#include "daemon/lab/trace/trace_link.h"
 #include "daemon/site/scene/scene_source.h"
 #include "engine/base/expected.h"
-#include "engine/trace/radio_device.h"
 #include "engine/trace/trace_options.h"
 
 namespace rayloc::cli {
@@ -37,16 +36,7 @@ void declare_link(OptionParser& app, LinkArguments& arguments);
 // Adds --pattern, --polarization, --orientation-tx and --orientation-rx.
 void declare_antennas(OptionParser& app, LinkArguments& arguments);
 
-struct Link {
-  Transmitter transmitter;
-  Receiver receiver;
-};
-
 // The antennas at two distinct positions. Errors are of kind kUsage.
 Expected<Link> parse_link(const LinkArguments& arguments);
-
-// Explains why a link has no path or is probably not the intended one: "the transmitter is inside
-// of object 'x', where it receives nothing"; empty if there is no problem.
-std::string note_on_ends(const Scene& scene, const Link& link);
 
 }  // namespace rayloc::cli

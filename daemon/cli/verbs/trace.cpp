@@ -1,24 +1,21 @@
 // `rayloc trace`: the paths between two antennas, their channel and its derivatives.
-#include <array>
-#include <cmath>
-#include <complex>
 #include <cstdio>
 #include <memory>
 #include <string>
-#include <vector>
+#include <utility>
 
 #include "daemon/base/arrays/npz_file.h"
 #include "daemon/cli/arguments/gradient_argument.h"
+#include "daemon/cli/arguments/grid_argument.h"
 #include "daemon/cli/arguments/link_arguments.h"
-#include "daemon/cli/arguments/number_list.h"
-#include "daemon/cli/arguments/trace_arrays.h"
-#include "daemon/cli/arguments/trace_report.h"
 #include "daemon/cli/command/file_error.h"
 #include "daemon/cli/verbs/verbs.h"
+#include "daemon/lab/trace/trace_arrays.h"
+#include "daemon/lab/trace/trace_link.h"
+#include "daemon/lab/trace/trace_report.h"
 #include "daemon/site/scene/scene_notes.h"
+#include "daemon/site/scene/scene_source.h"
 #include "engine/base/printable.h"
-#include "engine/trace/diffuse/diffuse_tracer.h"
-#include "engine/trace/path_tracer.h"
 
 namespace rayloc::cli {
 namespace {
@@ -32,93 +29,20 @@ struct TraceArguments {
   bool json = false;
 };
 
-// The tones CENTRE + (j - COUNT / 2) SPACING, as those of 802.11 are numbered.
-Expected<OfdmGrid> parse_grid(const std::string& text) {
-  constexpr double kMaxTones = 65'536;
-  std::array<double, 3> v{};
-  const std::string example = "5.19e9,312500,128";
-  if (auto parsed = parse_number_list("--cfr", text, example, v); !parsed) {
-    return tl::make_unexpected(parsed.error());
+Expected<void> write_trace(const LinkTrace& traced,
+                           const Scene& scene,
+                           const TraceArguments& arguments) {
+  if (!traced.note.empty()) {
+    std::fprintf(stderr, "rayloc trace: %s\n", printable(traced.note).c_str());
   }
-  const auto [centre, spacing, count] = v;
-  if (!(centre > 0.0) || !(spacing > 0.0) || count != std::trunc(count) || count < 1.0 ||
-      count > kMaxTones) {
-    return make_error(ErrorKind::kUsage,
-                      "--cfr " + text +
-                          ": write the centre and the spacing of the tones in Hz, and their number "
-                          "from 1 to 65536: --cfr " +
-                          example);
+  if (!arguments.out.empty()) {
+    return write_npz(traced, scene, arguments.out);
   }
-  OfdmGrid grid{centre, spacing, {}};
-  const int tones = static_cast<int>(count);
-  for (int j = 0; j < tones; ++j) {
-    grid.tone_index.push_back(static_cast<std::int16_t>(j - tones / 2));
-  }
-  return grid;
-}
-
-Expected<void> add_gradient(const ReceiverTracer& tracer,
-                            const Transmitter& transmitter,
-                            const OfdmGrid& grid,
-                            const std::vector<NamedParameter>& named,
-                            TraceReport& report) {
-  std::vector<Parameter> parameters;
-  parameters.reserve(named.size());
-  for (const NamedParameter& each : named) {
-    parameters.push_back(each.parameter);
-  }
-  const auto derivatives = tracer.differentiate(transmitter, report.paths, parameters);
-  if (!derivatives) {
-    return tl::make_unexpected(derivatives.error());
-  }
-  std::vector<std::complex<double>> adjoint = report.paths.cfr(grid);
-  report.power = 0.0;
-  for (std::complex<double>& h : adjoint) {
-    *report.power += std::norm(h);
-    h *= 2.0;
-  }
-  const std::vector<double> gradient = derivatives->loss_gradient(report.paths, grid, adjoint);
-  for (std::size_t i = 0; i < named.size(); ++i) {
-    report.gradient.emplace_back(named[i].name, gradient[i]);
-  }
+  std::fputs(
+      (arguments.json ? trace_json(traced, scene) : printable(trace_table(traced, scene), '\n'))
+          .c_str(),
+      stdout);
   return {};
-}
-
-Expected<TraceReport> trace(const TraceArguments& arguments,
-                            const Link& link,
-                            const OfdmGrid& grid,
-                            const std::shared_ptr<const Scene>& scene) {
-  std::vector<NamedParameter> parameters;
-  if (!arguments.gradient.empty()) {
-    auto parsed = parse_gradient(arguments.gradient, *scene);
-    if (!parsed) {
-      return tl::make_unexpected(parsed.error());
-    }
-    parameters = *std::move(parsed);
-  }
-  const ReceiverTracer tracer = PathTracer(scene, arguments.link.options).at(link.receiver);
-  TraceReport report;
-  report.paths = tracer.trace(link.transmitter);
-  report.note = note_on_ends(*scene, link);
-  if (report.paths.empty()) {
-    report.note += (report.note.empty() ? "" : "; ") + std::string("no path");
-  }
-  if (arguments.link.options.diffuse) {
-    if (auto scatters = check_scatters(*scene); !scatters) {
-      return tl::make_unexpected(scatters.error());
-    }
-    report.diffuse = DiffuseTracer(scene, arguments.link.options, arguments.diffuse)
-                         .density(link.transmitter, link.receiver);
-  }
-  if (!arguments.cfr.empty()) {
-    report.cfr = report.paths.cfr(grid);
-  }
-  if (!parameters.empty()) {
-    if (auto added = add_gradient(tracer, link.transmitter, grid, parameters, report); !added) {
-      return tl::make_unexpected(added.error());
-    }
-  }
-  return report;
 }
 
 Expected<void> run_trace(const TraceArguments& arguments) {
@@ -126,12 +50,13 @@ Expected<void> run_trace(const TraceArguments& arguments) {
   if (!link) {
     return tl::make_unexpected(link.error());
   }
-  Expected<OfdmGrid> grid = OfdmGrid{};
+  LinkTraceOptions options{arguments.link.options, arguments.diffuse, {}, {}};
   if (!arguments.cfr.empty()) {
-    grid = parse_grid(arguments.cfr);
-  }
-  if (!grid) {
-    return tl::make_unexpected(grid.error());
+    auto tones = parse_grid(arguments.cfr);
+    if (!tones) {
+      return tl::make_unexpected(std::move(tones.error()));
+    }
+    options.tones = *std::move(tones);
   }
   const auto source = load_scene_source(arguments.link.scene, arguments.link.frequency);
   if (!source) {
@@ -142,24 +67,15 @@ Expected<void> run_trace(const TraceArguments& arguments) {
   }
   const Scene& scene = *source->scene;
   print_scene_notes(scene);
-  if (arguments.cfr.empty()) {
-    grid = OfdmGrid{scene.carrier_hz(), 0.0, {0}};  // for a gradient: the carrier alone
+  if (!arguments.gradient.empty()) {
+    auto parameters = parse_gradient(arguments.gradient, scene);
+    if (!parameters) {
+      return tl::make_unexpected(std::move(parameters.error()));
+    }
+    options.gradient = *std::move(parameters);
   }
-  const auto report = trace(arguments, *link, *grid, source->scene);
-  if (!report) {
-    return tl::make_unexpected(report.error());
-  }
-  if (!report->note.empty()) {
-    std::fprintf(stderr, "rayloc trace: %s\n", printable(report->note).c_str());
-  }
-  if (!arguments.out.empty()) {
-    return write_npz(*report, *grid, scene, arguments.out);
-  }
-  std::fputs(
-      (arguments.json ? trace_json(*report, scene) : printable(trace_table(*report, scene), '\n'))
-          .c_str(),
-      stdout);
-  return {};
+  const auto traced = trace_link(source->scene, *link, options);
+  return traced ? write_trace(*traced, scene, arguments) : tl::make_unexpected(traced.error());
 }
 
 RunVerb declare_trace(OptionParser& app) {

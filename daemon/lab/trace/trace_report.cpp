@@ -1,4 +1,4 @@
-#include "daemon/cli/arguments/trace_report.h"
+#include "daemon/lab/trace/trace_report.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 #include "engine/base/constants.h"
 #include "engine/trace/interactions/interaction.h"
 
-namespace rayloc::cli {
+namespace rayloc {
 namespace {
 
 std::string kinds_of(const Path& path) {
@@ -106,40 +106,40 @@ std::string diffuse_json(const DiffuseDensity& density) {
 
 }  // namespace
 
-std::string trace_json(const TraceReport& report, const Scene& scene) {
+std::string trace_json(const LinkTrace& traced, const Scene& scene) {
   std::string text =
       fmt::format(R"({{"frequency":{},"paths":{})",
                   number(scene.carrier_hz()),
-                  array(report.paths, [&](const Path& path) { return path_json(path, scene); }));
-  if (report.cfr) {
-    text += ",\"cfr\":" + array(*report.cfr, [](const std::complex<double>& h) {
+                  array(traced.paths, [&](const Path& path) { return path_json(path, scene); }));
+  if (traced.cfr) {
+    text += ",\"cfr\":" + array(*traced.cfr, [](const std::complex<double>& h) {
               return fmt::format("[{},{}]", number(h.real()), number(h.imag()));
             });
   }
-  if (report.power) {
-    text += ",\"power\":" + number(*report.power) + ",\"gradient\":{";
-    for (std::size_t i = 0; i < report.gradient.size(); ++i) {
-      const auto& [name, value] = report.gradient[i];
+  if (traced.power) {
+    text += ",\"power\":" + number(*traced.power) + ",\"gradient\":{";
+    for (std::size_t i = 0; i < traced.gradient.size(); ++i) {
+      const auto& [name, value] = traced.gradient[i];
       text += (i > 0 ? "," : "") + quoted(name) + ":" + number(value);
     }
     text += "}";
   }
-  if (report.diffuse) {
-    text += ",\"diffuse\":" + diffuse_json(*report.diffuse);
+  if (traced.diffuse) {
+    text += ",\"diffuse\":" + diffuse_json(*traced.diffuse);
   }
-  return text + (report.note.empty() ? "" : ",\"note\":" + quoted(report.note)) + "}\n";
+  return text + (traced.note.empty() ? "" : ",\"note\":" + quoted(traced.note)) + "}\n";
 }
 
-std::string trace_table(const TraceReport& report, const Scene& scene) {
+std::string trace_table(const LinkTrace& traced, const Scene& scene) {
   std::vector<const Path*> strongest_first;
-  for (const Path& path : report.paths) {
+  for (const Path& path : traced.paths) {
     strongest_first.push_back(&path);
   }
   std::stable_sort(strongest_first.begin(), strongest_first.end(), [](auto* a, auto* b) {
     return abs2(a->a) > abs2(b->a);
   });
   std::string text =
-      fmt::format("{} paths at {:.6g} GHz\n", report.paths.size(), scene.carrier_hz() / 1e9);
+      fmt::format("{} paths at {:.6g} GHz\n", traced.paths.size(), scene.carrier_hz() / 1e9);
   if (!strongest_first.empty()) {
     text += fmt::format("{:<6} {:>10} {:>11} {:>10} {:>8} {:>8} {:>8} {:>8}  {}\n",
                         "kinds",
@@ -155,26 +155,26 @@ std::string trace_table(const TraceReport& report, const Scene& scene) {
   for (const Path* path : strongest_first) {
     text += path_line(*path, scene);
   }
-  if (report.cfr) {
+  if (traced.cfr) {
     double power = 0.0;
-    for (const std::complex<double>& h : *report.cfr) {
+    for (const std::complex<double>& h : *traced.cfr) {
       power += std::norm(h);
     }
     text += fmt::format("mean of |h|^2 over {} tones: {:.2f} dB\n",
-                        report.cfr->size(),
-                        10.0 * std::log10(power / static_cast<double>(report.cfr->size())));
+                        traced.cfr->size(),
+                        10.0 * std::log10(power / static_cast<double>(traced.cfr->size())));
   }
-  if (report.diffuse) {
-    const PowerDelay found = report.diffuse->power_delay();
+  if (traced.diffuse) {
+    const PowerDelay found = traced.diffuse->power_delay();
     text += fmt::format("scattered: {:.2f} dB, mean delay {:.2f} ns, delay spread {:.2f} ns\n",
                         10.0 * std::log10(found.power),
                         found.mean_delay * 1e9,
                         found.delay_spread * 1e9);
   }
-  for (const auto& [name, value] : report.gradient) {
+  for (const auto& [name, value] : traced.gradient) {
     text += fmt::format("d power / d {:<24} {:.9g}\n", name, value);
   }
   return text;
 }
 
-}  // namespace rayloc::cli
+}  // namespace rayloc

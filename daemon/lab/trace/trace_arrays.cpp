@@ -1,4 +1,4 @@
-#include "daemon/cli/arguments/trace_arrays.h"
+#include "daemon/lab/trace/trace_arrays.h"
 
 #include <algorithm>
 #include <complex>
@@ -10,7 +10,7 @@
 #include "daemon/base/arrays/npz_file.h"
 #include "engine/trace/interactions/interaction.h"
 
-namespace rayloc::cli {
+namespace rayloc {
 namespace {
 
 struct Columns {
@@ -50,23 +50,23 @@ Columns columns_of(const Paths& paths) {
   return columns;
 }
 
-void add_channel(const TraceReport& report, const OfdmGrid& grid, NpzFile& file) {
-  if (report.cfr) {
+void add_channel(const LinkTrace& traced, NpzFile& file) {
+  if (traced.cfr) {
     std::vector<double> frequencies;
-    for (std::size_t j = 0; j < grid.size(); ++j) {
-      frequencies.push_back(grid.frequency_hz(j));
+    for (std::size_t j = 0; j < traced.tones.size(); ++j) {
+      frequencies.push_back(traced.tones.frequency_hz(j));
     }
-    file.add("frequencies", frequencies, {grid.size()});
-    file.add("cfr", *report.cfr, {grid.size()});
+    file.add("frequencies", frequencies, {traced.tones.size()});
+    file.add("cfr", *traced.cfr, {traced.tones.size()});
   }
-  if (report.power) {
+  if (traced.power) {
     std::vector<std::string> names;
     std::vector<double> values;
-    for (const auto& [name, value] : report.gradient) {
+    for (const auto& [name, value] : traced.gradient) {
       names.push_back(name);
       values.push_back(value);
     }
-    file.add("power", std::vector<double>{*report.power}, {});
+    file.add("power", std::vector<double>{*traced.power}, {});
     file.add_texts("gradient_names", names);
     file.add("gradient", values, {values.size()});
   }
@@ -74,16 +74,13 @@ void add_channel(const TraceReport& report, const OfdmGrid& grid, NpzFile& file)
 
 }  // namespace
 
-Expected<void> write_npz(const TraceReport& report,
-                         const OfdmGrid& grid,
-                         const Scene& scene,
-                         const std::string& path) {
+Expected<void> write_npz(const LinkTrace& traced, const Scene& scene, const std::string& path) {
   auto file = NpzFile::create(path);
   if (!file) {
     return tl::make_unexpected(std::move(file.error()));
   }
-  const Columns columns = columns_of(report.paths);
-  const std::size_t count = report.paths.size();
+  const Columns columns = columns_of(traced.paths);
+  const std::size_t count = traced.paths.size();
   std::vector<std::string> names;
   for (const SceneObject& object : scene.objects()) {
     names.push_back(object.name);
@@ -96,8 +93,8 @@ Expected<void> write_npz(const TraceReport& report,
   file->add("vertices", columns.vertices, {columns.depth, count, 3});
   file->add_texts("object_names", names);
   file->add("frequency", std::vector<double>{scene.carrier_hz()}, {});
-  add_channel(report, grid, *file);
+  add_channel(traced, *file);
   return file->close();
 }
 
-}  // namespace rayloc::cli
+}  // namespace rayloc
