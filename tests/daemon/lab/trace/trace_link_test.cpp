@@ -14,7 +14,7 @@ namespace {
 
 // A closed box beside the line between the antennas.
 std::shared_ptr<const Scene> box() {
-  return test::make_scene({{"box", test::box_mesh({4, 4, 0}, {5, 5, 1})},
+  return test::make_scene({{"box", test::box_mesh({4, 4, 0.2}, {5, 5, 1.2})},
                            {"floor", test::rectangle_mesh({-9, -9, 0}, {20, 0, 0}, {0, 20, 0})}},
                           test::kConcrete);
 }
@@ -64,7 +64,7 @@ TEST(TraceLink, DerivativesAreOfTheCarrierWithoutTones) {
 
 TEST(TraceLink, NoPathIsAResultWithANote) {
   const auto scene = box();
-  const auto traced = trace_link(scene, link_between({4.5, 4.5, 0.5}, {2, 0, 1}), {});
+  const auto traced = trace_link(scene, link_between({4.5, 4.5, 0.7}, {2, 0, 1}), {});
   ASSERT_TRUE(traced) << traced.error().message;
   EXPECT_TRUE(traced->paths.empty());
   EXPECT_EQ(traced->note, "the transmitter is inside of object 'box'; no path");
