@@ -1,6 +1,6 @@
 // parse_parameters: the parameters of a scene and of the two ends of a link, selected by name.
 //
-// A list of one or more of, separated by commas:
+// A list with commas between its items, each one of:
 //   rx, tx                              position, x y z [1/m]
 //   rx_orientation, tx_orientation      yaw pitch roll [1/rad]
 //   rx_array_turn, tx_array_turn        the same about the origin of the antenna's array [1/rad]
