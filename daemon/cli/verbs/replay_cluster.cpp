@@ -2,11 +2,20 @@
 
 #include <chrono>
 #include <cstdio>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
+#include "daemon/cli/verbs/replay_files.h"
+#include "daemon/cli/verbs/replay_report.h"
+#include "daemon/live/cluster/broker.h"
 #include "daemon/live/cluster/cluster_view.h"
 #include "daemon/live/cluster/history/fill_replay.h"
+#include "daemon/live/cluster/history/stream_replay.h"
+#include "daemon/live/cluster/site_start.h"
 #include "engine/base/printable.h"
 
 namespace rayloc::cli {
@@ -29,12 +38,10 @@ Expected<void> replay_history(Broker& broker, const StreamReplay& replay, bool q
   return {};
 }
 
-}  // namespace
-
-Expected<void> replay_cluster(const BrokerOptions& server,
-                              const StreamReplay& replay,
-                              bool fill,
-                              bool quiet) {
+Expected<void> compare_with_published(const BrokerOptions& server,
+                                      const StreamReplay& replay,
+                                      bool fill,
+                                      bool quiet) {
   const auto broker = open_broker(server);
   if (!broker) {
     return tl::make_unexpected(broker.error());
@@ -69,6 +76,45 @@ Expected<void> replay_cluster(const BrokerOptions& server,
                                   report->differing));
   }
   return {};
+}
+
+}  // namespace
+
+Expected<void> replay_cluster(const ReplayArguments& arguments,
+                              const Site& site,
+                              const ReplayOptions& options) {
+  auto files = ReplayFiles::open(arguments.format, {arguments.out, arguments.zone_events});
+  if (!files) {
+    return tl::make_unexpected(files.error());
+  }
+  StreamReplay replay;
+  replay.site = site.name;
+  replay.uninterrupted = arguments.uninterrupted;
+  replay.access_points = access_point_ids(site);
+  replay.on_result = [&](const v1::OutputItem& item) {
+    if (item.has_location()) {
+      files->write_location(item.location());
+    } else if (item.has_zone()) {
+      files->write_event(item.zone());
+    }
+  };
+  replay.run = [&](const SiteStart& start,
+                   std::vector<std::unique_ptr<DatagramSource>> sources,
+                   LocationSink& sink) {
+    return replay_streams(site,
+                          options,
+                          {std::move(sources), start.from, start.carried},
+                          sink,
+                          replay_observer(arguments.quiet));
+  };
+  BrokerOptions broker = arguments.broker;
+  broker.servers = {arguments.stream};
+  broker.name = "rayloc replay";
+  Expected<void> replayed = compare_with_published(broker, replay, arguments.fill, arguments.quiet);
+  if (Expected<void> closed = files->close(); !closed) {
+    return closed;
+  }
+  return replayed;
 }
 
 }  // namespace rayloc::cli

@@ -1,17 +1,16 @@
-// `rayloc replay --stream`: connects and reports the comparison.
+// `rayloc replay --stream`: replays the streams of a cluster's broker and reports the comparison.
 #pragma once
 
-#include "daemon/live/cluster/broker.h"
-#include "daemon/live/cluster/history/stream_replay.h"
+#include "daemon/cli/verbs/replay_arguments.h"
 #include "engine/base/expected.h"
 
 namespace rayloc::cli {
 
-// Returns an Error if a result differs from the published one.
-// `fill`: instead publishes what an outage kept from the stream.
-Expected<void> replay_cluster(const BrokerOptions& server,
-                              const StreamReplay& replay,
-                              bool fill,
-                              bool quiet);
+// Replays the owners of a site one after the other, each with estimators of its own. Returns an
+// Error if a result differs from the published one. With --fill it replays instead what an outage
+// kept from the stream.
+Expected<void> replay_cluster(const ReplayArguments& arguments,
+                              const Site& site,
+                              const ReplayOptions& options);
 
 }  // namespace rayloc::cli

@@ -102,10 +102,6 @@ TEST(Replay, RefusesWhatItCannotGoOnWith) {
   EXPECT_EQ(time.status, 64);
   EXPECT_NE(time.err.find("--from yesterday"), std::string::npos) << time.err;
   EXPECT_EQ(replay({kSite, capture, "--carried", "missing.jsonl"}).status, 65);
-  const Finished record = replay({kSite, capture, "--carried", kSite + "/site.toml"});
-  EXPECT_EQ(record.status, 65);
-  EXPECT_NE(record.err.find("site.toml:1: no record of --carried-out"), std::string::npos)
-      << record.err;
 }
 
 class CutReplay : public test::VerbFolder {

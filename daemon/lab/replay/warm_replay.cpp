@@ -1,4 +1,4 @@
-#include "daemon/cli/verbs/warm_replay.h"
+#include "daemon/lab/replay/warm_replay.h"
 
 #include <fstream>
 #include <optional>
@@ -11,7 +11,7 @@
 #include "daemon/messages/proto_time.h"
 #include "daemon/pipeline/output/carried_message.h"
 
-namespace rayloc::cli {
+namespace rayloc {
 namespace {
 
 Expected<std::optional<Timestamp>> parse_from(const std::string& text) {
@@ -53,47 +53,22 @@ Expected<std::vector<Carried>> read_records(const std::string& file) {
 
 }  // namespace
 
-void add_warm_replay_options(OptionParser& app, WarmReplayArguments& arguments) {
-  app.add_option(
-      "--from",
-      arguments.from,
-      "write no results of instants before this time, as in locations: 2024-06-10T06:13:35.5Z");
-  app.add_option("--warm-up",
-                 arguments.warm_up,
-                 "seconds before that from which frames are processed, without results")
-      ->check(in_range(0.0, 3600.0))
-      ->capture_default_str();
-  app.add_option("--carried",
-                 arguments.carried,
-                 "file of --carried-out: go on with its bursts, numbers and stays in zones, as if "
-                 "there had been no break; without --from, from the last record on");
-  app.add_option("--carried-out",
-                 arguments.carried_out,
-                 "file for what a replay needs that is to go on from there, a record a line");
-  app.add_option("--carried-every",
-                 arguments.carried_every,
-                 "seconds of the recording from one record to the next")
-      ->check(in_range(0.01, 3600.0))
-      ->capture_default_str();
-}
-
-Expected<WarmStart> warm_start_of(const WarmReplayArguments& arguments) {
-  const auto from = parse_from(arguments.from);
+Expected<WarmStart> warm_start_of(const WarmReplay& replay) {
+  const auto from = parse_from(replay.from);
   if (!from) {
     return tl::make_unexpected(from.error());
   }
   std::vector<Carried> records;
-  if (!arguments.carried.empty()) {
-    auto read = read_records(arguments.carried);
+  if (!replay.carried.empty()) {
+    auto read = read_records(replay.carried);
     if (!read) {
       return tl::make_unexpected(std::move(read.error()));
     }
     records = *std::move(read);
   }
-  auto start = warm_start(records, *from, from_seconds(arguments.warm_up));
+  auto start = warm_start(records, *from, replay.warm_up);
   if (!start) {
-    return bad_input(arguments.carried + ": " + start.error().message + " than --from " +
-                     arguments.from);
+    return bad_input(replay.carried + ": " + start.error().message + " than --from " + replay.from);
   }
   return start;
 }
@@ -102,4 +77,4 @@ std::string carried_line(const Carried& carried) {
   return to_json(carried_message(carried)).value() + "\n";
 }
 
-}  // namespace rayloc::cli
+}  // namespace rayloc

@@ -1,0 +1,129 @@
+#include "daemon/lab/replay/replay.h"
+
+#include <cstddef>
+#include <utility>
+
+#include "daemon/pipeline/ordered_sink.h"
+#include "daemon/pipeline/zones/zone_estimator.h"
+#include "daemon/site/model/site_lacks.h"
+
+namespace rayloc {
+namespace {
+
+// Frame limit of a burst at an access point: above the number that any access point sends in it.
+constexpr std::size_t kEveryFrame = 4096;
+
+// Passes carried records on beside ordered locations.
+class ReplaySink : public OrderedSink {
+ public:
+  ReplaySink(const ReplayOutput& output, Duration lag)
+      : OrderedSink(output.on_location, output.on_zone_event, lag),
+        on_carried_(output.on_carried) {}
+  void carried(Carried&& carried) override {
+    if (on_carried_) {
+      on_carried_(carried);
+    }
+  }
+
+ private:
+  std::function<void(const Carried&)> on_carried_;
+};
+
+PipelineOptions pipeline_options(const ReplayOptions& replay) {
+  PipelineOptions options;
+  options.burst.length = replay.burst;
+  options.overflow = Overflow::kWait;
+  if (replay.estimators.method->needs_every_frame) {
+    options.burst.max_frames = kEveryFrame;
+  }
+  return options;
+}
+
+}  // namespace
+
+Expected<PreparedReplay> prepare_replay(const Site& site,
+                                        const ReplayOptions& options,
+                                        const ReplayRecordings& recordings,
+                                        const WarmReplay& warm,
+                                        const Observer& observer) {
+  auto start = warm_start_of(warm);
+  if (!start) {
+    return tl::make_unexpected(std::move(start.error()));
+  }
+  auto inputs =
+      open_replay_inputs(recordings, site, *options.estimators.method, start->listen_from);
+  if (!inputs) {
+    return tl::make_unexpected(std::move(inputs.error()));
+  }
+  auto estimators = make_replay_estimators(options.estimators, site, start->carried, observer);
+  if (!estimators) {
+    return tl::make_unexpected(std::move(estimators.error()));
+  }
+  return PreparedReplay{
+      site, options, *std::move(start), *std::move(inputs), *std::move(estimators)};
+}
+
+ReplaySummary run_replay(PreparedReplay& replay, Duration carry_every, const ReplayOutput& output) {
+  PipelineOptions options = pipeline_options(replay.options);
+  options.open = replay.start.open;
+  options.from = replay.start.from;
+  options.carry_every = carry_every;
+  ZoneEstimator zones(replay.estimators.all, replay.site.zones, replay.start.carried.get());
+  ReplaySink sink(output, replay.options.estimators.method->lag);
+  Pipeline pipeline(options, std::move(replay.inputs.inputs), zones, sink);
+  pipeline.start();
+  pipeline.wait();
+  sink.finish();
+  return replay_summary(pipeline, replay.inputs.sources);
+}
+
+ReplayNotices replay_notices(PreparedReplay& replay) {
+  ReplayNotices notices;
+  if (!replay.estimators.devices) {  // with people only, each estimate reports what is missing
+    return notices;
+  }
+  DeviceEstimator& devices = *replay.estimators.devices;
+  notices.chains = devices.chain_notices();
+  notices.chain_progress = devices.chain_progress();
+  const SiteLacks lacks = site_lacks(replay.site, devices.room(), replay.inputs.access_points);
+  notices.lacks =
+      replay.options.estimators.kind == ReplayKind::kAll ? lacks.all() : lacks.obstacles;
+  return notices;
+}
+
+Expected<void> replay_streams(const Site& site,
+                              const ReplayOptions& options,
+                              ReplayStreams streams,
+                              LocationSink& sink,
+                              const Observer& observer) {
+  auto estimators = make_replay_estimators(options.estimators, site, streams.carried, observer);
+  if (!estimators) {
+    return tl::make_unexpected(estimators.error());
+  }
+  std::vector<SourceInput> inputs(streams.sources.size());
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    inputs[i].access_point = site.access_points[i].id;
+    inputs[i].source = std::move(streams.sources[i]);
+    inputs[i].receiver = replay_receiver(site, static_cast<int>(i), *options.estimators.method);
+  }
+  PipelineOptions all = pipeline_options(options);
+  all.from = streams.from;
+  all.promises_are_kept = true;
+  if (streams.carried) {
+    all.open = streams.carried->open;
+  }
+  ZoneEstimator zones(estimators->all, site.zones, streams.carried.get());
+  Pipeline pipeline(all, std::move(inputs), zones, sink);
+  pipeline.start();
+  pipeline.wait();
+  return {};
+}
+
+void assume_height_sigma(double sigma, Site& site) {
+  site.targets.height_sigma = sigma;
+  for (SiteTransmitter& transmitter : site.transmitters) {
+    transmitter.height_sigma = sigma;
+  }
+}
+
+}  // namespace rayloc

@@ -1,0 +1,105 @@
+#include "daemon/lab/replay/replay_estimators.h"
+
+#include <utility>
+
+#include "daemon/messages/target_names.h"
+#include "engine/scene/scene.h"
+
+namespace rayloc {
+namespace {
+
+Expected<std::shared_ptr<TargetNames>> target_names(const ReplayEstimatorOptions& options) {
+  TargetNames::Options names;
+  if (!options.target_key.empty()) {
+    Expected<std::string> key = TargetNames::read_key(options.target_key);
+    if (!key) {
+      return tl::make_unexpected(key.error());
+    }
+    names.hashed = true;
+    names.key = *std::move(key);
+    names.period = options.target_period;
+  }
+  return std::make_shared<TargetNames>(std::move(names));
+}
+
+Expected<std::unique_ptr<DeviceEstimator>> make_device_estimator(
+    const ReplayEstimatorOptions& options,
+    const Site& site,
+    const std::shared_ptr<const Carried>& carried) {
+  DeviceEstimator::Options estimation;
+  auto names = target_names(options);
+  if (!names) {
+    return tl::make_unexpected(names.error());
+  }
+  estimation.names = *std::move(names);
+  estimation.method = options.method;
+  estimation.settings = options.settings;
+  estimation.settings.path_grids = options.path_grids;
+  estimation.chains = options.chains;
+  estimation.snapshots = options.snapshots;
+  estimation.before = carried;
+  return DeviceEstimator::create(site, estimation);
+}
+
+Expected<std::unique_ptr<PersonEstimator>> make_person_estimator(
+    const ReplayEstimatorOptions& options,
+    const Site& site,
+    const std::shared_ptr<const Carried>& carried) {
+  PersonEstimator::Options estimation;
+  estimation.method = options.method;
+  estimation.settings = options.settings;
+  estimation.before = carried;
+  return PersonEstimator::create(site, estimation);
+}
+
+}  // namespace
+
+Expected<void> check_replay_kind(const Method& method, ReplayKind kind) {
+  const std::string name(method.name);
+  if (kind == ReplayKind::kDevice && method.create_device == nullptr) {
+    return make_error(ErrorKind::kUsage, "--method " + name + " locates people; use --kind person");
+  }
+  if (kind == ReplayKind::kPerson && method.create_person == nullptr) {
+    return make_error(ErrorKind::kUsage,
+                      "--method " + name + " locates devices; use --kind device");
+  }
+  return {};
+}
+
+Expected<ReplayEstimators> make_replay_estimators(const ReplayEstimatorOptions& options,
+                                                  const Site& site,
+                                                  const std::shared_ptr<const Carried>& carried,
+                                                  const Observer& observer) {
+  const Method& method = *options.method;
+  if (auto checked = check_replay_kind(method, options.kind); !checked) {
+    return tl::make_unexpected(std::move(checked.error()));
+  }
+  ReplayEstimators estimators;
+  if (options.kind != ReplayKind::kPerson && method.create_device != nullptr) {
+    auto devices = make_device_estimator(options, site, carried);
+    if (!devices) {
+      return tl::make_unexpected(devices.error());
+    }
+    estimators.devices = *std::move(devices);
+    estimators.all.add(*estimators.devices);
+  }
+  // Without a reference no person can be located; a request for people alone gets that error.
+  if (options.kind == ReplayKind::kPerson || estimators.devices == nullptr ||
+      (options.kind == ReplayKind::kAll && method.create_person != nullptr &&
+       site.reference_file)) {
+    auto people = make_person_estimator(options, site, carried);
+    if (!people) {
+      return tl::make_unexpected(people.error());
+    }
+    estimators.people = *std::move(people);
+    estimators.all.add(*estimators.people);
+  }
+  const RoomModel& room =
+      estimators.devices ? estimators.devices->room() : estimators.people->room();
+  for (const SceneNote& note : room.scene->notes()) {
+    observer.note(to_line(note));
+  }
+  return estimators;
+}
+
+}  // namespace rayloc

@@ -1,0 +1,56 @@
+#include "daemon/lab/replay/replay_inputs.h"
+
+#include <memory>
+#include <utility>
+
+#include "daemon/lab/recordings/capture_argument.h"
+#include "daemon/pipeline/playback/later_source.h"
+#include "daemon/pipeline/playback/paced_source.h"
+#include "daemon/site/model/receiver_options.h"
+
+namespace rayloc {
+
+CsiReceiverOptions replay_receiver(const Site& site, int access_point, const Method& method) {
+  CsiReceiverOptions options = receiver_options(site, access_point);
+  options.accepts_hops = method.uses_every_channel;
+  return options;
+}
+
+Expected<ReplayInputs> open_replay_inputs(const ReplayRecordings& recordings,
+                                          const Site& site,
+                                          const Method& method,
+                                          Timestamp listen_from) {
+  const auto captures = cli::resolve_captures(
+      recordings.captures, access_point_ids(site), cli::PerAccessPoint::kSeveral);
+  if (!captures) {
+    return tl::make_unexpected(captures.error());
+  }
+  PcapFileOptions file_options;
+  file_options.max_gap = recordings.max_gap;
+  const auto pace =
+      recordings.speed ? std::make_shared<Pace>(*recordings.speed, recordings.max_gap) : nullptr;
+  ReplayInputs all;
+  for (const cli::RecordingArgument& recording : cli::recordings_of(*captures)) {
+    auto source = RecordedSource::open(recording.files, file_options);
+    if (!source) {
+      return tl::make_unexpected(source.error());
+    }
+    const int index = *find_access_point(site, recording.access_point);
+    SourceInput input;
+    input.access_point = recording.access_point;
+    all.sources.push_back(source->get());
+    all.access_points.push_back(index);
+    input.source = std::move(*source);
+    if (listen_from != Timestamp::min()) {
+      input.source = std::make_unique<LaterSource>(std::move(input.source), listen_from);
+    }
+    if (pace) {
+      input.source = std::make_unique<PacedSource>(std::move(input.source), pace);
+    }
+    input.receiver = replay_receiver(site, index, method);
+    all.inputs.push_back(std::move(input));
+  }
+  return all;
+}
+
+}  // namespace rayloc
