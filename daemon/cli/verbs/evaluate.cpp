@@ -1,12 +1,11 @@
 // `rayloc evaluate`: errors of estimates against surveyed truth.
-#include <chrono>
 #include <cstdio>
 #include <memory>
 #include <set>
 #include <string>
-#include <utility>
 #include <vector>
 
+#include "daemon/base/observer.h"
 #include "daemon/cli/verbs/verbs.h"
 #include "daemon/lab/evaluate/comparison.h"
 #include "daemon/lab/evaluate/comparison_plots.h"
@@ -34,8 +33,7 @@ struct EvaluateArguments {
   bool force = false;
 };
 
-// Warns that several devices are compared with one
-// truth. One person is as many targets as tracks.
+// Warns that several devices are compared with one truth. A person is as many targets as tracks.
 void warn_of_several_targets(const std::vector<PublishedEstimate>& estimates) {
   std::set<std::string> targets;
   for (const PublishedEstimate& estimate : estimates) {
@@ -64,6 +62,9 @@ Expected<void> run_evaluate(const EvaluateArguments& arguments) {
   if (!offset) {
     return tl::make_unexpected(offset.error());
   }
+  const Observer observer{{}, [](const std::string& note) {
+                            std::fprintf(stderr, "rayloc evaluate: %s\n", note.c_str());
+                          }};
   const auto comparison = compare_with_truth({arguments.estimates,
                                               arguments.truth,
                                               arguments.kind == "person",
@@ -73,7 +74,8 @@ Expected<void> run_evaluate(const EvaluateArguments& arguments) {
                                               arguments.site,
                                               arguments.fingerprints,
                                               arguments.points,
-                                              arguments.captures});
+                                              arguments.captures},
+                                             observer);
   if (!comparison) {
     return tl::make_unexpected(comparison.error());
   }

@@ -67,7 +67,9 @@ Expected<void> check(const ComparisonRequest& request) {
   return {};
 }
 
-Expected<void> add_controls(const ComparisonRequest& request, Comparison& comparison) {
+Expected<void> add_controls(const ComparisonRequest& request,
+                            const Observer& observer,
+                            Comparison& comparison) {
   if (request.site.empty()) {
     return {};
   }
@@ -94,7 +96,8 @@ Expected<void> add_controls(const ComparisonRequest& request, Comparison& compar
                                              request.captures,
                                              request.is_person,
                                              request.is_person ? "" : request.target};
-  auto errors = cli::fingerprint_errors(*comparison.site, fingerprints, comparison.recorded);
+  auto errors =
+      cli::fingerprint_errors(*comparison.site, fingerprints, comparison.recorded, observer);
   if (!errors) {
     return tl::make_unexpected(std::move(errors.error()));
   }
@@ -104,7 +107,8 @@ Expected<void> add_controls(const ComparisonRequest& request, Comparison& compar
 
 }  // namespace
 
-Expected<Comparison> compare_with_truth(const ComparisonRequest& request) {
+Expected<Comparison> compare_with_truth(const ComparisonRequest& request,
+                                        const Observer& observer) {
   if (auto checked = check(request); !checked) {
     return tl::make_unexpected(std::move(checked.error()));
   }
@@ -131,7 +135,7 @@ Expected<Comparison> compare_with_truth(const ComparisonRequest& request) {
   for (std::size_t i = 0; i < comparison.truth.size(); ++i) {
     comparison.results.push_back(evaluate_point(comparison.truth[i], comparison.matches[i]));
   }
-  if (auto added = add_controls(request, comparison); !added) {
+  if (auto added = add_controls(request, observer, comparison); !added) {
     return tl::make_unexpected(std::move(added.error()));
   }
   return comparison;

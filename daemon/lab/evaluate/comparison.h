@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "daemon/base/observer.h"
 #include "daemon/lab/evaluate/error_statistics.h"
 #include "daemon/lab/evaluate/estimates_file.h"
 #include "daemon/lab/evaluate/point_result.h"
@@ -49,6 +50,8 @@ struct Comparison {
 
 // Returns an Error if a file cannot be read, if no estimate
 // matches any point, or if the inputs of a control are incomplete.
-Expected<Comparison> compare_with_truth(const ComparisonRequest& request);
+// Reports notes on the recordings of the second control to `observer`.
+Expected<Comparison> compare_with_truth(const ComparisonRequest& request,
+                                        const Observer& observer = {});
 
 }  // namespace rayloc

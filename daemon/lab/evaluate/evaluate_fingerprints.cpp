@@ -1,7 +1,6 @@
 #include "daemon/lab/evaluate/evaluate_fingerprints.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <iterator>
 #include <string>
 #include <utility>
@@ -60,7 +59,8 @@ class WindowFrames {
 Expected<std::vector<Frames>> read_windows(const Site& site,
                                            const FingerprintRequest& request,
                                            const std::vector<CaptureArgument>& captures,
-                                           const std::vector<Window>& windows) {
+                                           const std::vector<Window>& windows,
+                                           const Observer& observer) {
   WindowFrames found(windows);
   std::vector<std::string> notes;
   for (const RecordingArgument& recording : recordings_of(captures)) {
@@ -78,7 +78,7 @@ Expected<std::vector<Frames>> read_windows(const Site& site,
     }
   }
   for (const std::string& note : notes) {
-    std::fprintf(stderr, "rayloc evaluate: %s\n", note.c_str());
+    observer.note(note);
   }
   if (!found.any()) {
     return bad_input(captures.front().file + ": no frame of a " +
@@ -119,7 +119,8 @@ Window window_of(const TruthPoint& point) {
 Expected<FingerprintMap> learn(const Site& site,
                                const FingerprintRequest& request,
                                const std::vector<CaptureArgument>& survey,
-                               std::vector<FingerprintMap::AccessPoint> access_points) {
+                               std::vector<FingerprintMap::AccessPoint> access_points,
+                               const Observer& observer) {
   const auto points = load_points_csv(request.points);
   if (!points) {
     return tl::make_unexpected(points.error());
@@ -128,7 +129,7 @@ Expected<FingerprintMap> learn(const Site& site,
   for (const SurveyPoint& point : *points) {
     windows.push_back({point.t_start, point.t_end});
   }
-  const auto frames = read_windows(site, request, survey, windows);
+  const auto frames = read_windows(site, request, survey, windows, observer);
   if (!frames) {
     return tl::make_unexpected(frames.error());
   }
@@ -146,7 +147,8 @@ Expected<FingerprintMap> learn(const Site& site,
 
 Expected<std::vector<double>> fingerprint_errors(const Site& site,
                                                  const FingerprintRequest& request,
-                                                 const std::vector<TruthPoint>& truth) {
+                                                 const std::vector<TruthPoint>& truth,
+                                                 const Observer& observer) {
   const auto ids = access_point_ids(site);
   const auto survey = resolve_captures(request.survey, ids, PerAccessPoint::kSeveral);
   const auto captures = resolve_captures(request.captures, ids, PerAccessPoint::kSeveral);
@@ -159,13 +161,13 @@ Expected<std::vector<double>> fingerprint_errors(const Site& site,
                       "--fingerprints and --capture share no access point: give the recordings of "
                       "the survey and of the target by the same one");
   }
-  const auto map = learn(site, request, *survey, std::move(common));
+  const auto map = learn(site, request, *survey, std::move(common), observer);
   if (!map) {
     return tl::make_unexpected(map.error());
   }
   std::vector<Window> windows;
   std::transform(truth.begin(), truth.end(), std::back_inserter(windows), window_of);
-  const auto frames = read_windows(site, request, *captures, windows);
+  const auto frames = read_windows(site, request, *captures, windows, observer);
   if (!frames) {
     return tl::make_unexpected(frames.error());
   }

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "daemon/base/observer.h"
 #include "daemon/lab/evaluate/truth.h"
 #include "daemon/site/model/site.h"
 #include "engine/base/expected.h"
@@ -21,8 +22,10 @@ struct FingerprintRequest {
 
 // One error per point of `truth`, whose times are those of the recordings; infinite without frames.
 // A spot uses the frames from its begin to its end, an instant those within 0.1 s to either side.
+// Reports notes on the recordings (clock steps, gaps, rejected packets) to `observer`.
 Expected<std::vector<double>> fingerprint_errors(const Site& site,
                                                  const FingerprintRequest& request,
-                                                 const std::vector<TruthPoint>& truth);
+                                                 const std::vector<TruthPoint>& truth,
+                                                 const Observer& observer);
 
 }  // namespace rayloc::cli
