@@ -1,15 +1,14 @@
-// `rayloc doctor FILE`: reports the problems of this
-// machine for the daemon that the file describes.
+// `rayloc doctor FILE`: reports the problems of this machine for the daemon that the file
+// describes.
 //
 // It only reads and changes nothing. One line per finding: ok, warning or problem, with a remedy.
 // The exit status is 69 if there is a problem.
 #include <unistd.h>
 
-#include <algorithm>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "daemon/cli/arguments/http_options.h"
@@ -20,9 +19,8 @@
 #include "daemon/live/config/config.h"
 #include "daemon/live/health/readiness.h"
 #include "daemon/live/machine/machine_check.h"
+#include "daemon/live/machine/reported_state.h"
 #include "daemon/live/machine/running_daemon.h"
-#include "daemon/live/machine/source_hints.h"
-#include "daemon/messages/json.h"
 #include "daemon/site/model/room_model.h"
 
 namespace rayloc::cli {
@@ -37,13 +35,8 @@ bool ask_for_sources(const HttpQuery& query, const Site& site, std::vector<Findi
                         "pass its token: --token-file"});
     return false;
   }
-  for (const nlohmann::json& source : sources->json) {
-    v1::SourceState state;
-    if (from_json(source.dump(), state)) {
-      for (Finding& hint : source_hints(state, site)) {
-        findings.push_back(std::move(hint));
-      }
-    }
+  for (Finding& fault : source_findings(sources->json, site)) {
+    findings.push_back(std::move(fault));
   }
   return true;
 }
@@ -64,24 +57,8 @@ void check_site_setup(const SiteSetup& setup, std::vector<Finding>& findings) {
   }
 }
 
-// Adds the entries of a /readyz list, except those that have been found here as well.
-void add_reported(const nlohmann::json& list,
-                  Finding::Kind kind,
-                  const std::function<bool(const std::string&)>& is_known,
-                  std::vector<Finding>& findings) {
-  for (const nlohmann::json& one : list) {
-    const std::string words = one.get<std::string>();
-    const bool is_found = std::any_of(
-        findings.begin(), findings.end(), [&](const Finding& f) { return f.what == words; });
-    if (!is_found && !is_known(words)) {
-      findings.push_back({kind, "raylocd: " + words, ""});
-    }
-  }
-}
-
-// Adds the state of a running daemon; no finding if none answers
-// (its ports are checked separately). With several sites, /readyz
-// prefixes each problem with its site, and sources are not queried.
+// Adds the state of a running daemon; no finding if none answers (its ports are checked
+// separately). With several sites, sources are not queried.
 void ask_daemon(const HttpQuery& query,
                 const Site& site,
                 bool has_site_list,
@@ -91,26 +68,7 @@ void ask_daemon(const HttpQuery& query,
     return;
   }
   const bool has_sources = !has_site_list && ask_for_sources(query, site, findings);
-  const nlohmann::json none = nlohmann::json::array();
-  const auto is_of_source = [&](const std::string& words) {
-    return has_sources && words.rfind("source ", 0) == 0;
-  };
-  add_reported(ready->json.value("reasons", none), Finding::Kind::kProblem, is_of_source, findings);
-  const auto is_of_clock = [](const std::string& words) {
-    return words.rfind("the clock ", 0) == 0;
-  };
-  add_reported(ready->json.value("warnings", none), Finding::Kind::kWarning, is_of_clock, findings);
-}
-
-// Finding for a daemon that runs and does not answer.
-Finding silent_daemon(pid_t process, bool has_http) {
-  const std::string what = "raylocd runs with this file as process " + std::to_string(process);
-  return has_http ? Finding{Finding::Kind::kWarning,
-                            what + " and does not answer yet: it is starting, or stopping",
-                            "try again when its log reports that it is running"}
-                  : Finding{Finding::Kind::kOk,
-                            what + ", and does not report its sources: [http] is not enabled",
-                            ""};
+  add_readiness(ready->json, has_sources, findings);
 }
 
 // Uses the address and token of the configuration file unless the options override them. An
