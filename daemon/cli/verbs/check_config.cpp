@@ -11,6 +11,7 @@
 #include <string>
 #include <system_error>
 
+#include "daemon/cli/arguments/scene_notes.h"
 #include "daemon/cli/command/file_error.h"
 #include "daemon/cli/command/verb.h"
 #include "daemon/cli/verbs/site_check.h"
@@ -21,7 +22,6 @@
 #include "daemon/site/model/room_match.h"
 #include "daemon/site/model/room_model.h"
 #include "daemon/site/model/site_lacks.h"
-#include "daemon/site/scene/scene_notes.h"
 
 namespace rayloc::cli {
 namespace {

@@ -14,12 +14,12 @@
 
 #include "daemon/cli/arguments/link_arguments.h"
 #include "daemon/cli/arguments/number_list.h"
+#include "daemon/cli/arguments/scene_notes.h"
 #include "daemon/cli/command/file_error.h"
 #include "daemon/cli/verbs/scene_verbs.h"
 #include "daemon/lab/draw/picture_bytes.h"
 #include "daemon/lab/predict/radio_map_report.h"
 #include "daemon/site/model/site_copy.h"
-#include "daemon/site/scene/scene_notes.h"
 #include "daemon/site/scene/scene_source.h"
 #include "engine/base/printable.h"
 #include "engine/trace/path_tracer.h"

@@ -12,12 +12,12 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "daemon/cli/arguments/link_arguments.h"
+#include "daemon/cli/arguments/scene_notes.h"
 #include "daemon/cli/command/file_error.h"
 #include "daemon/cli/verbs/scene_verbs.h"
 #include "daemon/lab/draw/picture_bytes.h"
 #include "daemon/lab/draw/scene_picture.h"
 #include "daemon/site/model/site_copy.h"
-#include "daemon/site/scene/scene_notes.h"
 #include "engine/trace/path_tracer.h"
 
 namespace rayloc::cli {

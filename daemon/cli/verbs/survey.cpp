@@ -18,6 +18,7 @@
 #include <nlohmann/json.hpp>
 
 #include "capture/source/transport_schemes.h"
+#include "daemon/cli/arguments/scene_notes.h"
 #include "daemon/cli/command/verb.h"
 #include "daemon/cli/terminal/line_input.h"
 #include "daemon/cli/terminal/stop_signal.h"
@@ -26,7 +27,6 @@
 #include "daemon/live/config/config.h"
 #include "daemon/live/config/source_url.h"
 #include "daemon/site/model/room_model.h"
-#include "daemon/site/scene/scene_notes.h"
 #include "daemon/site/scene/solid_around.h"
 #include "daemon/site/survey/survey_answer.h"
 #include "daemon/site/survey/survey_file.h"

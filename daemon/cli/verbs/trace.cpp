@@ -8,12 +8,12 @@
 #include "daemon/cli/arguments/gradient_argument.h"
 #include "daemon/cli/arguments/grid_argument.h"
 #include "daemon/cli/arguments/link_arguments.h"
+#include "daemon/cli/arguments/scene_notes.h"
 #include "daemon/cli/command/file_error.h"
 #include "daemon/cli/verbs/verbs.h"
 #include "daemon/lab/trace/trace_arrays.h"
 #include "daemon/lab/trace/trace_link.h"
 #include "daemon/lab/trace/trace_report.h"
-#include "daemon/site/scene/scene_notes.h"
 #include "daemon/site/scene/scene_source.h"
 #include "engine/base/printable.h"
 

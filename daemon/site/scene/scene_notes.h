@@ -1,16 +1,21 @@
-// Prints notes on the reading of a scene to standard error, for a person.
+// scene_note_lines: the notes on the reading of a scene as lines for a person.
 #pragma once
 
-#include <cstdio>
+#include <string>
+#include <vector>
 
 #include "engine/scene/scene.h"
 
-namespace rayloc::cli {
+namespace rayloc {
 
-inline void print_scene_notes(const Scene& scene) {
+// One line for each note, in the order of the file, without newlines.
+inline std::vector<std::string> scene_note_lines(const Scene& scene) {
+  std::vector<std::string> lines;
+  lines.reserve(scene.notes().size());
   for (const SceneNote& note : scene.notes()) {
-    std::fprintf(stderr, "%s\n", to_line(note).c_str());
+    lines.push_back(to_line(note));
   }
+  return lines;
 }
 
-}  // namespace rayloc::cli
+}  // namespace rayloc
