@@ -1,97 +1,35 @@
 // `rayloc scene import`: makes a scene, and the site
 // around it, from a drawing or scan of another program.
-#include <algorithm>
-#include <array>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
-#include <optional>
 #include <string>
 #include <utility>
 
 #include "daemon/cli/command/file_error.h"
 #include "daemon/cli/verbs/scene_verbs.h"
-#include "daemon/site/import/drawn_plan.h"
+#include "daemon/site/import/import_request.h"
 #include "daemon/site/import/import_scene.h"
+#include "daemon/site/import/imported_site.h"
 #include "daemon/site/import/recognise.h"
 #include "daemon/site/model/site_copy.h"
 #include "daemon/site/scene/access_point_presets.h"
-#include "daemon/site/scene/room_site.h"
 #include "engine/base/printable.h"
-#include "engine/base/suggestion.h"
 
 namespace rayloc::cli {
 namespace {
-
-struct Unit {
-  std::string_view name;
-  double metres;
-};
-constexpr std::array kUnits = {
-    Unit{"mm", 0.001}, Unit{"cm", 0.01}, Unit{"m", 1.0}, Unit{"in", 0.0254}, Unit{"ft", 0.3048}};
 
 struct SceneImportArguments {
   std::string file;
   std::string out;
   std::string name;
   std::string materials;
-  std::string unit;
-  std::string up;
   std::string model;
-  std::optional<double> scale;
-  std::optional<double> height;
-  std::optional<double> tolerance;
+  ImportRequest request;
   bool print_materials = false;
   bool force = false;
   bool quiet = false;
 };
-
-Expected<ImportOptions> import_options(const SceneImportArguments& arguments) {
-  ImportOptions options;
-  if (!arguments.unit.empty()) {
-    const auto unit = std::find_if(
-        kUnits.begin(), kUnits.end(), [&](const Unit& one) { return one.name == arguments.unit; });
-    if (unit == kUnits.end()) {
-      return make_error(ErrorKind::kUsage,
-                        "--unit: '" + arguments.unit + "' is none of mm, cm, m, in, ft");
-    }
-    options.units.metres = unit->metres;
-  }
-  if (!arguments.up.empty()) {
-    if (arguments.up != "y" && arguments.up != "z") {
-      return make_error(ErrorKind::kUsage, "--up: '" + arguments.up + "' is neither y nor z");
-    }
-    options.units.up = arguments.up[0];
-  }
-  if (arguments.scale) {
-    if (!arguments.unit.empty()) {
-      return make_error(ErrorKind::kUsage,
-                        "--scale states the scale of a drawing on paper, --unit the unit of the "
-                        "file; write one of them");
-    }
-    constexpr double kMost = 1000.0;  // scale of site plans
-    if (!(*arguments.scale >= 1.0 && *arguments.scale <= kMost)) {
-      return make_error(ErrorKind::kUsage, "--scale: write 50 for 1:50, from 1 to 1000");
-    }
-    options.units.scale = *arguments.scale;
-  }
-  if (arguments.height) {
-    constexpr double kMost = 20.0;  // [m], height of a hall
-    if (!(*arguments.height > kHead && *arguments.height <= kMost)) {
-      return make_error(ErrorKind::kUsage,
-                        "--height: write metres, above 2.1 (the top of windows) and up to 20");
-    }
-    options.units.height = *arguments.height;
-  }
-  if (arguments.tolerance) {
-    constexpr double kMost = 0.5;  // [m]; more would join opposite sides of furniture
-    if (!(*arguments.tolerance > 0.0 && *arguments.tolerance <= kMost)) {
-      return make_error(ErrorKind::kUsage, "--tolerance: write metres, above 0 and up to 0.5");
-    }
-    options.tolerance = *arguments.tolerance;
-  }
-  return options;
-}
 
 Expected<void> write_imported(const SceneImportArguments& arguments,
                               const ImportedScene& imported) {
@@ -99,15 +37,9 @@ Expected<void> write_imported(const SceneImportArguments& arguments,
   if (auto prepared = prepare_output(directory, arguments.force); !prepared) {
     return prepared;
   }
-  RoomPlan plan;
-  plan.name = arguments.name.empty() ? "room" : arguments.name;
-  plan.lower = imported.bounds.lower;
-  plan.upper = imported.bounds.upper;
-  plan.carrier = usual_carrier();
-  auto files = scene_files(imported.scene);
-  files["site.toml"] = room_site(plan, arguments.model);
-  for (const auto& [name, content] : files) {
-    if (auto written = write_file(directory / name, content); !written) {
+  const std::string name = arguments.name.empty() ? "room" : arguments.name;
+  for (const auto& [file, content] : imported_site_files(imported, name, arguments.model)) {
+    if (auto written = write_file(directory / file, content); !written) {
       return written;
     }
   }
@@ -122,7 +54,7 @@ Expected<void> run_scene_import(const SceneImportArguments& arguments) {
   if (arguments.file.empty() || arguments.out.empty()) {
     return make_error(ErrorKind::kUsage, "write FILE and --out, or --print-materials");
   }
-  const auto options = import_options(arguments);
+  const auto options = import_options(arguments.request);
   if (!options) {
     return tl::make_unexpected(options.error());
   }
@@ -165,14 +97,15 @@ RunVerb declare_scene_import(OptionParser& app) {
   app.add_option("--name", arguments->name, "Name of the site; default: room");
   app.add_option("--materials", arguments->materials, "Table of names and radio materials, TOML");
   app.add_flag("--print-materials", arguments->print_materials, "Print the default table");
-  app.add_option("--unit", arguments->unit, "Unit of the file: mm, cm, m, in or ft");
+  app.add_option("--unit", arguments->request.unit, "Unit of the file: mm, cm, m, in or ft");
   app.add_option(
-      "--scale", arguments->scale, "Scale of an SVG that was drawn for paper: 50 for 1:50");
-  app.add_option("--up", arguments->up, "Which axis of the file points up: y or z");
-  app.add_option(
-      "--height", arguments->height, "Floor to ceiling of a flat drawing [m]; default: 2.7");
+      "--scale", arguments->request.scale, "Scale of an SVG that was drawn for paper: 50 for 1:50");
+  app.add_option("--up", arguments->request.up, "Which axis of the file points up: y or z");
+  app.add_option("--height",
+                 arguments->request.height,
+                 "Floor to ceiling of a flat drawing [m]; default: 2.7");
   app.add_option("--tolerance",
-                 arguments->tolerance,
+                 arguments->request.tolerance,
                  "How far a scan may be from its planes [m]; default: thrice its roughness");
   app.add_option("--access-point", arguments->model, "Write an access point of that model")
       ->check(one_of(preset_models()));

@@ -1,13 +1,8 @@
 // `rayloc scene show`: draws a scene, its antennas, and the paths of a link.
-#include <algorithm>
-#include <array>
-#include <cmath>
 #include <cstdio>
 #include <memory>
 #include <optional>
 #include <string>
-#include <utility>
-#include <vector>
 
 #include <spdlog/fmt/fmt.h>
 
@@ -15,10 +10,10 @@
 #include "daemon/cli/arguments/scene_notes.h"
 #include "daemon/cli/command/file_error.h"
 #include "daemon/cli/verbs/scene_verbs.h"
+#include "daemon/lab/draw/link_picture.h"
 #include "daemon/lab/draw/picture_bytes.h"
 #include "daemon/lab/draw/scene_picture.h"
 #include "daemon/site/model/site_copy.h"
-#include "engine/trace/path_tracer.h"
 
 namespace rayloc::cli {
 namespace {
@@ -38,24 +33,6 @@ Expected<void> check_ending(const std::string& file) {
                       "--out " + file + ": pictures are .svg or .png; choose one by the ending");
   }
   return {};
-}
-
-std::vector<draw::Mark> marks_of(const SceneSource& source) {
-  std::vector<draw::Mark> marks;
-  if (!source.site) {
-    return marks;
-  }
-  for (const SiteAccessPoint& ap : source.site->access_points) {
-    draw::Mark mark{ap.id, draw::MarkKind::kAccessPoint, {}, {}};
-    for (std::size_t i = 0; i < ap.array.element_offset.size(); ++i) {
-      mark.antennas.push_back(element_position(ap.array, i));
-    }
-    mark.heading = rotation(ap.array.pose.orientation) * Vec3d{1.0, 0.0, 0.0};
-    if (!mark.antennas.empty()) {
-      marks.push_back(std::move(mark));
-    }
-  }
-  return marks;
 }
 
 // The other end of a link if only one is given: the middle antenna of an access point.
@@ -102,52 +79,6 @@ Expected<std::optional<Link>> link_of(const SceneShowArguments& arguments,
   return *link;
 }
 
-std::vector<draw::DrawnPath> drawn_paths(const Paths& paths, const Link& link) {
-  std::vector<draw::DrawnPath> drawn;
-  for (const Path& path : paths) {
-    if (!(abs2(path.a) > 0.0)) {
-      continue;
-    }
-    draw::DrawnPath line{{link.transmitter.position}, 10.0 * std::log10(abs2(path.a))};
-    for (const Interaction& interaction : path.interactions) {
-      line.points.push_back(interaction.position);
-    }
-    line.points.push_back(link.receiver.position);
-    drawn.push_back(std::move(line));
-  }
-  return drawn;
-}
-
-// Keeps the paths within `range` of the strongest one and reports their number.
-void add_paths(const SceneShowArguments& arguments,
-               const Link& link,
-               const SceneSource& source,
-               draw::ScenePicture& picture) {
-  const Paths paths =
-      PathTracer(source.scene, arguments.link.options).trace(link.transmitter, link.receiver);
-  picture.paths = drawn_paths(paths, link);
-  for (const draw::DrawnPath& path : picture.paths) {
-    picture.strongest_db = &path == &picture.paths.front()
-                               ? path.power_db
-                               : std::max(picture.strongest_db, path.power_db);
-  }
-  picture.weakest_db = picture.strongest_db - arguments.range;
-  std::erase_if(picture.paths,
-                [&](const draw::DrawnPath& path) { return path.power_db < picture.weakest_db; });
-  picture.caption +=
-      fmt::format(", {} paths to depth {}", paths.size(), arguments.link.options.max_depth);
-  if (picture.paths.size() < paths.size()) {
-    picture.caption +=
-        fmt::format(", {} within {:g} dB are drawn", picture.paths.size(), arguments.range);
-  }
-  if (!arguments.link.tx.empty()) {
-    picture.marks.push_back({"tx", draw::MarkKind::kTransmitter, {link.transmitter.position}, {}});
-  }
-  if (!arguments.link.rx.empty()) {
-    picture.marks.push_back({"rx", draw::MarkKind::kReceiver, {link.receiver.position}, {}});
-  }
-}
-
 Expected<void> run_scene_show(const SceneShowArguments& arguments) {
   if (auto checked = check_ending(arguments.out); !checked) {
     return checked;
@@ -160,28 +91,19 @@ Expected<void> run_scene_show(const SceneShowArguments& arguments) {
   if (!link) {
     return tl::make_unexpected(link.error());
   }
-  const Scene& scene = *source->scene;
-  print_scene_notes(scene);
-  const Vec3d size = scene.bounds_max() - scene.bounds_min();
-  draw::ScenePicture picture;
-  picture.scene = &scene;
-  picture.title = source->name;
-  picture.caption = fmt::format("{:.2f} x {:.2f} x {:.2f} m, {} objects, {:.4g} GHz",
-                                size.x,
-                                size.y,
-                                size.z,
-                                scene.objects().size(),
-                                scene.carrier_hz() / 1e9);
-  picture.marks = marks_of(*source);
-  if (source->site) {
-    for (const SiteZone& zone : source->site->zones) {
-      picture.zones.push_back({zone.name, zone.polygon});
-    }
-  }
+  print_scene_notes(*source->scene);
+  draw::ScenePicture picture = draw::source_picture(*source);
   std::string note;
   if (*link) {
-    add_paths(arguments, **link, *source, picture);
-    note = note_on_ends(scene, **link);
+    draw::add_link({.transmitter = (*link)->transmitter,
+                    .receiver = (*link)->receiver,
+                    .marks_transmitter = !arguments.link.tx.empty(),
+                    .marks_receiver = !arguments.link.rx.empty(),
+                    .options = arguments.link.options,
+                    .range_db = arguments.range},
+                   *source,
+                   picture);
+    note = note_on_ends(*source->scene, **link);
     note += picture.paths.empty() ? (note.empty() ? "no path" : "; no path") : "";
   }
   if (!note.empty()) {

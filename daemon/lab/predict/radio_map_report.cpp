@@ -1,6 +1,7 @@
 #include "daemon/lab/predict/radio_map_report.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -9,7 +10,9 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "daemon/base/arrays/npz_file.h"
+#include "daemon/lab/draw/picture_bytes.h"
 #include "daemon/lab/draw/room_map.h"
+#include "daemon/site/model/site_copy.h"
 #include "daemon/site/plan/palette.h"
 #include "engine/base/check.h"
 
@@ -19,6 +22,17 @@ namespace {
 constexpr double kNanosecond = 1e-9;  // [s]
 // Range of a picture [dB], chosen: weaker cells are equally dark.
 constexpr double kMaxRange = 60.0;
+
+struct MapPicture {
+  const char* name;
+  RadioMapQuantity quantity;
+};
+constexpr std::array kMapPictures = {
+    MapPicture{"path-gain", RadioMapQuantity::kPathGain},
+    MapPicture{"delay-spread", RadioMapQuantity::kDelaySpread},
+    MapPicture{"paths", RadioMapQuantity::kPathCount},
+    MapPicture{"strongest", RadioMapQuantity::kStrongest},
+};
 
 double decibels(double ratio) { return 10.0 * std::log10(ratio); }
 
@@ -168,6 +182,28 @@ Expected<void> write_npz(const RadioMaps& maps, const std::string& path) {
   file->add("strongest", maps.strongest, {grid.count_y, grid.count_x});
   file->add_texts("names", names);
   return file->close();
+}
+
+Expected<void> write_radio_maps(const RadioMaps& maps,
+                                const Scene& scene,
+                                const std::filesystem::path& folder) {
+  for (const auto& [name, quantity] : kMapPictures) {
+    if (quantity == RadioMapQuantity::kStrongest && maps.maps.size() == 1) {
+      continue;
+    }
+    const draw::Drawing drawing = radio_map_picture(maps, scene, quantity);
+    for (const char* ending : {".png", ".svg"}) {
+      const std::string file = folder / (std::string(name) + ending);
+      const auto bytes = draw::picture_bytes(drawing, file);
+      if (!bytes) {
+        return tl::make_unexpected(bytes.error());
+      }
+      if (auto written = write_file(file, *bytes); !written) {
+        return written;
+      }
+    }
+  }
+  return write_npz(maps, folder / "radio-map.npz");
 }
 
 std::string radio_map_table(const RadioMaps& maps) {

@@ -1,6 +1,7 @@
 // Output of `rayloc scene map`: pictures, arrays, and a line for each access point.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -36,6 +37,12 @@ draw::Drawing radio_map_picture(const RadioMaps& maps,
 // x [count_x], y [count_y], path_gain, delay_spread and path_count [array][count_y][count_x],
 // strongest [count_y][count_x] (-1: no path), names. kUnavailable if it cannot be written.
 Expected<void> write_npz(const RadioMaps& maps, const std::string& path);
+
+// Writes the pictures of all quantities as .png and .svg (kStrongest with several arrays only) and
+// radio-map.npz into a folder that exists.
+Expected<void> write_radio_maps(const RadioMaps& maps,
+                                const Scene& scene,
+                                const std::filesystem::path& folder);
 
 // A table for people, one line per access point.
 std::string radio_map_table(const RadioMaps& maps);
