@@ -1,6 +1,9 @@
 #include "daemon/cli/arguments/time_arguments.h"
 
 #include <charconv>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
 #include <system_error>
 
 namespace rayloc::cli {
@@ -48,6 +51,18 @@ Expected<std::optional<double>> parse_speed_argument(const std::string& text) {
                       "--speed " + text + ": write max, or how many times faster than recorded: 1");
   }
   return std::optional<double>(speed->value);
+}
+
+Expected<double> parse_pace_argument(const std::string& text) {
+  if (text == "max") {
+    return std::numeric_limits<double>::infinity();
+  }
+  char* end = nullptr;
+  const double speed = std::strtod(text.c_str(), &end);
+  if (text.empty() || *end != '\0' || !std::isfinite(speed) || speed <= 0) {
+    return make_error(ErrorKind::kUsage, "--speed " + text + ": write a number above 0, or max");
+  }
+  return speed;
 }
 
 }  // namespace rayloc::cli

@@ -15,4 +15,7 @@ Expected<Duration> parse_burst_argument(const std::string& text);
 // The speed relative to the recording; empty for "max".
 Expected<std::optional<double>> parse_speed_argument(const std::string& text);
 
+// The speed relative to the recording, any number above 0; infinite for "max".
+Expected<double> parse_pace_argument(const std::string& text);
+
 }  // namespace rayloc::cli
