@@ -13,8 +13,6 @@
 // used until its chains are learned again.
 #pragma once
 
-#include <cstdint>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -22,27 +20,20 @@
 #include <string>
 #include <vector>
 
-#include "daemon/messages/location.h"
 #include "daemon/messages/target_names.h"
-#include "daemon/methods/device_method.h"
 #include "daemon/methods/method_registry.h"
-#include "daemon/pipeline/chain_keeper.h"
-#include "daemon/pipeline/channel_watch.h"
+#include "daemon/pipeline/device/burst_locator.h"
+#include "daemon/pipeline/device/calibration_warnings.h"
+#include "daemon/pipeline/device/chain_supervisor.h"
+#include "daemon/pipeline/device/device_results.h"
+#include "daemon/pipeline/device/device_rooms.h"
 #include "daemon/pipeline/estimates.h"
 #include "daemon/pipeline/pipeline.h"
-#include "daemon/pipeline/track_numbers.h"
 #include "daemon/pipeline/watch/dead_chains.h"
 #include "daemon/site/model/site.h"
 #include "engine/base/expected.h"
-#include "engine/monitor/calibration_monitor.h"
 
 namespace rayloc {
-
-// Bursts that are compared as a whole with the whole room, which a track does not need.
-enum class Snapshots : std::uint8_t {
-  kAlways,
-  kAcquire,  // of devices that no track follows yet
-};
 
 class DeviceEstimator : public Estimator {
  public:
@@ -78,7 +69,7 @@ class DeviceEstimator : public Estimator {
   Rank rank(const MacAddress& transmitter) const override;
 
   // Warnings that hold now. Thread safety: these may be called from any thread.
-  std::vector<CalibrationWarning> calibration_warnings() const;
+  std::vector<CalibrationWarning> calibration_warnings() const { return warnings_.now(); }
   // Current chain states, and changes for the log since the last call. From any
   // thread.
   std::vector<ChainState> chain_states() const { return chains_.states(); }
@@ -87,64 +78,29 @@ class DeviceEstimator : public Estimator {
   std::string chain_progress() const { return chains_.reason(room()); }
   TrackerCounters tracker_counters() const;  // sum over all trackers
 
-  ChannelWatch& channels() { return channels_; }  // of devices, by a method with a Localizer
+  ChannelWatch& channels() {
+    return locator_.channels();
+  }  // of devices, by a method with a Localizer
 
-  const RoomModel& room() const { return rooms_.front().room(); }
+  const RoomModel& room() const { return rooms_.first(); }
 
  private:
-  struct Room {
-    DeviceModel device;
-    std::unique_ptr<DeviceMethod> method;
-
-    const RoomModel& room() const { return method->room(); }
-  };
-
-  // A device's burst that is being processed.
-  struct Work {
-    const Burst* burst = nullptr;
-    Estimates* out = nullptr;
-    Room* room = nullptr;
-    std::size_t first = 0;  // index of its first location
-    std::vector<CsiFrame> kept;
-    std::span<const CsiFrame> frames;  // of the burst or of `kept`
-    ChainTrust trust;
-    std::vector<CalibrationWarning> warnings;
-    bool has_snapshot = false;
-  };
-
   DeviceEstimator(Site site, Options options);
-  Expected<Room> prepare(std::shared_ptr<const RoomModel> room) const;
-  Expected<void> watch_calibration(const RoomModel& room);
-  std::optional<Work> receive(const Burst& burst, Estimates& out);
-  void track(std::vector<Work>& works);
-  void state(Work& work, const std::vector<DeviceUpdate>& updates);
-  LocationEstimate coarse_estimate(const Work& work) const;
-  void snapshot(Work& work);
-  void check_calibration(const SiteTransmitter& fixed, const Burst& burst);
-  std::span<const CsiFrame> accepted(const Burst& burst, Room& room, std::vector<CsiFrame>& kept);
-  std::vector<ChainLearner*> learners() const;
-  void state_warnings();
-  DeviceModel device_of(const SiteTransmitter* stated) const;
-  void show_channel(std::span<const CsiFrame> frames, const Room& room, const Location& location);
-  Target target_of(const MacAddress& device, Timestamp time) const;
-  LocationContext context_of(const Room& room) const;
-  void append(const std::vector<DeviceUpdate>& updates, const Room& room, Estimates& out);
+  std::optional<BurstWork> receive(const Burst& burst, Estimates& out);
+  void update_warnings();
   void publish_counters();
 
   const Site site_;
   const Options options_;
-  std::vector<Room> rooms_;                      // the first is that of unlisted devices
-  std::unique_ptr<CalibrationMonitor> monitor_;  // used by the estimation thread
-  ChainKeeper chains_;      // used by the estimation thread, except its notices
-  DeadChains dead_chains_;  // used by the estimation thread
-  ChannelWatch channels_;
+  // Used by the estimation thread, except the members that any thread may call.
+  DeviceRooms rooms_;
+  ChainSupervisor chains_;
+  DeadChains dead_chains_;
+  CalibrationWarnings warnings_;
+  DeviceResults results_;
+  BurstLocator locator_;
   mutable std::mutex mutex_;
-  std::vector<CalibrationWarning> warnings_;  // guarded by mutex_
-  TrackerCounters tracker_counters_;          // guarded by mutex_
-  // Used by the estimation thread.
-  TrackNumbers numbers_;
-  std::map<MacAddress, Timestamp> watched_;         // last frame of each fixed transmitter
-  std::map<MacAddress, Timestamp> watched_before_;  // the same of the predecessor
+  TrackerCounters tracker_counters_;  // guarded by mutex_
 };
 
 }  // namespace rayloc

@@ -9,7 +9,7 @@
 #include <string>
 #include <utility>
 
-#include "daemon/pipeline/channel_watch.h"
+#include "daemon/pipeline/device/channel_watch.h"
 #include "engine/trace/path_tracer.h"
 
 namespace rayloc {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "daemon/pipeline/burst_collector.h"
-#include "daemon/pipeline/track_numbers.h"
+#include "daemon/pipeline/device/track_numbers.h"
 #include "daemon/pipeline/zones/zone_stays.h"
 #include "engine/chains/chain_state.h"
 #include "engine/monitor/calibration_monitor.h"

@@ -11,8 +11,8 @@
 #include <gtest/gtest.h>
 
 #include "capture/assemble/chain_presence.h"
-#include "daemon/pipeline/chain_file.h"
-#include "daemon/pipeline/chain_keeper.h"
+#include "daemon/pipeline/device/chain_file.h"
+#include "daemon/pipeline/device/chain_keeper.h"
 #include "daemon/pipeline/watch/dead_chains.h"
 #include "engine/localize/localizer.h"
 #include "tests/support/synthetic_room.h"

@@ -12,7 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "daemon/lab/calibrate/calibration_inputs.h"
-#include "daemon/pipeline/chain_file.h"
+#include "daemon/pipeline/device/chain_file.h"
 #include "daemon/pipeline/device_estimator.h"
 #include "engine/posterior/credible_region.h"
 #include "tests/support/closet_plan.h"

@@ -1,4 +1,4 @@
-#include "daemon/pipeline/track_numbers.h"
+#include "daemon/pipeline/device/track_numbers.h"
 
 #include <algorithm>
 #include <chrono>

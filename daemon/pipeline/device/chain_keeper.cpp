@@ -1,10 +1,10 @@
-#include "daemon/pipeline/chain_keeper.h"
+#include "daemon/pipeline/device/chain_keeper.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "daemon/pipeline/chain_file.h"
+#include "daemon/pipeline/device/chain_file.h"
 #include "engine/base/constants.h"
 #include "engine/chains/chain_progress.h"
 

@@ -1,4 +1,4 @@
-#include "daemon/pipeline/chain_file.h"
+#include "daemon/pipeline/device/chain_file.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "daemon/pipeline/channel_watch.h"
+#include "daemon/pipeline/device/channel_watch.h"
 
 #include <utility>
 
