@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "daemon/methods/device_method.h"
+#include "daemon/methods/localizer_capabilities.h"
 #include "daemon/methods/method.h"
 #include "daemon/methods/person_method.h"
 #include "engine/likelihood/likelihood.h"
@@ -21,29 +22,13 @@ constexpr std::array kSettings = std::to_array<MethodSetting>({
     {kPersonCell, "cell of the grid on which people are searched for [m]"},
 });
 
-class RaylocDevices : public DeviceMethod {
+class RaylocTracks : public TrackCapability {
  public:
-  // Chains are learned with Gaussian likelihoods only.
-  RaylocDevices(std::shared_ptr<const Localizer> localizer,
-                std::set<MacAddress> listed,
-                bool is_exhaustive)
-      : localizer_(std::move(localizer)),
-        tracker_(localizer_,
-                 [&] {
-                   DeviceTrackerOptions options;
-                   options.always = std::move(listed);
-                   options.track.is_exhaustive = is_exhaustive;
-                   return options;
-                 }()),
-        chains_(localizer_),
-        learns_(ChainLearner::learns_from(localizer_->options().likelihood)) {}
+  RaylocTracks(std::shared_ptr<const Localizer> localizer,
+               const LocalizerChains& chains,
+               DeviceTrackerOptions options)
+      : tracker_(std::move(localizer), std::move(options)), chains_(chains) {}
 
-  const RoomModel& room() const override { return localizer_->room(); }
-  LocationEstimate locate(std::span<const CsiFrame> frames, std::uint64_t) const override {
-    return localizer_->locate(frames, fault_of(frames));
-  }
-
-  bool has_tracks() const override { return true; }
   // Bursts before a withdrawal are tracked before their information is discarded.
   std::vector<std::vector<DeviceUpdate>> track(std::span<const ReceivedBurst> bursts) override {
     std::vector<std::vector<DeviceUpdate>> updates;
@@ -69,7 +54,6 @@ class RaylocDevices : public DeviceMethod {
     tracker_.advance(now, updates);
   }
   void restart(const std::string& reason, std::vector<DeviceUpdate>& updates) override {
-    chains_.restart();
     tracker_.restart(reason, updates);
   }
   bool has_track(const MacAddress& device) const override { return tracker_.has(device); }
@@ -77,18 +61,7 @@ class RaylocDevices : public DeviceMethod {
   Timestamp received_until(Timestamp now) const override { return tracker_.received_until(now); }
   TrackerCounters tracker_counters() const override { return tracker_.counters(); }
 
-  ChainLearner* chains() override { return learns_ ? &chains_ : nullptr; }
-  ChainTrust trust(std::span<const CsiFrame> accepted) const override {
-    return {fault_of(accepted), chains_.withdrawals()};
-  }
-
-  std::shared_ptr<const Localizer> localizer() const override { return localizer_; }
-
  private:
-  FrameFault fault_of(std::span<const CsiFrame> frames) const {
-    return learns_ ? chains_.fault_of(frames) : FrameFault();
-  }
-
   // A track that used frames of wrong chains would continue from their wrong position.
   void forget_what_was_wrong(std::uint64_t withdrawals) {
     if (withdrawals != withdrawals_) {
@@ -97,10 +70,44 @@ class RaylocDevices : public DeviceMethod {
     }
   }
 
-  std::shared_ptr<const Localizer> localizer_;
   DeviceTracker tracker_;
-  ChainLearner chains_;
+  const LocalizerChains& chains_;
   std::uint64_t withdrawals_ = 0;
+};
+
+class RaylocDevices : public DeviceMethod {
+ public:
+  // Chains are learned with Gaussian likelihoods only.
+  RaylocDevices(std::shared_ptr<const Localizer> localizer,
+                std::set<MacAddress> listed,
+                bool is_exhaustive)
+      : localizer_(std::move(localizer)),
+        chains_(localizer_),
+        tracks_(localizer_,
+                chains_,
+                [&] {
+                  DeviceTrackerOptions options;
+                  options.always = std::move(listed);
+                  options.track.is_exhaustive = is_exhaustive;
+                  return options;
+                }()),
+        channel_(std::make_shared<const LocalizerChannel>(localizer_)),
+        learns_(ChainLearner::learns_from(localizer_->options().likelihood)) {}
+
+  const RoomModel& room() const override { return localizer_->room(); }
+  LocationEstimate locate(std::span<const CsiFrame> frames, std::uint64_t) const override {
+    return localizer_->locate(frames, learns_ ? chains_.trust(frames).chain_fault : FrameFault());
+  }
+
+  TrackCapability* tracks() override { return &tracks_; }
+  ChainCapability* chains() override { return learns_ ? &chains_ : nullptr; }
+  std::shared_ptr<const ChannelCapability> channel() const override { return channel_; }
+
+ private:
+  std::shared_ptr<const Localizer> localizer_;
+  LocalizerChains chains_;
+  RaylocTracks tracks_;
+  std::shared_ptr<const ChannelCapability> channel_;
   bool learns_;
 };
 

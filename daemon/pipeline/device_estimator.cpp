@@ -89,7 +89,7 @@ std::optional<BurstWork> DeviceEstimator::receive(const Burst& burst, Estimates&
                         : stated->role != TransmitterRole::kDevice) {
     return std::nullopt;
   }
-  DeviceRoom& room = rooms_.of(stated);
+  const DeviceRoom& room = rooms_.of(stated);
   if (const auto stamp = stuck_stamp(burst.frames)) {
     locator_.refuse(burst, *stamp, room.room(), out);
     return std::nullopt;
@@ -101,7 +101,7 @@ std::optional<BurstWork> DeviceEstimator::receive(const Burst& burst, Estimates&
   work.first = out.locations.size();
   work.frames = chains_.accept(burst, room, work.kept);
   update_warnings();
-  work.trust = room.method->trust(work.frames);
+  work.trust = chains_.trust(room, work.frames);
   work.warnings = warnings_.now();
   locator_.begin(work);
   return work;
@@ -125,10 +125,12 @@ void DeviceEstimator::estimate_each(std::span<const Burst> bursts, std::span<Est
 }
 
 void DeviceEstimator::advance(Timestamp time, Estimates& out) {
-  for (DeviceRoom& room : rooms_.all()) {
-    std::vector<DeviceUpdate> updates;
-    room.method->advance(time, updates);
-    results_.append(updates, room.room(), out);
+  for (const DeviceRoom& room : rooms_.all()) {
+    if (TrackCapability* tracks = room.method->tracks()) {
+      std::vector<DeviceUpdate> updates;
+      tracks->advance(time, updates);
+      results_.append(updates, room.room(), out);
+    }
   }
   results_.advance(time);
   publish_counters();
@@ -146,10 +148,12 @@ void DeviceEstimator::restart(const std::string& reason, Estimates& out) {
   locator_.channels().clear();
   warnings_.clear();
   dead_chains_.restart();
-  for (DeviceRoom& room : rooms_.all()) {
-    std::vector<DeviceUpdate> updates;
-    room.method->restart(reason, updates);
-    results_.append(updates, room.room(), out);
+  for (const DeviceRoom& room : rooms_.all()) {
+    if (TrackCapability* tracks = room.method->tracks()) {
+      std::vector<DeviceUpdate> updates;
+      tracks->restart(reason, updates);
+      results_.append(updates, room.room(), out);
+    }
   }
   publish_counters();
 }

@@ -9,8 +9,8 @@
 //
 // Bursts of fixed transmitters give no location here; they show whether the calibration is still
 // valid (CalibrationMonitor), and the result is stated in the warnings of every location. Receive
-// chains whose phases have changed are learned from devices (ChainLearner); an access point is not
-// used until its chains are learned again.
+// chains whose phases have changed are learned from devices (ChainCapability); an access point is
+// not used until its chains are learned again.
 #pragma once
 
 #include <memory>
@@ -80,7 +80,7 @@ class DeviceEstimator : public Estimator {
 
   ChannelWatch& channels() {
     return locator_.channels();
-  }  // of devices, by a method with a Localizer
+  }  // of devices, by a method with a ChannelCapability
 
   const RoomModel& room() const { return rooms_.first(); }
 

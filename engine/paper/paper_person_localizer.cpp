@@ -76,9 +76,7 @@ LocationEstimate PaperPersonLocalizer::Impl::locate(std::span<const CsiFrame> fr
   }
   const auto measured = listen(frames, estimate);
   if (measured.empty()) {
-    estimate.reason = estimate.warnings.empty()
-                          ? "no access point of the reference received the burst"
-                          : estimate.warnings.front();
+    estimate.reason = no_usable_reference_csi(estimate.warnings);
     return estimate;
   }
   const PaperPersonLoss loss = loss_of(measured);

@@ -149,9 +149,7 @@ PersonObservation PersonLocalizer::Impl::receive(std::span<const CsiFrame> frame
   }
   tally.fill(frames, estimate);
   if (observation.arrays.empty()) {
-    estimate.reason = estimate.warnings.empty()
-                          ? "no access point of the reference received the burst"
-                          : estimate.warnings.front();
+    estimate.reason = no_usable_reference_csi(estimate.warnings);
   }
   return observation;
 }

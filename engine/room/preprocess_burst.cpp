@@ -57,6 +57,11 @@ std::string no_usable_csi(const RoomModel& room, const std::vector<std::string>&
   return warnings.empty() ? "no access point of the site received the burst" : warnings.front();
 }
 
+std::string no_usable_reference_csi(const std::vector<std::string>& warnings) {
+  return warnings.empty() ? "no access point of the reference received the burst"
+                          : warnings.front();
+}
+
 std::optional<BurstObservation> preprocess_burst(const RoomModel& room,
                                                  std::size_t access_point,
                                                  std::span<const CsiFrame> frames,

@@ -26,6 +26,8 @@ std::string calibration_problem(const RoomModel& room, const RoomAccessPoint& ac
 
 // The reason why a burst that gave these warnings and no array cannot be located.
 std::string no_usable_csi(const RoomModel& room, const std::vector<std::string>& warnings);
+// The same for the access points of a reference, which people are located with.
+std::string no_usable_reference_csi(const std::vector<std::string>& warnings);
 
 // The burst of one access point of RoomModel::access_points, chain gains removed; nothing when it
 // received none that can be used. Problems are reported as warnings. REQUIRES:

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <utility>
 
+#include "daemon/pipeline/method_receiver.h"
 #include "daemon/pipeline/ordered_sink.h"
 #include "daemon/pipeline/zones/zone_estimator.h"
 #include "daemon/site/model/site_lacks.h"
@@ -104,7 +105,7 @@ Expected<void> replay_streams(const Site& site,
   for (std::size_t i = 0; i < inputs.size(); ++i) {
     inputs[i].access_point = site.access_points[i].id;
     inputs[i].source = std::move(streams.sources[i]);
-    inputs[i].receiver = replay_receiver(site, static_cast<int>(i), *options.estimators.method);
+    inputs[i].receiver = receiver_options(site, static_cast<int>(i), options.estimators.method);
   }
   PipelineOptions all = pipeline_options(options);
   all.from = streams.from;

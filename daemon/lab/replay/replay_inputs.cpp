@@ -4,17 +4,11 @@
 #include <utility>
 
 #include "daemon/lab/recordings/capture_argument.h"
+#include "daemon/pipeline/method_receiver.h"
 #include "daemon/pipeline/playback/later_source.h"
 #include "daemon/pipeline/playback/paced_source.h"
-#include "daemon/site/model/receiver_options.h"
 
 namespace rayloc {
-
-CsiReceiverOptions replay_receiver(const Site& site, int access_point, const Method& method) {
-  CsiReceiverOptions options = receiver_options(site, access_point);
-  options.accepts_hops = method.uses_every_channel;
-  return options;
-}
 
 Expected<ReplayInputs> open_replay_inputs(const ReplayRecordings& recordings,
                                           const Site& site,
@@ -47,7 +41,7 @@ Expected<ReplayInputs> open_replay_inputs(const ReplayRecordings& recordings,
     if (pace) {
       input.source = std::make_unique<PacedSource>(std::move(input.source), pace);
     }
-    input.receiver = replay_receiver(site, index, method);
+    input.receiver = receiver_options(site, index, &method);
     all.inputs.push_back(std::move(input));
   }
   return all;

@@ -35,7 +35,4 @@ Expected<ReplayInputs> open_replay_inputs(const ReplayRecordings& recordings,
                                           const Method& method,
                                           Timestamp listen_from);
 
-// Options with which the frames of that access point (index in the site) reach the method.
-CsiReceiverOptions replay_receiver(const Site& site, int access_point, const Method& method);
-
 }  // namespace rayloc

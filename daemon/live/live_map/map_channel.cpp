@@ -98,26 +98,26 @@ Json array_json(const ArrayObservation& received,
 
 const ReceiverTracer& MapChannel::tracer_at(const ChannelWatch::Sight& sight,
                                             const RoomAccessPoint& at) {
-  const auto key = std::pair(sight.localizer, at.id);
+  const auto key = std::pair(sight.channel, at.id);
   const auto found = tracers_.find(key);
   if (found != tracers_.end()) {
     return found->second;
   }
-  const RoomModel& room = sight.localizer->room();
+  const RoomModel& room = sight.channel->room();
   const auto centre = array_origin<Receiver>(at.array);
   return tracers_.emplace(key, PathTracer(room.scene, room.trace).at(centre)).first->second;
 }
 
 std::string MapChannel::sight_json(const ChannelWatch::Sight& sight) {
-  const RoomObservation observation = sight.localizer->receive(sight.frames);
-  const OfdmGrid& grid = sight.localizer->room().grid;
+  const RoomObservation observation = sight.channel->receive(sight.frames);
+  const OfdmGrid& grid = sight.channel->room().grid;
   Json arrays = Json::array();
   for (const ArrayObservation& received : observation.arrays) {
     const RoomAccessPoint& at = received.map->access_point();
-    const DeviceModel& device = sight.localizer->room().device;
+    const DeviceModel& device = sight.channel->room().device;
     const Paths paths = tracer_at(sight, at).trace(
         Transmitter{{sight.position, {}, device.pattern, device.polarization}});
-    auto simulated = simulate(paths, sight.localizer->room(), at, sight.position);
+    auto simulated = simulate(paths, sight.channel->room(), at, sight.position);
     if (simulated.size() != received.h.size()) {  // the measured channel lacks a dead chain
       simulated = received.map->expected(received.map->rays_to(sight.position));
     }

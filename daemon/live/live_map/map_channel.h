@@ -28,7 +28,8 @@ class MapChannel {
   ChannelWatch& watch_;
   std::map<std::shared_ptr<const ChannelWatch::Sight>, std::string> made_;
   // Tracers of the daemon's rooms, which are few and permanent.
-  std::map<std::pair<std::shared_ptr<const Localizer>, std::string>, ReceiverTracer> tracers_;
+  std::map<std::pair<std::shared_ptr<const ChannelCapability>, std::string>, ReceiverTracer>
+      tracers_;
 };
 
 }  // namespace rayloc

@@ -236,22 +236,18 @@ Expected<void> SiteRuntime::open_sources(const Opened& before,
     return tl::make_unexpected(cluster.error());
   }
   status_.playback = recording_clock_.playback;
+  const Method* const method = config.engine.method;
   for (const SourceConfig& source : config.sources) {
     std::unique_ptr<DatagramSource> known = before.take_source(source);
     const std::optional<int> socket = !known && takes_socket(source)
                                           ? before.take_socket("source-" + source.instance)
                                           : std::nullopt;
     Expected<SourceWorker::Input> input =
-        known   ? source_input(source, setup_.site, std::move(known))
-        : feed_ ? source_input(source, setup_.site, feed_->source(inputs.size()))
-                : open_source(source, setup_.site, socket, recording_clock_);
+        known   ? source_input(source, setup_.site, method, std::move(known))
+        : feed_ ? source_input(source, setup_.site, method, feed_->source(inputs.size()))
+                : open_source(source, setup_.site, method, socket, recording_clock_);
     if (!input) {
       return tl::make_unexpected(input.error());
-    }
-    if (config.engine.method == nullptr) {
-      input->receiver.accept_every_source();
-    } else {
-      input->receiver.accepts_hops = config.engine.method->uses_every_channel;
     }
     if (!config.record.directory.empty()) {
       recorders_.push_back(open_recorder(config.record, source.access_point));

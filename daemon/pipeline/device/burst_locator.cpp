@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "daemon/messages/topic.h"
-#include "engine/chains/coarse_fix.h"
 
 namespace rayloc {
 namespace {
@@ -42,46 +41,35 @@ void BurstLocator::refuse(const Burst& burst,
   results_.append(without_position(burst, stamp, room), burst.transmitter, room, out);
 }
 
-// Coarse snapshot of a burst without usable access points, where the room and the frames allow
-// one.
-LocationEstimate BurstLocator::coarse_estimate(const BurstWork& work) const {
-  DeviceMethod& method = *work.room->method;
-  const std::string reason = chains_.reason(work.room->room());
-  LocationEstimate estimate =
-      locate_coarsely(*method.localizer(), method.chains()->undone(work.burst->frames));
-  if (estimate.position) {
-    estimate.warnings.push_back("coarse, without the phases of the antennas: " + reason);
-  } else {
-    estimate.reason = reason;
-  }
-  return estimate;
-}
-
 void BurstLocator::snapshot(BurstWork& work) {
-  results_.append(
-      work.frames.empty() ? coarse_estimate(work) : work.room->method->locate(work.frames, 0),
-      work.burst->transmitter,
-      work.room->room(),
-      *work.out);
+  results_.append(work.frames.empty() ? chains_.locate_coarsely(*work.burst, *work.room)
+                                      : work.room->method->locate(work.frames, 0),
+                  work.burst->transmitter,
+                  work.room->room(),
+                  *work.out);
   show_channel(work);
   work.has_snapshot = true;
 }
 
 void BurstLocator::begin(BurstWork& work) {
   const Burst& burst = *work.burst;
-  const DeviceMethod& method = *work.room->method;
-  if (is_behind(burst) && method.has_tracks() && !work.frames.empty()) {
+  const TrackCapability* tracks = work.room->method->tracks();
+  if (is_behind(burst) && tracks != nullptr && !work.frames.empty()) {
     const std::size_t all = work.frames.size();
     work.frames = last_moment(work.frames);
     work.out->frames_left_out += all - work.frames.size();
-  } else if (work.frames.empty() || snapshots_ == Snapshots::kAlways ||
-             !method.follows(burst.transmitter)) {
+  } else if (work.frames.empty() || snapshots_ == Snapshots::kAlways || tracks == nullptr ||
+             !tracks->follows(burst.transmitter)) {
     snapshot(work);
   }
 }
 
-void BurstLocator::track(std::span<BurstWork> works, std::vector<DeviceRoom>& rooms) {
-  for (DeviceRoom& room : rooms) {
+void BurstLocator::track(std::span<BurstWork> works, const std::vector<DeviceRoom>& rooms) {
+  for (const DeviceRoom& room : rooms) {
+    TrackCapability* tracks = room.method->tracks();
+    if (tracks == nullptr) {
+      continue;
+    }
     std::vector<ReceivedBurst> bursts;
     std::vector<BurstWork*> received;
     for (BurstWork& work : works) {
@@ -94,7 +82,7 @@ void BurstLocator::track(std::span<BurstWork> works, std::vector<DeviceRoom>& ro
         received.push_back(&work);
       }
     }
-    const auto updates = room.method->track(bursts);
+    const auto updates = tracks->track(bursts);
     for (std::size_t i = 0; i < received.size(); ++i) {
       append(updates[i], *received[i]);
     }
@@ -116,8 +104,8 @@ void BurstLocator::append(const std::vector<DeviceUpdate>& updates, BurstWork& w
 // burst belong to other positions.
 void BurstLocator::show_channel(const BurstWork& work) {
   const Location& location = work.out->locations.back();
-  const std::shared_ptr<const Localizer> localizer = work.room->method->localizer();
-  if (localizer == nullptr || !location.estimate.position || !channels_.is_wanted()) {
+  const std::shared_ptr<const ChannelCapability> channel = work.room->method->channel();
+  if (channel == nullptr || !location.estimate.position || !channels_.is_wanted()) {
     return;
   }
   channels_.add({target_component(location.target),
@@ -125,7 +113,7 @@ void BurstLocator::show_channel(const BurstWork& work) {
                  location.estimate.time,
                  *location.estimate.position,
                  {work.frames.begin(), work.frames.end()},
-                 localizer});
+                 channel});
 }
 
 }  // namespace rayloc

@@ -29,7 +29,7 @@ enum class Snapshots : std::uint8_t {
 struct BurstWork {
   const Burst* burst = nullptr;
   Estimates* out = nullptr;
-  DeviceRoom* room = nullptr;
+  const DeviceRoom* room = nullptr;
   std::size_t first = 0;  // index of its first location
   std::vector<CsiFrame> kept;
   std::span<const CsiFrame> frames;  // of the burst or of `kept`; empty: no access point is usable
@@ -48,14 +48,13 @@ class BurstLocator {
   // in the order of the bursts.
   void begin(BurstWork& work);
   // Passes the bursts of a batch to their tracks, and appends the results to each burst's output.
-  void track(std::span<BurstWork> works, std::vector<DeviceRoom>& rooms);
+  void track(std::span<BurstWork> works, const std::vector<DeviceRoom>& rooms);
   // Appends a result without position for a burst whose time stamps are wrong.
   void refuse(const Burst& burst, const StuckStamp& stamp, const RoomModel& room, Estimates& out);
 
   ChannelWatch& channels() { return channels_; }  // from any thread
 
  private:
-  LocationEstimate coarse_estimate(const BurstWork& work) const;
   void snapshot(BurstWork& work);
   void append(const std::vector<DeviceUpdate>& updates, BurstWork& work);
   void show_channel(const BurstWork& work);

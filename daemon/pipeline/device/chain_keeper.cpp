@@ -40,7 +40,7 @@ void ChainKeeper::notify(std::string line) {
   notices_.push_back(std::move(line));
 }
 
-void ChainKeeper::restore(const std::vector<ChainLearner*>& learners, const RoomModel& room) {
+void ChainKeeper::restore(const std::vector<ChainCapability*>& learners, const RoomModel& room) {
   if (options_.read.empty() || learners.empty()) {
     return;
   }
@@ -54,7 +54,7 @@ void ChainKeeper::restore(const std::vector<ChainLearner*>& learners, const Room
     if (!is_learned) {
       state.bursts = 0;  // not stored in the file
     }
-    for (ChainLearner* learner : learners) {
+    for (ChainCapability* learner : learners) {
       learner->restore(state);
     }
     const RoomAccessPoint& ap = room.access_points[state.access_point];
@@ -67,12 +67,12 @@ void ChainKeeper::restore(const std::vector<ChainLearner*>& learners, const Room
 }
 
 void ChainKeeper::go_on(const std::vector<ChainState>& states,
-                        const std::vector<ChainLearner*>& learners) {
+                        const std::vector<ChainCapability*>& learners) {
   if (states.empty() || learners.empty()) {
     return;
   }
   for (const ChainState& state : states) {
-    for (ChainLearner* learner : learners) {
+    for (ChainCapability* learner : learners) {
       learner->restore(state);
     }
   }
@@ -94,8 +94,8 @@ std::vector<ChainState> ChainKeeper::states() const {
   return known_;
 }
 
-void ChainKeeper::spread(const ChainLearner& learner,
-                         const std::vector<ChainLearner*>& learners,
+void ChainKeeper::spread(const ChainCapability& learner,
+                         const std::vector<ChainCapability*>& learners,
                          const RoomModel& room) {
   const auto seen = seen_.find(&learner);
   if (seen != seen_.end() && seen->second == learner.changes()) {
@@ -113,7 +113,7 @@ void ChainKeeper::spread(const ChainLearner& learner,
       continue;
     }
     is_new = true;
-    for (ChainLearner* other : learners) {
+    for (ChainCapability* other : learners) {
       if (other != &learner) {
         other->adopt(state);
       }

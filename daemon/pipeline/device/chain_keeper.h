@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/chains/chain_learner.h"
+#include "daemon/methods/device_capabilities.h"
 #include "engine/monitor/calibration_monitor.h"
 #include "engine/room/room_model.h"
 
@@ -23,12 +23,12 @@ class ChainKeeper {
   explicit ChainKeeper(Options options) : options_(std::move(options)) {}
 
   // Restores the learners from the file. To be called before the first burst.
-  void restore(const std::vector<ChainLearner*>& learners, const RoomModel& room);
+  void restore(const std::vector<ChainCapability*>& learners, const RoomModel& room);
   // Restores the learners from the state of a predecessor, without a report: it was reported then.
-  void go_on(const std::vector<ChainState>& states, const std::vector<ChainLearner*>& learners);
+  void go_on(const std::vector<ChainState>& states, const std::vector<ChainCapability*>& learners);
   // `learner` may have new results: they are passed to the other learners and stored.
-  void spread(const ChainLearner& learner,
-              const std::vector<ChainLearner*>& learners,
+  void spread(const ChainCapability& learner,
+              const std::vector<ChainCapability*>& learners,
               const RoomModel& room);
   void restart();  // restarts with the learners
 
@@ -45,7 +45,7 @@ class ChainKeeper {
   void keep(std::vector<ChainState> states);
 
   Options options_;
-  std::map<const ChainLearner*, std::uint64_t> seen_;  // ChainLearner::changes()
+  std::map<const ChainCapability*, std::uint64_t> seen_;  // ChainCapability::changes()
   mutable std::mutex mutex_;
   std::vector<ChainState> known_;     // guarded by mutex_; written by the estimation thread
   std::vector<std::string> notices_;  // guarded by mutex_

@@ -56,7 +56,7 @@ void ChainSupervisor::check(const SiteTransmitter& fixed, const Burst& burst) {
     }
   }
   if (!all.empty()) {
-    all.front()->receive(burst.frames, *fixed.position);
+    all.front()->receive_at(*fixed.position, burst.frames);
     keeper_.spread(*all.front(), all, rooms_.first());
   }
 }
@@ -64,7 +64,7 @@ void ChainSupervisor::check(const SiteTransmitter& fixed, const Burst& burst) {
 std::span<const CsiFrame> ChainSupervisor::accept(const Burst& burst,
                                                   const DeviceRoom& room,
                                                   std::vector<CsiFrame>& kept) {
-  ChainLearner* learner = room.method->chains();
+  ChainCapability* learner = room.method->chains();
   if (learner == nullptr) {
     return burst.frames;
   }
@@ -75,6 +75,24 @@ std::span<const CsiFrame> ChainSupervisor::accept(const Burst& burst,
   }
   kept = learner->accepted(burst.frames);
   return kept;
+}
+
+ChainTrust ChainSupervisor::trust(const DeviceRoom& room,
+                                  std::span<const CsiFrame> accepted) const {
+  const ChainCapability* learner = room.method->chains();
+  return learner == nullptr ? ChainTrust() : learner->trust(accepted);
+}
+
+LocationEstimate ChainSupervisor::locate_coarsely(const Burst& burst,
+                                                  const DeviceRoom& room) const {
+  const std::string reason = keeper_.reason(room.room());
+  LocationEstimate estimate = room.method->chains()->locate_coarsely(burst.frames);
+  if (estimate.position) {
+    estimate.warnings.push_back("coarse, without the phases of the antennas: " + reason);
+  } else {
+    estimate.reason = reason;
+  }
+  return estimate;
 }
 
 void ChainSupervisor::go_on(const Carried& before) {
@@ -113,6 +131,9 @@ void ChainSupervisor::restart() {
   watched_.clear();
   watched_before_.clear();
   keeper_.restart();
+  for (ChainCapability* learner : rooms_.learners()) {
+    learner->restart();
+  }
 }
 
 }  // namespace rayloc

@@ -1,6 +1,6 @@
 // ChainSupervisor: decides from which access points a device's frames are used: it compares the
 // bursts of fixed transmitters with the calibration (CalibrationMonitor), learns changed receive
-// chains from all bursts (ChainLearner), and keeps the results (ChainKeeper).
+// chains from all bursts (ChainCapability), and keeps the results (ChainKeeper).
 //
 // Thread safety: for one thread, except states(), notices() and reason(), which any thread may
 // call.
@@ -41,6 +41,11 @@ class ChainSupervisor {
   std::span<const CsiFrame> accept(const Burst& burst,
                                    const DeviceRoom& room,
                                    std::vector<CsiFrame>& kept);
+  // The assessment of the frames that accept() returned last.
+  ChainTrust trust(const DeviceRoom& room, std::span<const CsiFrame> accepted) const;
+  // Coarse snapshot of a burst without usable access points, where the room and the frames allow
+  // one; otherwise its reason. REQUIRES: accept() returned no frame of the burst.
+  LocationEstimate locate_coarsely(const Burst& burst, const DeviceRoom& room) const;
 
   // Warnings that hold now: of fixed transmitters, and of chains that are being learned.
   std::vector<CalibrationWarning> monitor_warnings() const { return monitor_->warnings(); }
@@ -51,7 +56,7 @@ class ChainSupervisor {
   // Continues from the state of a predecessor; carry() is the state for a successor.
   void go_on(const Carried& before);
   void carry(Carried& carried) const;
-  // A recording continues at another position. The rooms' methods are restarted by their owner.
+  // A recording continues at another position: the rooms' chains restart as well.
   void restart();
 
   std::vector<ChainState> states() const { return keeper_.states(); }

@@ -12,9 +12,9 @@
 #include <string>
 #include <vector>
 
+#include "daemon/methods/device_capabilities.h"
 #include "engine/base/vec3.h"
 #include "engine/channel/csi_frame.h"
-#include "engine/localize/localizer.h"
 
 namespace rayloc {
 
@@ -22,12 +22,12 @@ class ChannelWatch {
  public:
   // All frames of one burst and the location computed from it.
   struct Sight {
-    std::string target;                          // as in topics: no address where outputs hash it
-    std::string name;                            // for display; may be empty
-    Timestamp time;                              // of the location
-    Vec3d position;                              // [m]
-    std::vector<CsiFrame> frames;                // all frames that the location was computed from
-    std::shared_ptr<const Localizer> localizer;  // the localizer that computed it
+    std::string target;            // as in topics: no address where outputs hash it
+    std::string name;              // for display; may be empty
+    Timestamp time;                // of the location
+    Vec3d position;                // [m]
+    std::vector<CsiFrame> frames;  // all frames that the location was computed from
+    std::shared_ptr<const ChannelCapability> channel;  // of the method that computed it
   };
 
   // True if a sight would be read: until so many have been added since the last question.

@@ -69,17 +69,17 @@ Expected<void> DeviceRooms::prepare(const Method& method,
   return {};
 }
 
-DeviceRoom& DeviceRooms::of(const SiteTransmitter* stated) {
+const DeviceRoom& DeviceRooms::of(const SiteTransmitter* stated) const {
   const DeviceModel device = device_of(stated);
   return *std::find_if(rooms_.begin(), rooms_.end(), [&](const DeviceRoom& candidate) {
     return candidate.device == device;
   });
 }
 
-std::vector<ChainLearner*> DeviceRooms::learners() const {
-  std::vector<ChainLearner*> all;
+std::vector<ChainCapability*> DeviceRooms::learners() const {
+  std::vector<ChainCapability*> all;
   for (const DeviceRoom& room : rooms_) {
-    if (ChainLearner* learner = room.method->chains()) {
+    if (ChainCapability* learner = room.method->chains()) {
       all.push_back(learner);
     }
   }
@@ -88,14 +88,17 @@ std::vector<ChainLearner*> DeviceRooms::learners() const {
 
 bool DeviceRooms::has_track(const MacAddress& device) const {
   return std::any_of(rooms_.begin(), rooms_.end(), [&](const DeviceRoom& room) {
-    return room.method->has_track(device);
+    const TrackCapability* tracks = room.method->tracks();
+    return tracks != nullptr && tracks->has_track(device);
   });
 }
 
 Timestamp DeviceRooms::received_until(Timestamp now) const {
   Timestamp earliest = now;
   for (const DeviceRoom& room : rooms_) {
-    earliest = std::min(earliest, room.method->received_until(now));
+    if (const TrackCapability* tracks = room.method->tracks()) {
+      earliest = std::min(earliest, tracks->received_until(now));
+    }
   }
   return earliest;
 }
@@ -103,7 +106,9 @@ Timestamp DeviceRooms::received_until(Timestamp now) const {
 TrackerCounters DeviceRooms::tracker_counters() const {
   TrackerCounters sum;
   for (const DeviceRoom& room : rooms_) {
-    sum += room.method->tracker_counters();
+    if (const TrackCapability* tracks = room.method->tracks()) {
+      sum += tracks->tracker_counters();
+    }
   }
   return sum;
 }

@@ -33,15 +33,14 @@ class DeviceRooms {
 
   // Room of a device; `stated`: its entry in the site, null for an unlisted one. REQUIRES: the site
   // wants it located.
-  DeviceRoom& of(const SiteTransmitter* stated);
+  const DeviceRoom& of(const SiteTransmitter* stated) const;
 
   const std::vector<DeviceRoom>& all() const { return rooms_; }
-  std::vector<DeviceRoom>& all() { return rooms_; }
   // The room of unlisted devices, if these are located.
   const RoomModel& first() const { return rooms_.front().room(); }
 
-  // Learners of the rooms whose method has one.
-  std::vector<ChainLearner*> learners() const;
+  // Those of the rooms whose method learns chains.
+  std::vector<ChainCapability*> learners() const;
   bool has_track(const MacAddress& device) const;
   // Last reception from the longest silent device with a track; `now` if no device has one.
   Timestamp received_until(Timestamp now) const;

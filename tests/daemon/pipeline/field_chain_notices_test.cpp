@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "capture/assemble/chain_presence.h"
+#include "daemon/methods/localizer_capabilities.h"
 #include "daemon/pipeline/device/chain_file.h"
 #include "daemon/pipeline/device/chain_keeper.h"
 #include "daemon/pipeline/watch/dead_chains.h"
@@ -68,7 +69,7 @@ TEST(Field, DeadChainIsNamedUntilItComesBack) {
 }
 
 std::string notices_of(ChainKnowledge knowledge) {
-  ChainLearner learner(std::make_shared<const Localizer>(
+  LocalizerChains chains(std::make_shared<const Localizer>(
       *Localizer::create(std::make_shared<const RoomModel>(room()), {})));
   ChainState state;
   state.knowledge = knowledge;
@@ -78,7 +79,7 @@ std::string notices_of(ChainKnowledge knowledge) {
                     ("chain_notices_" + std::to_string(::getpid()) + ".json");
   EXPECT_TRUE(write_chain_file(file, {state}, room()));
   ChainKeeper keeper({file, ""});
-  keeper.restore({&learner}, room());
+  keeper.restore({&chains}, room());
   std::filesystem::remove(file);
   std::string all;
   for (const std::string& line : keeper.notices()) {

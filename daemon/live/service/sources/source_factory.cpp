@@ -12,8 +12,8 @@
 #include "capture/transport/file_descriptor.h"
 #include "daemon/live/config/recording_files.h"
 #include "daemon/live/log/log.h"
+#include "daemon/pipeline/method_receiver.h"
 #include "daemon/pipeline/playback/playback_source.h"
-#include "daemon/site/model/receiver_options.h"
 
 namespace rayloc {
 namespace {
@@ -164,13 +164,14 @@ Expected<void> check_source(const SourceConfig& source) {
 
 SourceWorker::Input source_input(const SourceConfig& config,
                                  const Site& site,
+                                 const Method* method,
                                  std::unique_ptr<DatagramSource> source) {
   const SiteAccessPoint& access_point =
       site.access_points[static_cast<std::size_t>(config.access_point_index)];
   SourceWorker::Input input;
   input.access_point = access_point.id;
   input.source = std::move(source);
-  input.receiver = receiver_options(site, config.access_point_index);
+  input.receiver = receiver_options(site, config.access_point_index, method);
   if (!config.format.empty()) {
     input.receiver.format = config.format;
   }
@@ -179,13 +180,14 @@ SourceWorker::Input source_input(const SourceConfig& config,
 
 Expected<SourceWorker::Input> open_source(const SourceConfig& source,
                                           const Site& site,
+                                          const Method* method,
                                           std::optional<int> passed_socket,
                                           const RecordingClock& clock) {
   Expected<std::unique_ptr<DatagramSource>> opened = open_datagrams(source, passed_socket, clock);
   if (!opened) {
     return tl::make_unexpected(placed(source, opened.error()));
   }
-  return source_input(source, site, std::move(*opened));
+  return source_input(source, site, method, std::move(*opened));
 }
 
 }  // namespace rayloc

@@ -31,15 +31,18 @@ struct RecordingClock {
 Expected<RecordingClock> recording_clock(const DaemonConfig& config);
 
 // Opens the socket, interface or file; of a UDP source `passed_socket` instead, if there is one.
-// The error names the source's place in the configuration.
+// The error names the source's place in the configuration. `method`: it locates from the frames;
+// null: none does.
 Expected<SourceWorker::Input> open_source(const SourceConfig& source,
                                           const Site& site,
+                                          const Method* method,
                                           std::optional<int> passed_socket,
                                           const RecordingClock& clock);
 
 // Input of a pipeline for an open source.
 SourceWorker::Input source_input(const SourceConfig& config,
                                  const Site& site,
+                                 const Method* method,
                                  std::unique_ptr<DatagramSource> source);
 
 // Checks that the socket or the interface of a live source is available, by opening it briefly.
