@@ -16,8 +16,8 @@
 #include "daemon/live/log/log.h"
 #include "daemon/live/machine/spare_memory.h"
 #include "daemon/live/machine/start_resources.h"
+#include "daemon/live/service/process.h"
 #include "daemon/live/service/run_loop.h"
-#include "daemon/live/service/service.h"
 #include "daemon/live/service/service_manager.h"
 #include "daemon/live/service/start_watch.h"
 #include "daemon/messages/quiet_protobuf.h"
@@ -31,9 +31,9 @@ constexpr auto kStopPatience = std::chrono::milliseconds(5000);
 constexpr auto kLinger = std::chrono::milliseconds(100);
 
 // Ends the process when a thread does not end, for example because its disk does not answer.
-void stop_in_time(Service& service, const std::string& reason) {
+void stop_in_time(Process& process, const std::string& reason) {
   const auto begin = std::chrono::steady_clock::now();
-  const std::vector<std::string> hung = service.stop(reason, kStopPatience);
+  const std::vector<std::string> hung = process.stop(reason, kStopPatience);
   const auto taken = std::chrono::duration_cast<std::chrono::milliseconds>(
       std::chrono::steady_clock::now() - begin);
   for (const std::string& stage : hung) {
@@ -43,7 +43,7 @@ void stop_in_time(Service& service, const std::string& reason) {
                      stage,
                      recorder ? ": data that waits for the disk is lost" : "");
   }
-  if (hung.empty() && service.preparing_sites()) {
+  if (hung.empty() && process.preparing_sites()) {
     spdlog::info("stopped while a site was being prepared");
     spdlog::default_logger()->flush();
     std::this_thread::sleep_for(kLinger);
@@ -71,8 +71,8 @@ Expected<void> serve(const std::string& file) {
   set_up_log(setup->config.log);
   auto watch = std::make_unique<StartWatch>(manager);  // throws where there is no thread for it
   spdlog::info("raylocd {} starts", RAYLOC_VERSION);
-  Expected<std::unique_ptr<Service>> opened =
-      Service::open(std::move(*setup), *sockets, [](const std::string& line) {
+  Expected<std::unique_ptr<Process>> opened =
+      Process::open(std::move(*setup), *sockets, [](const std::string& line) {
         spdlog::info("{}", printable(line));
       });
   if (!opened) {
@@ -81,25 +81,25 @@ Expected<void> serve(const std::string& file) {
   if (!sockets->empty()) {
     spdlog::warn("systemd passed sockets that nothing here is called: {}", sockets->unused());
   }
-  Service& service = **opened;
-  service.start();
-  for (const std::string& line : service.source_descriptions()) {
+  Process& process = **opened;
+  process.start();
+  for (const std::string& line : process.source_descriptions()) {
     spdlog::info("listening: {}", line);
   }
-  if (const std::string http = service.http_address(); !http.empty()) {
+  if (const std::string http = process.http_address(); !http.empty()) {
     spdlog::info("answering at http://{}/", http);
   }
   watch.reset();
-  spdlog::info("running: publishing at {}", service.endpoint());
+  spdlog::info("running: publishing at {}", process.endpoint());
   spdlog::default_logger()->flush();  // waiting programs read it next
   manager.ready();
-  const std::string reason = RunLoop(service, manager, std::move(reloader)).run(signals);
+  const std::string reason = RunLoop(process, manager, std::move(reloader)).run(signals);
   manager.stopping();
   spdlog::info("stopping: {}", reason);
   // A second signal ends the daemon immediately; a request for a snapshot comes too late.
   std::signal(SIGUSR1, SIG_IGN);
   pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
-  stop_in_time(service, reason);
+  stop_in_time(process, reason);
   spdlog::info("stopped");
   return {};
 }

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "daemon/live/config/config.h"
-#include "daemon/live/service/input_files.h"
+#include "daemon/live/service/site/input_files.h"
 
 namespace rayloc {
 

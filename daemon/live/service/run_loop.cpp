@@ -43,17 +43,17 @@ sigset_t block_daemon_signals() {
   return signals;
 }
 
-RunLoop::RunLoop(Service& service, const ServiceManager& manager, Reloader reloader)
-    : service_(service),
+RunLoop::RunLoop(Process& process, const ServiceManager& manager, Reloader reloader)
+    : process_(process),
       manager_(manager),
       reloader_(std::move(reloader)),
-      watchdog_(std::in_place, service.stages(), patience(manager)),
+      watchdog_(std::in_place, process.stages(), patience(manager)),
       period_(std::min(kTick, patience(manager) / 2)) {
-  service_.note_reload(true, &reloader_.values());
+  process_.note_reload(true, &reloader_.values());
 }
 
 std::string RunLoop::run(const sigset_t& signals) {
-  const auto period = std::min(period_, service_.tend_period());
+  const auto period = std::min(period_, process_.tend_period());
   const timespec wait{period.count() / 1000, (period.count() % 1000) * 1'000'000};
   auto next = std::chrono::steady_clock::now();
   for (;;) {
@@ -76,37 +76,37 @@ std::string RunLoop::run(const sigset_t& signals) {
 }
 
 void RunLoop::tend_sites() {
-  if (service_.tend_sites()) {
-    watchdog_.emplace(service_.stages(), patience(manager_));
+  if (process_.tend_sites()) {
+    watchdog_.emplace(process_.stages(), patience(manager_));
   }
 }
 
 void RunLoop::tick() {
   // Before tend_sites(): sites ended by a reload are no longer among the stages then.
-  const bool requested = service_.take_reload_request();
-  if (requested || (reload_again_ && !service_.preparing_sites())) {
+  const bool requested = process_.take_reload_request();
+  if (requested || (reload_again_ && !process_.preparing_sites())) {
     reload();
   }
   tend_sites();
-  for (const std::string& error : service_.new_errors()) {
+  for (const std::string& error : process_.new_errors()) {
     log_.add(error, {LogLevel::kError, error, {}});
   }
-  for (const std::string& error : service_.ended_errors()) {
+  for (const std::string& error : process_.ended_errors()) {
     log_.add("no longer: " + error, {LogLevel::kWarning, "no longer: " + error, {}});
   }
   log_.flush();
-  for (const std::string& warning : service_.new_warnings()) {
+  for (const std::string& warning : process_.new_warnings()) {
     spdlog::warn("{}", printable(warning));
   }
-  for (const std::string& line : service_.notices()) {
+  for (const std::string& line : process_.notices()) {
     spdlog::info("{}", printable(line));
   }
-  service_.log_losses();
+  process_.log_losses();
   log_readiness();
   feed_watchdog();
   const auto now = std::chrono::steady_clock::now();
   if (now >= next_status_) {
-    manager_.status(service_.status_line());
+    manager_.status(process_.status_line());
     next_status_ = now + kStatusInterval;
   }
   if (now >= next_spare_) {
@@ -117,7 +117,7 @@ void RunLoop::tick() {
 
 // Logs the state of /readyz when it changes between ready and not ready.
 void RunLoop::log_readiness() {
-  const Readiness now = service_.readiness();
+  const Readiness now = process_.readiness();
   if (ready_ == now.ready()) {
     return;
   }
@@ -136,7 +136,7 @@ void RunLoop::feed_watchdog() {
   for (const Watchdog::Stuck& stage : stuck) {
     names.push_back(stage.stage);
   }
-  service_.note_stuck(std::move(names));
+  process_.note_stuck(std::move(names));
   if (stuck.empty()) {
     if (stuck_) {
       spdlog::warn("watchdog: every stage makes progress again");
@@ -158,7 +158,7 @@ void RunLoop::feed_watchdog() {
 }
 
 void RunLoop::snapshot(const std::string& reason) {
-  const Expected<std::vector<std::string>> files = service_.snapshot();
+  const Expected<std::vector<std::string>> files = process_.snapshot();
   if (files) {
     spdlog::info("snapshot ({}): writing {}", reason, joined(*files));
   } else {
@@ -167,20 +167,20 @@ void RunLoop::snapshot(const std::string& reason) {
 }
 
 void RunLoop::reload() {
-  reload_again_ = service_.preparing_sites();
+  reload_again_ = process_.preparing_sites();
   if (reload_again_) {
     spdlog::info("reload: again when the sites of the last one run");
     return;
   }
   manager_.reloading();
-  Expected<Reloader::Reload> reload = reloader_.reload(service_.running());
+  Expected<Reloader::Reload> reload = reloader_.reload(process_.running());
   if (!reload) {
     spdlog::error("reload: nothing has changed, the configuration is wrong:\n{}",
                   reload.error().message);
   } else {
     set_log_level(reload->config.log);
-    service_.apply(reload->config);
-    service_.reload_sites(std::move(reload->sites), reload->changes.sites);
+    process_.apply(reload->config);
+    process_.reload_sites(std::move(reload->sites), reload->changes.sites);
     const std::string applied = joined(reload->changes.applicable);
     spdlog::info("reload: {}", applied.empty() ? "no change" : "changed " + applied);
     if (!reload->changes.needs_restart.empty()) {
@@ -188,7 +188,7 @@ void RunLoop::reload() {
                    joined(reload->changes.needs_restart));
     }
   }
-  service_.note_reload(reload.has_value(), &reloader_.values());
+  process_.note_reload(reload.has_value(), &reloader_.values());
   spdlog::default_logger()->flush();  // programs that wait for the reload read it next
   manager_.ready();
 }

@@ -15,8 +15,8 @@
 
 #include "daemon/live/health/watchdog.h"
 #include "daemon/live/log/limited_log.h"
+#include "daemon/live/service/process.h"
 #include "daemon/live/service/reloader.h"
-#include "daemon/live/service/service.h"
 #include "daemon/live/service/service_manager.h"
 
 namespace rayloc {
@@ -26,7 +26,7 @@ sigset_t block_daemon_signals();
 
 class RunLoop {
  public:
-  RunLoop(Service& service, const ServiceManager& manager, Reloader reloader);
+  RunLoop(Process& process, const ServiceManager& manager, Reloader reloader);
 
   // Returns the name of the signal that ends the daemon. REQUIRES: `signals` are blocked.
   std::string run(const sigset_t& signals);
@@ -39,7 +39,7 @@ class RunLoop {
   void snapshot(const std::string& reason);
   void feed_watchdog();
 
-  Service& service_;
+  Process& process_;
   const ServiceManager& manager_;
   Reloader reloader_;
   std::optional<Watchdog> watchdog_;  // of the current stages

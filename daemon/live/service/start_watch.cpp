@@ -62,7 +62,7 @@ void StartWatch::watch() const {
   spdlog::info("stopping: {}, before the daemon was ready",
                signal.ssi_signo == static_cast<unsigned>(SIGINT) ? "SIGINT" : "SIGTERM");
   spdlog::default_logger()->flush();
-  // The thread that opens the service cannot be interrupted: it traces rays, or waits for a disk.
+  // The thread that opens the process cannot be interrupted: it traces rays, or waits for a disk.
   std::_Exit(EXIT_SUCCESS);
 }
 

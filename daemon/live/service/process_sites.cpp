@@ -1,4 +1,4 @@
-// The part of Service that starts and ends sites, at the start and by a reload.
+// The part of Process that starts and ends sites, at the start and by a reload.
 #include <fcntl.h>
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 
 #include "daemon/live/log/log.h"
-#include "daemon/live/service/service.h"
+#include "daemon/live/service/process.h"
 #include "daemon/live/service/shutdown.h"
 #include "daemon/pipeline/record/system_now.h"
 #include "engine/base/printable.h"
@@ -60,7 +60,7 @@ FrameCount count_frames(const SiteRuntime& runtime) {
 
 }  // namespace
 
-SiteRuntime::Surroundings Service::surroundings(
+SiteRuntime::Surroundings Process::surroundings(
     const std::function<void(const std::string&)>& log) const {
   SiteRuntime::Surroundings surroundings;
   surroundings.started = system_now();
@@ -72,20 +72,20 @@ SiteRuntime::Surroundings Service::surroundings(
   return surroundings;
 }
 
-void Service::fill_shared(StatusSources& status) const {
+void Process::fill_shared(StatusSources& status) const {
   status.epoch = epoch_;
   status.snapshots = snapshots_.get();
   status.http = http_.get();
 }
 
-v1::Heartbeat Service::shared() const {
+v1::Heartbeat Process::shared() const {
   StatusSources sources;
   fill_shared(sources);
   return shared_counters(publisher_->published(), sources);
 }
 
 // systemd passes a socket once. With several sites, one may need it again.
-std::optional<int> Service::passed_socket(const std::string& name) {
+std::optional<int> Process::passed_socket(const std::string& name) {
   if (sockets_ != nullptr) {
     const std::optional<int> passed = sockets_->take(name);
     if (!passed || !has_site_list_) {
@@ -98,7 +98,7 @@ std::optional<int> Service::passed_socket(const std::string& name) {
                                : std::optional(fcntl(kept->second.get(), F_DUPFD_CLOEXEC, 0));
 }
 
-Expected<RunningSite> Service::begin_site(std::unique_ptr<SiteRuntime> runtime, InputFiles files) {
+Expected<RunningSite> Process::begin_site(std::unique_ptr<SiteRuntime> runtime, InputFiles files) {
   RunningSite site;
   if (setup_.config.http.enabled) {
     const SiteSet::Site before = sites_.find(runtime->setup().site.name);
@@ -129,7 +129,7 @@ Expected<RunningSite> Service::begin_site(std::unique_ptr<SiteRuntime> runtime, 
 
 // Ends their threads in parallel; the goodbye is left to the caller. Objects used by a stage that
 // does not return are kept.
-void Service::end_sites(const std::vector<SiteSet::Site>& sites) {
+void Process::end_sites(const std::vector<SiteSet::Site>& sites) {
   const Shutdown::Time begin = std::chrono::steady_clock::now();
   Shutdown shutdown;
   for (const SiteSet::Site& site : sites) {
@@ -163,7 +163,7 @@ void Service::end_sites(const std::vector<SiteSet::Site>& sites) {
 }
 
 // Takes over the remaining objects of a site that has ended.
-void Service::let_go(const SiteSet::Site& site) {
+void Process::let_go(const SiteSet::Site& site) {
   if (site->channel) {
     ended_channels_.push_back(site->channel);
   }
@@ -174,7 +174,7 @@ void Service::let_go(const SiteSet::Site& site) {
   }
 }
 
-RunningSetup Service::running() const {
+RunningSetup Process::running() const {
   RunningSetup running{setup_.config, {}};
   for (const SiteSet::Site& site : sites_.all()) {
     running.names[site->runtime->setup().directory] = site->name();
@@ -188,7 +188,7 @@ RunningSetup Service::running() const {
   return running;
 }
 
-void Service::note_trouble(const std::string& name, const std::string& trouble, AfterReload state) {
+void Process::note_trouble(const std::string& name, const std::string& trouble, AfterReload state) {
   if (const SiteSet::Site running = sites_.find(name)) {
     RunningSite same = *running;
     same.trouble = trouble;
@@ -207,7 +207,7 @@ void Service::note_trouble(const std::string& name, const std::string& trouble, 
                trouble);
 }
 
-void Service::reload_sites(std::vector<SiteSetup> setups, const std::set<std::string>& changed) {
+void Process::reload_sites(std::vector<SiteSetup> setups, const std::set<std::string>& changed) {
   if (!has_site_list_ || !setups.front().config.has_site_list) {
     return;  // reported as a change that needs a restart
   }
@@ -264,7 +264,7 @@ void Service::reload_sites(std::vector<SiteSetup> setups, const std::set<std::st
 }
 
 // All of them release their ports before the first is opened: they may have exchanged them.
-void Service::end_for_exchange(const std::vector<SitePreparation::Prepared>& prepared) {
+void Process::end_for_exchange(const std::vector<SitePreparation::Prepared>& prepared) {
   struct Exchange {
     const SiteRuntime* next = nullptr;
     std::uint64_t dropped = 0;  // frames, before it ends
@@ -294,7 +294,7 @@ void Service::end_for_exchange(const std::vector<SitePreparation::Prepared>& pre
   }
 }
 
-void Service::exchange_sites(std::vector<SitePreparation::Prepared> prepared) {
+void Process::exchange_sites(std::vector<SitePreparation::Prepared> prepared) {
   end_for_exchange(prepared);
   std::vector<SiteSet::Site> begun;
   for (SitePreparation::Prepared& one : prepared) {
@@ -327,7 +327,7 @@ void Service::exchange_sites(std::vector<SitePreparation::Prepared> prepared) {
   }
 }
 
-bool Service::tend_sites() {
+bool Process::tend_sites() {
   if (preparation_ && preparation_->done()) {
     std::vector<SitePreparation::Prepared> prepared = preparation_->take();
     preparation_.reset();

@@ -1,4 +1,4 @@
-#include "daemon/live/service/site_preparation.h"
+#include "daemon/live/service/site/site_preparation.h"
 
 #include <algorithm>
 #include <atomic>

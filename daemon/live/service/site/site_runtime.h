@@ -1,6 +1,6 @@
 // SiteRuntime: the objects of one site while raylocd runs: its room, its estimators, its pipeline,
-// its recorders, and their status. Objects shared by sites (sockets, HTTP, the guard) belong to
-// Service.
+// its recorders, its names and zones, and their status. Objects shared by sites (sockets, HTTP, the
+// guard, the log) belong to Process.
 //
 // Thread safety: one thread (main), unless stated otherwise.
 #pragma once

@@ -1,4 +1,4 @@
-#include "daemon/live/service/input_files.h"
+#include "daemon/live/service/site/input_files.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-// The part of Service that starts and stops its threads.
+// The part of Process that starts and stops its threads.
 #include <algorithm>
 #include <chrono>
 #include <string>
@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "daemon/live/machine/start_resources.h"
-#include "daemon/live/service/service.h"
+#include "daemon/live/service/process.h"
 #include "daemon/live/service/shutdown.h"
 
 namespace rayloc {
@@ -26,7 +26,7 @@ void wait_until_started(const std::vector<Stage>& stages) {
 
 // To be called before any object is opened that needs the threads and descriptors, and before the
 // room is prepared, which uses many threads.
-Expected<void> Service::check_resources(bool estimators_ready) const {
+Expected<void> Process::check_resources(bool estimators_ready) const {
   const std::size_t sources = setup_.config.sources.size();
   // Three of libzmq; guard, snapshot server, publisher, estimation, HTTP, channel, ring, one that
   // stops them; each source has its own and a recorder's.
@@ -48,7 +48,7 @@ Expected<void> Service::check_resources(bool estimators_ready) const {
 
 // At any stage of a start, every thread ends before the objects that it uses. The publisher's
 // thread uses the pipeline, and the pipeline's threads write to the publisher.
-Service::~Service() {
+Process::~Process() {
   if (http_) {
     http_->stop();
   }
@@ -63,7 +63,7 @@ Service::~Service() {
   }
 }
 
-void Service::start() {
+void Process::start() {
   publisher_->start();
   for (const SiteSet::Site& site : sites_.all()) {
     site->runtime->start();
@@ -81,7 +81,7 @@ void Service::start() {
   wait_until_started(stages());
 }
 
-std::vector<Stage> Service::stages() const {
+std::vector<Stage> Process::stages() const {
   std::vector<Stage> stages = working_stages();
   if (http_) {
     stages.push_back({"http", &http_progress_});
@@ -89,7 +89,7 @@ std::vector<Stage> Service::stages() const {
   return stages;
 }
 
-std::vector<Stage> Service::working_stages() const {
+std::vector<Stage> Process::working_stages() const {
   std::vector<Stage> stages;
   for (const SiteSet::Site& site : sites_.all()) {
     const std::vector<Stage> some = site->runtime->stages();
@@ -108,7 +108,7 @@ std::vector<Stage> Service::working_stages() const {
   return stages;
 }
 
-std::vector<std::string> Service::stop(const std::string& reason,
+std::vector<std::string> Process::stop(const std::string& reason,
                                        std::chrono::milliseconds patience) {
   // Three quarters to drain; the rest is for stages that do not return, and for later steps.
   const Shutdown::Time begin = std::chrono::steady_clock::now();

@@ -5,8 +5,8 @@
 #include <memory>
 #include <vector>
 
-#include "daemon/live/service/input_files.h"
-#include "daemon/live/service/site_runtime.h"
+#include "daemon/live/service/site/input_files.h"
+#include "daemon/live/service/site/site_runtime.h"
 
 namespace rayloc {
 

@@ -1,4 +1,4 @@
-#include "daemon/live/service/service.h"
+#include "daemon/live/service/process.h"
 
 #include <algorithm>
 #include <utility>
@@ -36,58 +36,58 @@ std::shared_ptr<PathGridStore> path_grids(const CacheConfig& config,
 
 }  // namespace
 
-Expected<std::unique_ptr<Service>> Service::open(
+Expected<std::unique_ptr<Process>> Process::open(
     DaemonSetup setup,
     PassedSockets& sockets,
     const std::function<void(const std::string& line)>& log) {
-  std::unique_ptr<Service> service(new Service(std::move(setup)));
-  const DaemonConfig& config = service->setup_.config;
+  std::unique_ptr<Process> process(new Process(std::move(setup)));
+  const DaemonConfig& config = process->setup_.config;
   for (const Expected<void>& good : {check_secrets(config),
                                      check_passed_sockets(sockets, config),
                                      check_places(config, sockets),
-                                     service->check_resources(false)}) {
+                                     process->check_resources(false)}) {
     if (!good) {
       return tl::make_unexpected(good.error());
     }
   }
-  if (const Expected<void> cluster = service->open_cluster(); !cluster) {
+  if (const Expected<void> cluster = process->open_cluster(); !cluster) {
     return tl::make_unexpected(cluster.error());
   }
-  service->sockets_ = &sockets;
-  service->path_grids_ = path_grids(config.cache, log);
+  process->sockets_ = &sockets;
+  process->path_grids_ = path_grids(config.cache, log);
   std::vector<std::unique_ptr<SiteRuntime>> runtimes;
-  for (const SiteSetup& one : service->setup_.sites) {
-    auto runtime = SiteRuntime::prepare(one, service->surroundings(log));
+  for (const SiteSetup& one : process->setup_.sites) {
+    auto runtime = SiteRuntime::prepare(one, process->surroundings(log));
     if (!runtime) {
       return tl::make_unexpected(runtime.error());
     }
     runtimes.push_back(std::move(*runtime));
   }
-  if (const Expected<void> opened = service->open_publishing(sockets); !opened) {
+  if (const Expected<void> opened = process->open_publishing(sockets); !opened) {
     return tl::make_unexpected(opened.error());
   }
   for (std::unique_ptr<SiteRuntime>& runtime : runtimes) {
     InputFiles files = InputFiles::of(runtime->setup());
-    if (service->claims_) {
+    if (process->claims_) {
       const std::string name = runtime->setup().site.name;
-      service->keep_ready({name, std::move(files), std::move(runtime), ""});
+      process->keep_ready({name, std::move(files), std::move(runtime), ""});
       continue;
     }
-    auto site = service->begin_site(std::move(runtime), std::move(files));
+    auto site = process->begin_site(std::move(runtime), std::move(files));
     if (!site) {
       return tl::make_unexpected(site.error());
     }
-    service->publisher_->add(site->output);
-    service->sites_.put(std::move(*site));
+    process->publisher_->add(site->output);
+    process->sites_.put(std::move(*site));
   }
-  if (const Expected<void> http = service->open_http(sockets); !http) {
+  if (const Expected<void> http = process->open_http(sockets); !http) {
     return tl::make_unexpected(http.error());
   }
-  service->sockets_ = nullptr;
-  return service;
+  process->sockets_ = nullptr;
+  return process;
 }
 
-Expected<void> Service::open_publishing(PassedSockets& sockets) {
+Expected<void> Process::open_publishing(PassedSockets& sockets) {
   if (const Expected<void> enough = check_resources(true); !enough) {
     return tl::make_unexpected(enough.error());
   }
@@ -130,7 +130,7 @@ Expected<void> Service::open_publishing(PassedSockets& sockets) {
   return {};
 }
 
-Expected<std::vector<std::string>> Service::snapshot() {
+Expected<std::vector<std::string>> Process::snapshot() {
   std::vector<std::string> files;
   std::optional<Error> error;
   for (const SiteSet::Site& site : sites_.all()) {
@@ -159,7 +159,7 @@ void add_labelled(const RunningSite& site,
 
 }  // namespace
 
-std::vector<std::string> Service::notices() {
+std::vector<std::string> Process::notices() {
   std::vector<std::string> lines;
   for (const SiteSet::Site& site : sites_.all()) {
     add_labelled(*site, site->runtime->notices(), lines);
@@ -167,7 +167,7 @@ std::vector<std::string> Service::notices() {
   return lines;
 }
 
-void Service::apply(const DaemonConfig& config) {
+void Process::apply(const DaemonConfig& config) {
   publisher_->set_heartbeat(config.publish.heartbeat);
   for (const SiteSet::Site& site : sites_.all()) {
     site->runtime->apply(config.record);
@@ -175,7 +175,7 @@ void Service::apply(const DaemonConfig& config) {
   guard_->allow(config.curve.allow);
 }
 
-std::string Service::status_line() const {
+std::string Process::status_line() const {
   std::uint64_t sources = 0;
   std::uint64_t received = 0;
   std::uint64_t kernel_drops = 0;
@@ -192,7 +192,6 @@ std::string Service::status_line() const {
     const EstimationCounters estimation = site->runtime->pipeline().estimation_counters();
     fixes += estimation.snapshots - estimation.no_fix;
   }
-  const std::lock_guard lock(health_mutex_);
   return fmt::format(
       "{} of {} sources receive; {} datagrams, {} dropped by the kernel; {} fixes{}{}",
       active,
@@ -201,10 +200,10 @@ std::string Service::status_line() const {
       kernel_drops,
       fixes,
       has_site_list_ ? fmt::format("; {} sites", sites.size()) : "",
-      reload_failed_ ? "; the last reload failed" : "");
+      health_.reload_failed() ? "; the last reload failed" : "");
 }
 
-std::vector<std::string> Service::source_descriptions() const {
+std::vector<std::string> Process::source_descriptions() const {
   std::vector<std::string> lines;
   for (const SiteSet::Site& site : sites_.all()) {
     const auto some = site->runtime->source_descriptions();
@@ -213,7 +212,7 @@ std::vector<std::string> Service::source_descriptions() const {
   return lines;
 }
 
-std::vector<std::string> Service::new_warnings() {
+std::vector<std::string> Process::new_warnings() {
   std::vector<std::string> lines;
   for (const SiteSet::Site& site : sites_.all()) {
     add_labelled(*site, site->runtime->new_warnings(), lines);
@@ -221,7 +220,7 @@ std::vector<std::string> Service::new_warnings() {
   return lines;
 }
 
-void Service::log_losses() {
+void Process::log_losses() {
   for (const SiteSet::Site& site : sites_.all()) {
     site->runtime->check_losses();
   }
@@ -229,7 +228,7 @@ void Service::log_losses() {
   limited_log_->flush();
 }
 
-std::vector<std::string> Service::new_errors() {
+std::vector<std::string> Process::new_errors() {
   std::vector<std::string> errors;
   for (const SiteSet::Site& site : sites_.all()) {
     add_labelled(*site, site->runtime->errors(), errors);
@@ -256,6 +255,6 @@ std::vector<std::string> Service::new_errors() {
   return fresh;
 }
 
-std::vector<std::string> Service::ended_errors() { return std::exchange(ended_errors_, {}); }
+std::vector<std::string> Process::ended_errors() { return std::exchange(ended_errors_, {}); }
 
 }  // namespace rayloc

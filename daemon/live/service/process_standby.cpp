@@ -1,10 +1,10 @@
-// The part of Service that makes a worker a hot standby: it computes the sites that it is next for
+// The part of Process that makes a worker a hot standby: it computes the sites that it is next for
 // in parallel, compares the results with their owners', and takes over immediately if one dies.
 #include <algorithm>
 #include <utility>
 
 #include "daemon/live/log/log.h"
-#include "daemon/live/service/service.h"
+#include "daemon/live/service/process.h"
 
 namespace rayloc {
 namespace {
@@ -18,17 +18,9 @@ constexpr seconds kStandbyInterval{1};
 constexpr seconds kTryAgain{60};
 constexpr seconds kNotYet{5};  // chosen: the same, if the owner has not published yet
 
-StandbyAudit::Counters sum(StandbyAudit::Counters one, const StandbyAudit::Counters& other) {
-  one.windows += other.windows;
-  one.results += other.results;
-  one.differing += other.differing;
-  one.not_compared += other.not_compared;
-  return one;
-}
-
 }  // namespace
 
-void Service::tend_standby(v1::WorkerState& condition) {
+void Process::tend_standby(v1::WorkerState& condition) {
   const SteadyTime now = std::chrono::steady_clock::now();
   std::map<std::string, std::string> troubles;
   for (const auto& [name, site] : along_) {
@@ -67,7 +59,7 @@ void Service::tend_standby(v1::WorkerState& condition) {
   }
 }
 
-void Service::begin_standby(const std::string& name) {
+void Process::begin_standby(const std::string& name) {
   // Other sites have priority while this one cannot be followed yet.
   along_not_before_[name] = std::chrono::steady_clock::now() + kNotYet;
   auto along = standby_start(*broker_, name);
@@ -93,7 +85,7 @@ void Service::begin_standby(const std::string& name) {
           (is_late ? ", from a later start than the owner's: positions are not compared" : ""));
 }
 
-Expected<SiteSet::Site> Service::computing_along(SitePreparation::Prepared prepared,
+Expected<SiteSet::Site> Process::computing_along(SitePreparation::Prepared prepared,
                                                  StandbyStart along) {
   if (const Expected<void> started = prepared.runtime->begin_standby(std::move(along)); !started) {
     return tl::make_unexpected(started.error());
@@ -107,7 +99,7 @@ Expected<SiteSet::Site> Service::computing_along(SitePreparation::Prepared prepa
 }
 
 // It takes over immediately, without preparing a room or processing frames again.
-Expected<void> Service::promote(const std::string& name, std::uint64_t generation) {
+Expected<void> Process::promote(const std::string& name, std::uint64_t generation) {
   const SiteSet::Site site = along_.at(name);
   note_audit(*site);
   const auto standby = site->runtime->standby();
@@ -121,9 +113,7 @@ Expected<void> Service::promote(const std::string& name, std::uint64_t generatio
   show(*site);
   note_audit(*site);  // with the comparisons made during the claim
   site->runtime->take_over();
-  const std::lock_guard lock(audit_mutex_);
-  Audit& audit = audits_[name];
-  audit = {sum(audit.before, audit.now), {}, false};
+  audits_.end(name);
   log_line(LogLevel::kInfo,
            "site '" + name + "' is owned, generation " + std::to_string(generation) +
                ", and goes on at once: it was computed along");
@@ -131,7 +121,7 @@ Expected<void> Service::promote(const std::string& name, std::uint64_t generatio
 }
 
 // The site is prepared anew, because a fresh runtime must not use the state of the old one.
-void Service::end_standby(const std::string& name, const std::string& why) {
+void Process::end_standby(const std::string& name, const std::string& why) {
   const SiteSet::Site site = along_.extract(name).mapped();
   note_audit(*site);
   claims_->withdraw(name);
@@ -142,57 +132,18 @@ void Service::end_standby(const std::string& name, const std::string& why) {
   if (!claims_->is_leaving()) {
     to_prepare_.push_back(site->runtime->setup());
   }
-  {
-    const std::lock_guard lock(audit_mutex_);
-    Audit& audit = audits_[name];
-    audit = {sum(audit.before, audit.now), {}, false};
-  }
+  audits_.end(name);
   log_line(LogLevel::kInfo, "site '" + name + "' is not computed along any more: " + why);
 }
 
-// Logs the first window that differs, once.
-void Service::note_audit(const RunningSite& site) {
-  const auto standby = site.runtime->standby();
-  if (!standby) {
-    return;
-  }
-  const std::lock_guard lock(audit_mutex_);
-  Audit& audit = audits_[site.name()];
-  audit.now = standby->counters;
-  if (!standby->first_difference.empty() && !std::exchange(audit.is_logged, true)) {
-    log_line(LogLevel::kError,
-             "site '" + site.name() +
-                 "': its owner published other results than this worker computes: " +
-                 standby->first_difference +
-                 "; `rayloc replay --stream` shows which of the two is wrong");
+void Process::note_audit(const RunningSite& site) {
+  if (const auto standby = site.runtime->standby()) {
+    audits_.note(site.name(), *standby);
   }
 }
 
-std::vector<ExtraMetric> Service::standby_metrics() const {
-  if (!setup_.config.cluster.is_hot || !claims_) {
-    return {};
-  }
-  ExtraMetric windows{"rayloc_cluster_standby_windows_total",
-                      "Records of owners that were compared with what this worker has computed",
-                      true,
-                      {}};
-  ExtraMetric missed{
-      "rayloc_cluster_standby_missed_total",
-      "Records of owners that were not compared: not received, or the first after a gap",
-      true,
-      {}};
-  ExtraMetric differing{"rayloc_cluster_divergence_total",
-                        "Records of owners that hold other results than this worker has computed",
-                        true,
-                        {}};
-  const std::lock_guard lock(audit_mutex_);
-  for (const auto& [name, audit] : audits_) {
-    const StandbyAudit::Counters all = sum(audit.before, audit.now);
-    windows.samples.push_back({"site", name, static_cast<double>(all.windows)});
-    missed.samples.push_back({"site", name, static_cast<double>(all.not_compared)});
-    differing.samples.push_back({"site", name, static_cast<double>(all.differing)});
-  }
-  return {windows, missed, differing};
+std::vector<ExtraMetric> Process::standby_metrics() const {
+  return setup_.config.cluster.is_hot && claims_ ? audits_.metrics() : std::vector<ExtraMetric>();
 }
 
 }  // namespace rayloc

@@ -1,4 +1,4 @@
-#include "daemon/live/service/privacy.h"
+#include "daemon/live/service/site/privacy.h"
 
 #include <utility>
 

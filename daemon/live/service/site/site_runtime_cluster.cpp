@@ -4,7 +4,7 @@
 #include "daemon/live/cluster/cluster_names.h"
 #include "daemon/live/cluster/sealed_message.h"
 #include "daemon/live/service/cluster_options.h"
-#include "daemon/live/service/site_runtime.h"
+#include "daemon/live/service/site/site_runtime.h"
 
 namespace rayloc {
 namespace {

@@ -1,5 +1,6 @@
-// Service: raylocd from its configuration to its final goodbye: opens all parts, runs the pipeline
-// and the publisher, and closes both in order.
+// Process: raylocd from its configuration to its final goodbye: opens the parts that all sites
+// share (sockets, publisher, HTTP, guard, log, membership of a cluster), starts and ends the sites
+// (SiteRuntime), and closes everything in order.
 //
 // Thread safety: one thread (main). It starts the others and joins them.
 #pragma once
@@ -9,7 +10,6 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <set>
 #include <string>
@@ -30,10 +30,12 @@
 #include "daemon/live/publish/snapshot_server.h"
 #include "daemon/live/publish/socket/connection_guard.h"
 #include "daemon/live/service/http_api.h"
+#include "daemon/live/service/process_health.h"
 #include "daemon/live/service/service_manager.h"
-#include "daemon/live/service/site_preparation.h"
-#include "daemon/live/service/site_runtime.h"
-#include "daemon/live/service/site_set.h"
+#include "daemon/live/service/site/site_preparation.h"
+#include "daemon/live/service/site/site_runtime.h"
+#include "daemon/live/service/site/site_set.h"
+#include "daemon/live/service/site/standby_audits.h"
 #include "daemon/live/service/sources/handed_sources.h"
 #include "daemon/messages/last_messages.h"
 #include "daemon/pipeline/record/system_now.h"
@@ -41,7 +43,7 @@
 
 namespace rayloc {
 
-class Service {
+class Process {
  public:
   // Checks that its ports are available, reads the scene, prepares the room, binds the publisher
   // and opens the sources, in this order: errors in files are found before a port is bound, and no
@@ -49,11 +51,11 @@ class Service {
   // A socket that systemd bound replaces the address in the configuration: "publish", "snapshot",
   // "http", and "source-ID" of a UDP source. `log`: receives progress messages for the operator,
   // line by line.
-  static Expected<std::unique_ptr<Service>> open(
+  static Expected<std::unique_ptr<Process>> open(
       DaemonSetup setup,
       PassedSockets& sockets,
       const std::function<void(const std::string& line)>& log);
-  ~Service();
+  ~Process();
 
   // Returns when every thread has completed its loop once.
   void start();
@@ -80,7 +82,7 @@ class Service {
   // Error if there are no datagrams or no folder. From any thread.
   Expected<std::vector<std::string>> snapshot();
 
-  // Every thread that provides a service; the service outlives the returned stages.
+  // Every thread that provides a service; this outlives the returned stages.
   std::vector<Stage> stages() const;
   // "3 sources, 3 receiving; 1234 datagrams, 0 lost; 56 fixes; 2 subscriptions"
   std::string status_line() const;
@@ -110,7 +112,7 @@ class Service {
   void log_losses();
 
  private:
-  explicit Service(DaemonSetup setup) : setup_(std::move(setup)) {}
+  explicit Process(DaemonSetup setup) : setup_(std::move(setup)) {}
   Expected<void> check_resources(bool estimators_ready) const;
   Expected<void> open_cluster();
   void check_broker();
@@ -118,7 +120,6 @@ class Service {
   Expected<void> open_http(PassedSockets& sockets);
   ServiceHealth health_of(const RunningSite& site) const;  // current state
   std::vector<ExtraMetric> extra_metrics() const;
-  ExtraMetric running_sites() const;
   std::vector<Stage> working_stages() const;
   HttpReply answer_snapshot();
 
@@ -129,7 +130,7 @@ class Service {
   void end_for_exchange(const std::vector<SitePreparation::Prepared>& prepared);
   void exchange_sites(std::vector<SitePreparation::Prepared> prepared);
   void listen_to_owner(const std::string& site, std::shared_ptr<SiteOutput> output);
-  // For a worker (service_worker.cpp).
+  // For a worker (process_worker.cpp).
   Expected<void> open_claims();
   void keep_ready(SitePreparation::Prepared prepared);
   void tend_claims();
@@ -137,7 +138,7 @@ class Service {
   Expected<void> begin_owned(SitePreparation::Prepared prepared, std::uint64_t generation);
   void lose(const SiteSet::Site& site, const std::string& why);
   void show(RunningSite site);
-  // For a worker that is a hot standby for sites of others (service_standby.cpp).
+  // For a worker that is a hot standby for sites of others (process_standby.cpp).
   // Adds the sites for which it is a standby to the condition.
   void tend_standby(v1::WorkerState& condition);
   // Adds its load as well; a site that it is too slow for is offered to another worker.
@@ -158,7 +159,6 @@ class Service {
   v1::Heartbeat shared() const;  // counters of the parts that all sites share
   Readiness readiness_of(const RunningSite& site) const;
   void open_api(RunningSite& site) const;
-  void offer_editor(const RunningSite& running, SiteApi& api) const;
   DaemonApi daemon_api();
   HttpRoutes routes();
   std::string metrics() const;
@@ -182,14 +182,7 @@ class Service {
   using SteadyTime = std::chrono::steady_clock::time_point;
   std::map<std::string, SteadyTime> along_not_before_;  // by site
   SteadyTime along_checked_{};
-  // Comparison results of one site so far.
-  struct Audit {
-    StandbyAudit::Counters before;  // of runtimes that have ended
-    StandbyAudit::Counters now;
-    bool is_logged = false;  // a difference of the current runtime is logged
-  };
-  mutable std::mutex audit_mutex_;
-  std::map<std::string, Audit> audits_;  // guarded by audit_mutex_; by site
+  StandbyAudits audits_;
   const std::shared_ptr<LimitedLog> limited_log_ = std::make_shared<LimitedLog>(log_event);
   LossWatch shared_losses_{limited_log_};
   const Timestamp started_ = system_now();
@@ -215,12 +208,8 @@ class Service {
   bool stages_changed_ = false;  // since the last report by tend_sites()
   std::shared_ptr<LastMessages> last_messages_;
   std::unique_ptr<SnapshotServer> snapshots_;
-  mutable std::mutex health_mutex_;
-  std::vector<std::string> stuck_stages_;  // guarded by health_mutex_
-  std::string config_json_;                // guarded by health_mutex_
-  bool reload_failed_ = false;             // guarded by health_mutex_; of the last reload
-  Timestamp reloaded_{};                   // guarded by health_mutex_; time of the last reload
-  std::unique_ptr<HttpServer> http_;       // last: its handlers use all the others
+  ProcessHealth health_;
+  std::unique_ptr<HttpServer> http_;  // last: its handlers use all the others
   std::vector<std::string> reported_errors_;
   std::vector<std::string> ended_errors_;
 };

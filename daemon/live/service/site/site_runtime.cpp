@@ -1,4 +1,4 @@
-#include "daemon/live/service/site_runtime.h"
+#include "daemon/live/service/site/site_runtime.h"
 
 #include <algorithm>
 #include <cstdlib>
@@ -9,7 +9,7 @@
 #include "daemon/live/cluster/feed_report.h"
 #include "daemon/live/log/log.h"
 #include "daemon/live/service/passed_socket_check.h"
-#include "daemon/live/service/privacy.h"
+#include "daemon/live/service/site/privacy.h"
 #include "daemon/pipeline/record/recording_folder.h"
 #include "daemon/pipeline/record/system_now.h"
 #include "daemon/site/model/room_match.h"

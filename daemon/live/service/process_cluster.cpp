@@ -1,13 +1,13 @@
-// The part of Service that makes it a machine of a cluster.
+// The part of Process that makes it a machine of a cluster.
 #include <utility>
 
 #include "daemon/live/health/readiness.h"
 #include "daemon/live/service/cluster_options.h"
-#include "daemon/live/service/service.h"
+#include "daemon/live/service/process.h"
 
 namespace rayloc {
 
-Expected<void> Service::open_cluster() {
+Expected<void> Process::open_cluster() {
   const ClusterConfig& config = setup_.config.cluster;
   if (config.role == ClusterRole::kNone) {
     return {};
@@ -47,7 +47,7 @@ Expected<void> Service::open_cluster() {
 
 // For workers and gateways; a capture node reports it for each site. The text stays while the
 // condition lasts, so that it is reported once.
-void Service::check_broker() {
+void Process::check_broker() {
   if (!broker_ || capture_ || broker_->connected()) {
     broker_trouble_.clear();
   } else if (broker_trouble_.empty()) {
@@ -58,7 +58,7 @@ void Service::check_broker() {
 }
 
 // For a gateway: it publishes the output of the site's owner.
-void Service::listen_to_owner(const std::string& site, std::shared_ptr<SiteOutput> output) {
+void Process::listen_to_owner(const std::string& site, std::shared_ptr<SiteOutput> output) {
   gateway_->add(site, [output = std::move(output)](v1::OutputItem&& item) {
     if (item.has_location()) {
       output->relay(std::move(*item.mutable_location()));

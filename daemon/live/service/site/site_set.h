@@ -13,8 +13,8 @@
 #include "daemon/live/live_map/background_text.h"
 #include "daemon/live/publish/message_board.h"
 #include "daemon/live/service/http_api.h"
-#include "daemon/live/service/input_files.h"
-#include "daemon/live/service/site_runtime.h"
+#include "daemon/live/service/site/input_files.h"
+#include "daemon/live/service/site/site_runtime.h"
 
 namespace rayloc {
 

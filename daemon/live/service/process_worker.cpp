@@ -1,4 +1,4 @@
-// The part of Service that makes it a worker of a cluster: its sites are kept ready, and run while
+// The part of Process that makes it a worker of a cluster: its sites are kept ready, and run while
 // it owns them.
 #include <algorithm>
 #include <utility>
@@ -6,7 +6,7 @@
 #include "daemon/live/cluster/ownership/owner_log.h"
 #include "daemon/live/log/log.h"
 #include "daemon/live/service/cluster_options.h"
-#include "daemon/live/service/service.h"
+#include "daemon/live/service/process.h"
 
 namespace rayloc {
 namespace {
@@ -18,9 +18,9 @@ constexpr double kPermille = 1e-3;
 
 }  // namespace
 
-std::chrono::milliseconds Service::tend_period() const { return claims_ ? kTendWorker : kTend; }
+std::chrono::milliseconds Process::tend_period() const { return claims_ ? kTendWorker : kTend; }
 
-Expected<void> Service::open_claims() {
+Expected<void> Process::open_claims() {
   const ClusterConfig& config = setup_.config.cluster;
   ClaimKeeper::Options options;
   options.worker = config.name;
@@ -39,7 +39,7 @@ Expected<void> Service::open_claims() {
 }
 
 // Keeps a site that is not owned ready: everything is prepared that is possible before.
-void Service::keep_ready(SitePreparation::Prepared prepared) {
+void Process::keep_ready(SitePreparation::Prepared prepared) {
   const std::string name = prepared.name;
   stages_changed_ = true;
   if (!prepared.runtime) {
@@ -53,14 +53,11 @@ void Service::keep_ready(SitePreparation::Prepared prepared) {
   }
   sites_.put_absent(name, "this worker does not own it");
   standby_[name] = std::move(prepared);
-  {
-    const std::lock_guard lock(audit_mutex_);
-    audits_.try_emplace(name);
-  }
+  audits_.add(name);
   claims_->offer(name);
 }
 
-void Service::tend_claims() {
+void Process::tend_claims() {
   if (std::string trouble = claims_->trouble(); trouble != claim_trouble_) {
     claim_trouble_ = std::move(trouble);
     log_line(claim_trouble_.empty() ? LogLevel::kInfo : LogLevel::kError,
@@ -93,7 +90,7 @@ void Service::tend_claims() {
   }
 }
 
-void Service::tend_load(v1::WorkerState& condition) {
+void Process::tend_load(v1::WorkerState& condition) {
   std::map<std::string, std::uint32_t> levels;
   for (const SiteSet::Site& site : sites_.all()) {
     const std::uint32_t level = site->runtime->shed_level();
@@ -111,7 +108,7 @@ void Service::tend_load(v1::WorkerState& condition) {
        "this worker has been too slow for it for long, and another one has room");
 }
 
-void Service::own(const ClaimKeeper::Change& change) {
+void Process::own(const ClaimKeeper::Change& change) {
   if (along_.count(change.site) != 0) {
     if (const Expected<void> owned = promote(change.site, change.generation); !owned) {
       claims_->give_back(change.site, change.generation);
@@ -136,7 +133,7 @@ void Service::own(const ClaimKeeper::Change& change) {
   }
 }
 
-Expected<void> Service::begin_owned(SitePreparation::Prepared prepared, std::uint64_t generation) {
+Expected<void> Process::begin_owned(SitePreparation::Prepared prepared, std::uint64_t generation) {
   if (Expected<void> claimed = prepared.runtime->claim(generation); !claimed) {
     return claimed;
   }
@@ -152,7 +149,7 @@ Expected<void> Service::begin_owned(SitePreparation::Prepared prepared, std::uin
 }
 
 // Publishes a site that is owned from now on.
-void Service::show(RunningSite site) {
+void Process::show(RunningSite site) {
   const std::shared_ptr<SiteOutput> output = site.output;
   sites_.put(std::move(site));
   if (http_) {  // clients that receive the start of a site request its map
@@ -163,7 +160,7 @@ void Service::show(RunningSite site) {
 }
 
 // It is prepared anew: a pipeline with another start must not use the state of this one.
-void Service::lose(const SiteSet::Site& site, const std::string& why) {
+void Process::lose(const SiteSet::Site& site, const std::string& why) {
   const std::string name = site->name();
   end_sites({site});
   claims_->give_back(name, site->runtime->generation());
@@ -180,7 +177,7 @@ void Service::lose(const SiteSet::Site& site, const std::string& why) {
 
 // A worker gives its site back before the pipeline ends: the next owner need not wait for that, and
 // results at an end differ from results in the middle.
-void Service::end_pipeline(const SiteSet::Site& site) {
+void Process::end_pipeline(const SiteSet::Site& site) {
   site->runtime->give_back();
   if (claims_) {
     claims_->give_back(site->name(), site->runtime->generation());
@@ -189,7 +186,7 @@ void Service::end_pipeline(const SiteSet::Site& site) {
 }
 
 // Changed sites are given back and prepared anew; any worker may then claim them.
-void Service::reload_worker(std::vector<SiteSetup> setups, const std::set<std::string>& changed) {
+void Process::reload_worker(std::vector<SiteSetup> setups, const std::set<std::string>& changed) {
   std::set<std::string> stay;
   for (const SiteSetup& setup : setups) {
     stay.insert(setup.site.name);
@@ -218,8 +215,7 @@ void Service::reload_worker(std::vector<SiteSetup> setups, const std::set<std::s
       let_go_of(name, "the site is no longer configured");
       sites_.remove(name);
       along_not_before_.erase(name);
-      const std::lock_guard lock(audit_mutex_);
-      audits_.erase(name);
+      audits_.remove(name);
       stages_changed_ = true;
     }
   }
