@@ -10,7 +10,7 @@
 #include "daemon/cli/verbs/method_arguments.h"
 #include "daemon/lab/replay/replay.h"
 #include "daemon/live/cluster/broker.h"
-#include "daemon/pipeline/chain_keeper.h"
+#include "daemon/pipeline/device/chain_keeper.h"
 #include "engine/base/expected.h"
 
 namespace rayloc::cli {

@@ -15,15 +15,15 @@ class WriteErrors {
 
   void add(const Error& error) {
     const auto now = RecordingClock::now();
-    if (!reported_ || now - *reported_ > std::chrono::seconds(10)) {
-      reported_ = now;
+    if (now >= next_) {
+      next_ = now + std::chrono::seconds(10);
       report_(error);
     }
   }
 
  private:
   const std::function<void(const Error&)>& report_;
-  std::optional<RecordingClock::time_point> reported_;
+  RecordingClock::time_point next_ = RecordingClock::time_point::min();  // of the next report
 };
 
 }  // namespace
