@@ -137,9 +137,7 @@ tl::expected<AxcsiHeader, RejectReason> read_axcsi_header(std::span<const std::b
 
 DecodeResult AxcsiDecoder::decode(std::span<const std::byte> payload) const {
   const auto header = read_axcsi_header(payload);
-  if (!header) {
-    return tl::make_unexpected(header.error());
-  }
+  RAYLOC_TRY(header);
   CsiFragment fragment;
   fragment.format = format();
   fragment.transmitter = header->transmitter;

@@ -195,9 +195,7 @@ bool resembles(std::span<const std::byte> payload) {
 
 FrameResult Intel5300Decoder::decode(std::span<const std::byte> payload) const {
   const auto header = header_of(payload);
-  if (!header) {
-    return tl::make_unexpected(header.error());
-  }
+  RAYLOC_TRY(header);
   const ByteReader reader(payload);
   CsiFrame frame;
   frame.format = format();

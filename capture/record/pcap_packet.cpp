@@ -220,15 +220,11 @@ tl::expected<Datagram, const char*> udp_datagram(const Packet& packet,
     return Datagram{*packet.time, {}, packet.data};
   }
   const Link link = after_link_layer(packet);
-  if (!link) {
-    return tl::make_unexpected(link.error());
-  }
+  RAYLOC_TRY(link);
   Datagram datagram;
   datagram.time = *packet.time;
   const auto udp = after_ipv4(packet, link->ip, datagram.address);
-  if (!udp) {
-    return tl::make_unexpected(udp.error());
-  }
+  RAYLOC_TRY(udp);
   datagram.address.source_port = load16(*udp, 0);
   datagram.address.destination_port = load16(*udp, 2);
   if (port && datagram.address.destination_port != *port) {

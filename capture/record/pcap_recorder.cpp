@@ -46,9 +46,7 @@ Expected<int> new_file(const std::string& path) {
 
 Expected<PcapRecorder> PcapRecorder::create(const std::string& path) {
   const Expected<int> fd = new_file(path);
-  if (!fd) {
-    return tl::make_unexpected(fd.error());
-  }
+  RAYLOC_TRY(fd);
   auto writer = AppendProcess::start(*fd);
   if (!writer) {
     unlink(path.c_str());
@@ -59,13 +57,9 @@ Expected<PcapRecorder> PcapRecorder::create(const std::string& path) {
 }
 
 Expected<void> PcapRecorder::continue_in(const std::string& path) {
-  if (Expected<void> synced = sync(); !synced) {
-    return synced;
-  }
+  RAYLOC_TRY(sync());
   const Expected<int> fd = new_file(path);
-  if (!fd) {
-    return tl::make_unexpected(fd.error());
-  }
+  RAYLOC_TRY(fd);
   if (const int error = writer_.use(*fd); error != 0) {
     unlink(path.c_str());
     close(*fd);

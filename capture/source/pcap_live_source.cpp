@@ -151,9 +151,7 @@ Expected<void> PcapLiveSource::Impl::read(DatagramBatch& batch, Duration timeout
     poll(&waiting, 1, poll_milliseconds(timeout));
     got = dispatch();
   }
-  if (!got) {
-    return tl::make_unexpected(std::move(got.error()));
-  }
+  RAYLOC_TRY(got);
   std::span<const std::byte> rest(payloads_);
   for (std::size_t i = 0; i < taken_.size(); ++i) {
     taken_[i].payload = rest.first(sizes_[i]);
@@ -199,9 +197,7 @@ Expected<std::unique_ptr<PcapLiveSource>> PcapLiveSource::open(const PcapLiveOpt
   if (status < 0) {
     return activation_error(handle.get(), options.interface, status);
   }
-  if (auto filtered = set_filter(handle.get(), options.filter); !filtered) {
-    return tl::make_unexpected(std::move(filtered.error()));
-  }
+  RAYLOC_TRY(set_filter(handle.get(), options.filter));
   if (pcap_setnonblock(handle.get(), 1, error.data()) != 0) {
     return make_error(ErrorKind::kUnavailable,
                       "interface " + options.interface + ": " + error.data());

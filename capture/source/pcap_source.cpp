@@ -45,15 +45,11 @@ bool can_be_read_twice(const std::string& path) {
 Expected<std::unique_ptr<PcapFileSource>> PcapFileSource::open(const std::string& path,
                                                                const PcapFileOptions& options) {
   auto input = pcap::PcapInput::open(path);
-  if (!input) {
-    return tl::make_unexpected(std::move(input.error()));
-  }
+  RAYLOC_TRY(input);
   PcapFileOptions known = options;
   if (options.max_disorder != kAnyDisorder && !options.times && can_be_read_twice(path)) {
     auto scan = scan_recording(path, options);
-    if (!scan) {
-      return tl::make_unexpected(std::move(scan.error()));
-    }
+    RAYLOC_TRY(scan);
     known.times = std::move(scan->times);
   }
   return std::unique_ptr<PcapFileSource>(new PcapFileSource(std::move(*input), known));
@@ -366,9 +362,7 @@ Expected<RecordingScan> scan_once(const std::string& path,
   everything.max_disorder = kAnyDisorder;
   everything.times = units;
   auto source = PcapFileSource::open(path, everything);
-  if (!source) {
-    return tl::make_unexpected(std::move(source.error()));
-  }
+  RAYLOC_TRY(source);
   StampJudge judge({options.max_disorder, options.max_gap}, options.as_stamped);
   DatagramBatch batch;
   while (!batch.ended && (*source)->read(batch, std::chrono::seconds(1))) {

@@ -17,18 +17,14 @@ constexpr std::size_t kRecordedBatchDatagrams = 256;
 Expected<std::unique_ptr<RecordedSource>> RecordedSource::open(RecordingPlan plan) {
   std::unique_ptr<RecordedSource> source(new RecordedSource(std::move(plan)));
   // Opened here, so that a file that cannot be opened is reported at once.
-  if (auto opened = source->open_due(); !opened) {
-    return tl::make_unexpected(std::move(opened.error()));
-  }
+  RAYLOC_TRY(source->open_due());
   return source;
 }
 
 Expected<std::unique_ptr<RecordedSource>> RecordedSource::open(
     const std::vector<std::string>& files, const PcapFileOptions& options) {
   auto plan = plan_recording(files, options);
-  if (!plan) {
-    return tl::make_unexpected(std::move(plan.error()));
-  }
+  RAYLOC_TRY(plan);
   return open(*std::move(plan));
 }
 
@@ -54,9 +50,7 @@ Expected<void> RecordedSource::open_due() {
       options.times = file.scan->times;
     }
     auto opened = PcapFileSource::open(file.path, options);
-    if (!opened) {
-      return tl::make_unexpected(std::move(opened.error()));
-    }
+    RAYLOC_TRY(opened);
     readers_.push_back({std::move(*opened), file.scan.has_value(), {}, 0});
     ++next_file_;
   }
@@ -208,9 +202,7 @@ const TransportScheme kPcapScheme{
         },
     .open_sink = [](const std::string& address) -> Expected<std::unique_ptr<DatagramSink>> {
       auto recorder = PcapRecorder::create(address);
-      if (!recorder) {
-        return tl::make_unexpected(std::move(recorder.error()));
-      }
+      RAYLOC_TRY(recorder);
       return std::make_unique<PcapRecorder>(*std::move(recorder));
     },
 };

@@ -94,9 +94,7 @@ Expected<RecordingPlan> plan_recording(const std::vector<std::string>& files,
     PlannedFile file{path, std::nullopt};
     if (can_be_read_twice(path)) {
       auto scan = scan_recording(path, options);
-      if (!scan) {
-        return tl::make_unexpected(std::move(scan.error()));
-      }
+      RAYLOC_TRY(scan);
       file.scan = std::move(*scan);
     } else if (files.size() > 1 && std::filesystem::exists(path)) {
       return make_error(ErrorKind::kUsage,

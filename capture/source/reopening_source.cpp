@@ -9,9 +9,7 @@ namespace rayloc {
 Expected<std::unique_ptr<ReopeningSource>> ReopeningSource::open(Open open,
                                                                  std::function<Time()> now) {
   Expected<std::unique_ptr<DatagramSource>> source = open();
-  if (!source) {
-    return tl::make_unexpected(source.error());
-  }
+  RAYLOC_TRY(source);
   return std::unique_ptr<ReopeningSource>(
       new ReopeningSource(std::move(open), std::move(now), std::move(*source)));
 }

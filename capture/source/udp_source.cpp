@@ -268,9 +268,7 @@ Expected<void> UdpSource::Impl::read(DatagramBatch& batch, Duration timeout) {
     // Repeated in any case: the empty socket gives a watermark of now.
     got = receive();
   }
-  if (!got) {
-    return tl::make_unexpected(std::move(got.error()));
-  }
+  RAYLOC_TRY(got);
   const std::span<const std::byte> buffer(buffer_);
   for (std::size_t i = 0; i < *got; ++i) {
     const std::size_t size = std::min<std::size_t>(messages_[i].msg_len, kMaxDatagramBytes);
@@ -357,9 +355,7 @@ Expected<std::unique_ptr<UdpSource>> UdpSource::open(const UdpSourceOptions& opt
   std::string description = "udp socket " + std::to_string(fd);
   if (fd < 0) {
     const auto address = parse_udp_address(options.address);
-    if (!address) {
-      return tl::make_unexpected(address.error());
-    }
+    RAYLOC_TRY(address);
     description = "udp " + options.address;
     fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
     if (fd < 0) {
@@ -378,9 +374,7 @@ Expected<std::unique_ptr<UdpSource>> UdpSource::open(const UdpSourceOptions& opt
     return error;
   }
   auto impl = std::make_unique<Impl>(fd, wake_fd, description, options);
-  if (const auto ready = impl->set_up(options); !ready) {
-    return tl::make_unexpected(ready.error());
-  }
+  RAYLOC_TRY(impl->set_up(options));
   return std::unique_ptr<UdpSource>(new UdpSource(std::move(impl)));
 }
 

@@ -162,9 +162,7 @@ Expected<void> UnixSource::Impl::read(DatagramBatch& batch, Duration timeout) {
     poll(&waiting, 1, poll_milliseconds(timeout));
     got = receive();
   }
-  if (!got) {
-    return tl::make_unexpected(std::move(got.error()));
-  }
+  RAYLOC_TRY(got);
   const std::span<const std::byte> buffer(buffer_);
   for (std::size_t i = 0; i < *got; ++i) {
     const std::size_t size = std::min<std::size_t>(messages_[i].msg_len, kMessageBytes);
@@ -241,9 +239,7 @@ Expected<std::unique_ptr<UnixSource>> UnixSource::open(const UnixSourceOptions& 
   int fd = options.adopted_fd;
   if (fd < 0) {
     const Expected<int> bound = bind_socket(options.path);
-    if (!bound) {
-      return tl::make_unexpected(bound.error());
-    }
+    RAYLOC_TRY(bound);
     fd = *bound;
   }
   const int on = 1;

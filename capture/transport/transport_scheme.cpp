@@ -81,9 +81,7 @@ Expected<std::unique_ptr<DatagramSource>> open_datagram_source(TransportTable ta
                                                                std::string_view plain,
                                                                const SourceOptions& options) {
   const auto where = parse_transport(table, text, plain);
-  if (!where) {
-    return tl::make_unexpected(where.error());
-  }
+  RAYLOC_TRY(where);
   if (where->scheme->open_source == nullptr) {
     return make_error(ErrorKind::kUsage,
                       "'" + text + "': nothing can be received this way; there are: " +
@@ -96,9 +94,7 @@ Expected<std::unique_ptr<DatagramSink>> open_datagram_sink(TransportTable table,
                                                            const std::string& text,
                                                            std::string_view plain) {
   const auto where = parse_transport(table, text, plain);
-  if (!where) {
-    return tl::make_unexpected(where.error());
-  }
+  RAYLOC_TRY(where);
   if (where->scheme->open_sink == nullptr) {
     return make_error(ErrorKind::kUsage,
                       "'" + text + "': nothing can be sent this way; there are: " +

@@ -73,9 +73,7 @@ std::string transport_syntax(TransportTable table, TransportUse use);
 // Converts an implementation's Expected to that of the rows.
 template <typename Base, typename Made>
 Expected<std::unique_ptr<Base>> as_transport(Expected<std::unique_ptr<Made>> opened) {
-  if (!opened) {
-    return tl::make_unexpected(std::move(opened.error()));
-  }
+  RAYLOC_TRY(opened);
   return std::unique_ptr<Base>(*std::move(opened));
 }
 

@@ -23,9 +23,7 @@ tl::unexpected<Error> cannot_send(const std::string& what) {
 
 Expected<std::unique_ptr<UdpSender>> UdpSender::open(const std::string& address) {
   const auto destination = parse_udp_address(address);
-  if (!destination) {
-    return tl::make_unexpected(destination.error());
-  }
+  RAYLOC_TRY(destination);
   const int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   const int on = 1;
   std::unique_ptr<UdpSender> sender(new UdpSender(fd, *destination));

@@ -37,9 +37,7 @@ Expected<std::string> read_key_line(const std::filesystem::path& file, const Key
 }
 
 Expected<std::string> read_secret(const std::filesystem::path& file, const KeyKind& kind) {
-  if (auto checked = check_private(file, kind); !checked) {
-    return tl::make_unexpected(std::move(checked.error()));
-  }
+  RAYLOC_TRY(check_private(file, kind));
   return read_key_line(file, kind);
 }
 

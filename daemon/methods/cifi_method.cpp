@@ -30,9 +30,7 @@ Expected<std::unique_ptr<DeviceMethod>> create_device(DeviceMethodInput input) {
                         input.options.seed,
                         input.options.accuracy_confidence,
                         std::move(input.training));
-  if (!made) {
-    return tl::make_unexpected(std::move(made.error()));
-  }
+  RAYLOC_TRY(made);
   return std::make_unique<CifiDevices>(*std::move(made));
 }
 

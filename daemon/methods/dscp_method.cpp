@@ -50,9 +50,7 @@ Expected<std::unique_ptr<PersonMethod>> create_person(PersonMethodInput input) {
                         input.options.seed,
                         input.options.accuracy_confidence,
                         training);
-  if (!made) {
-    return tl::make_unexpected(std::move(made.error()));
-  }
+  RAYLOC_TRY(made);
   std::string problem;
   if (training->transmitter && *training->transmitter != input.reference.mac) {
     problem = "dscp was trained with " + to_string(*training->transmitter) + " as the sender";

@@ -25,9 +25,7 @@ Expected<std::unique_ptr<DeviceMethod>> create_device(DeviceMethodInput input) {
   M3Options options = m3_options(input.options.values);
   options.accuracy_confidence = input.options.accuracy_confidence;
   auto made = M3::create(std::move(input.room), options);
-  if (!made) {
-    return tl::make_unexpected(std::move(made.error()));
-  }
+  RAYLOC_TRY(made);
   return std::make_unique<M3Devices>(*std::move(made));
 }
 

@@ -72,18 +72,14 @@ class PaperPeople : public PersonMethod {
 
 Expected<std::unique_ptr<DeviceMethod>> create_device(DeviceMethodInput input) {
   auto made = PaperLocalizer::create(std::move(input.room), apply(input.options, {}));
-  if (!made) {
-    return tl::make_unexpected(std::move(made.error()));
-  }
+  RAYLOC_TRY(made);
   return std::make_unique<PaperDevices>(*std::move(made), input.options.seed);
 }
 
 Expected<std::unique_ptr<PersonMethod>> create_person(PersonMethodInput input) {
   auto made = PaperPersonLocalizer::create(
       std::move(input.room), input.reference, apply(input.options, paper_person_options()));
-  if (!made) {
-    return tl::make_unexpected(std::move(made.error()));
-  }
+  RAYLOC_TRY(made);
   return std::make_unique<PaperPeople>(*std::move(made), input.options.seed);
 }
 

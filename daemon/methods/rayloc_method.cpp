@@ -151,9 +151,7 @@ Expected<std::unique_ptr<DeviceMethod>> create_device(DeviceMethodInput input) {
     options.likelihood = likelihood_of(*name);
   }
   auto made = Localizer::create(std::move(input.room), options);
-  if (!made) {
-    return tl::make_unexpected(std::move(made.error()));
-  }
+  RAYLOC_TRY(made);
   return std::make_unique<RaylocDevices>(std::make_shared<const Localizer>(*std::move(made)),
                                          std::move(input.listed),
                                          input.options.is_exhaustive);
@@ -166,9 +164,7 @@ Expected<std::unique_ptr<PersonMethod>> create_person(PersonMethodInput input) {
     options.cell = *cell;
   }
   auto made = PersonLocalizer::create(std::move(input.room), std::move(input.reference), options);
-  if (!made) {
-    return tl::make_unexpected(std::move(made.error()));
-  }
+  RAYLOC_TRY(made);
   PersonTrackerOptions tracker;
   tracker.is_exhaustive = input.options.is_exhaustive;
   tracker.first_number = input.first_number;

@@ -26,9 +26,7 @@ Expected<std::unique_ptr<DeviceMethod>> create_device(DeviceMethodInput input) {
   options.accuracy_confidence = input.options.accuracy_confidence;
   options.seed = input.options.seed;
   auto made = Spotfi::create(std::move(input.room), options, std::move(input.training));
-  if (!made) {
-    return tl::make_unexpected(std::move(made.error()));
-  }
+  RAYLOC_TRY(made);
   return std::make_unique<SpotfiDevices>(*std::move(made));
 }
 

@@ -17,9 +17,7 @@ Expected<std::unique_ptr<PersonMethod>> create_person(PersonMethodInput input) {
     link.access_points.push_back(one.access_point);
   }
   auto made = Widar2::create(std::move(input.room), std::move(link), options);
-  if (!made) {
-    return tl::make_unexpected(std::move(made.error()));
-  }
+  RAYLOC_TRY(made);
   return std::make_unique<WalkerMethod<Widar2>>(
       *std::move(made), input.first_number, "begun with the first motion");
 }

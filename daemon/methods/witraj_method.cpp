@@ -16,9 +16,7 @@ Expected<std::unique_ptr<PersonMethod>> create_person(PersonMethodInput input) {
     link.access_points.push_back(one.access_point);
   }
   auto made = Witraj::create(std::move(input.room), std::move(link), input.options.start, options);
-  if (!made) {
-    return tl::make_unexpected(std::move(made.error()));
-  }
+  RAYLOC_TRY(made);
   return std::make_unique<WalkerMethod<Witraj>>(
       *std::move(made), input.first_number, "begun at the start");
 }

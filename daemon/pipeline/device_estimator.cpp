@@ -28,16 +28,10 @@ Expected<std::unique_ptr<DeviceEstimator>> DeviceEstimator::create(const Site& s
                                                                    const Options& options) {
   std::unique_ptr<DeviceEstimator> estimator(new DeviceEstimator(site, options));
   Expected<RoomModel> room = load_room_model(site);
-  if (!room) {
-    return tl::make_unexpected(room.error());
-  }
+  RAYLOC_TRY(room);
   auto rooms = estimator->rooms_.prepare(*options.method, options.settings, *room);
-  if (!rooms) {
-    return tl::make_unexpected(std::move(rooms.error()));
-  }
-  if (auto chains = estimator->chains_.prepare(site, *room); !chains) {
-    return tl::make_unexpected(std::move(chains.error()));
-  }
+  RAYLOC_TRY(rooms);
+  RAYLOC_TRY(estimator->chains_.prepare(site, *room));
   if (options.before) {
     estimator->go_on(*options.before);
   }

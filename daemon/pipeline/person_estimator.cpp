@@ -59,18 +59,12 @@ Expected<std::unique_ptr<PersonEstimator>> PersonEstimator::create(const Site& s
                                                                    const Options& options) {
   std::unique_ptr<PersonEstimator> estimator(new PersonEstimator(site, options));
   auto room = load_room_model(site);
-  if (!room) {
-    return tl::make_unexpected(std::move(room.error()));
-  }
+  RAYLOC_TRY(room);
   estimator->room_ = std::make_shared<const RoomModel>(*std::move(room));
   auto references = load_references(site, *estimator->room_);
-  if (!references) {
-    return tl::make_unexpected(std::move(references.error()));
-  }
+  RAYLOC_TRY(references);
   const auto training = training_of(site, *options.method, *estimator->room_);
-  if (!training) {
-    return tl::make_unexpected(training.error());
-  }
+  RAYLOC_TRY(training);
   const auto number_step = static_cast<std::uint64_t>(
       std::count_if(site.transmitters.begin(), site.transmitters.end(), is_fixed));
   for (PersonReference& reference : *references) {
@@ -87,9 +81,7 @@ Expected<std::unique_ptr<PersonEstimator>> PersonEstimator::create(const Site& s
       go_on(*options.before, mac, input);
     }
     auto method = options.method->create_person(std::move(input));
-    if (!method) {
-      return tl::make_unexpected(std::move(method.error()));
-    }
+    RAYLOC_TRY(method);
     estimator->links_.emplace(mac, Link{*std::move(method), number_step, {}});
   }
   return estimator;

@@ -167,9 +167,7 @@ Expected<void> CsvReader::read_cell(Record& record) {
         line_, column(), "more than " + std::to_string(most_cells_) + " cells in a line");
   }
   if (at_ < text_.size() && text_[at_] == '"') {
-    if (auto read = read_quoted(record); !read) {
-      return read;
-    }
+    RAYLOC_TRY(read_quoted(record));
   } else {
     read_plain(record);
   }
@@ -192,9 +190,7 @@ Expected<bool> CsvReader::next(Record& record) {
     return false;
   }
   while (true) {
-    if (auto read = read_cell(record); !read) {
-      return tl::make_unexpected(std::move(read.error()));
-    }
+    RAYLOC_TRY(read_cell(record));
     if (at_ >= text_.size() || skip_line_end()) {
       return true;
     }

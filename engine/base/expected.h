@@ -36,4 +36,15 @@ inline tl::unexpected<Error> bad_input(std::string message) {
   return make_error(ErrorKind::kBadInput, std::move(message));
 }
 
+// Returns the error of an Expected<T> from the enclosing function, or continues if it has a value.
+//   auto site = load_site(folder);
+//   RAYLOC_TRY(site);
+//   RAYLOC_TRY(write_file(path, text));
+#define RAYLOC_TRY(...)                                                      \
+  do {                                                                       \
+    if (const auto& rayloc_try_result = (__VA_ARGS__); !rayloc_try_result) { \
+      return ::tl::make_unexpected(rayloc_try_result.error());               \
+    }                                                                        \
+  } while (false)
+
 }  // namespace rayloc

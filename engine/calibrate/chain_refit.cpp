@@ -399,9 +399,7 @@ Expected<ChainRefit> refit_chains(const RoomModel& room,
                      ": the room or the access point has changed, or a place is wrong; check the "
                      "places, or calibrate anew");
   }
-  if (auto known = check_phases(ap, best.refit, options.most_sigma); !known) {
-    return tl::make_unexpected(std::move(known.error()));
-  }
+  RAYLOC_TRY(check_phases(ap, best.refit, options.most_sigma));
   (is_deeper ? deeper : usual).add_place(options.place_sigma, best);
   return std::move(best.refit);
 }

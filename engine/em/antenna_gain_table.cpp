@@ -64,9 +64,7 @@ class TableReader {
     CsvReader reader(text, name_, ErrorKind::kConfiguration, kMaxCells);
     for (CsvReader::Record record;;) {
       const auto more = reader.next(record);
-      if (!more) {
-        return tl::make_unexpected(more.error());
-      }
+      RAYLOC_TRY(more);
       separator_ = reader.separator();
       if (!*more) {
         return {};
@@ -122,9 +120,7 @@ class TableReader {
     for (std::size_t i = 0; i < count; ++i) {
       const Line& line = lines_[i + 1];
       const auto row = row_of(line, phi_count);
-      if (!row) {
-        return tl::make_unexpected(row.error());
-      }
+      RAYLOC_TRY(row);
       const double expected = step * static_cast<double>(i);
       if (!(std::abs(row->front() - expected) <= kStepTolerance * step)) {
         return error_at(line.number,
@@ -203,17 +199,11 @@ class TableReader {
 
 Expected<AntennaGainTable> AntennaGainTable::parse(std::string_view text, std::string name) {
   TableReader reader(name);
-  if (auto read = reader.read(text); !read) {
-    return tl::make_unexpected(std::move(read.error()));
-  }
+  RAYLOC_TRY(reader.read(text));
   const auto phi = reader.phi();
-  if (!phi) {
-    return tl::make_unexpected(phi.error());
-  }
+  RAYLOC_TRY(phi);
   auto gains = reader.gains(phi->size());
-  if (!gains) {
-    return tl::make_unexpected(gains.error());
-  }
+  RAYLOC_TRY(gains);
   AntennaGainTable table;
   table.phi_count_ = phi->size();
   table.first_phi_ = phi->front() * kDegree;

@@ -67,18 +67,14 @@ CylinderScatterer::CylinderScatterer(const CylinderBody& body,
 Expected<CylinderScatterer> CylinderScatterer::create(const CylinderBody& body, double wavelength) {
   RAYLOC_CHECK(std::isfinite(wavelength) && wavelength > 0.0);
   const double k = 2.0 * std::numbers::pi / wavelength;
-  if (auto valid = validate(body, k); !valid) {
-    return tl::make_unexpected(valid.error());
-  }
+  RAYLOC_TRY(validate(body, k));
   if (body.semi_axes[0] == body.semi_axes[1]) {
     return CylinderScatterer(
         body, wavelength, make_circular_section(k * body.semi_axes[0], body.relative_permittivity));
   }
   auto section = make_elliptic_section({k * body.semi_axes[0], k * body.semi_axes[1]},
                                        body.relative_permittivity);
-  if (!section) {
-    return tl::make_unexpected(section.error());
-  }
+  RAYLOC_TRY(section);
   return CylinderScatterer(body, wavelength, std::move(*section));
 }
 

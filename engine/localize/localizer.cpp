@@ -430,9 +430,7 @@ Localizer::Evidence Localizer::Impl::finished(RoomMap map,
 
 Expected<Localizer> Localizer::create(std::shared_ptr<const RoomModel> room,
                                       const LocalizerOptions& options) {
-  if (auto checked = check_room(room.get()); !checked) {
-    return tl::make_unexpected(std::move(checked.error()));
-  }
+  RAYLOC_TRY(check_room(room.get()));
   auto impl = std::make_unique<Impl>(std::move(room), options);
   impl->build();
   return Localizer(std::move(impl));

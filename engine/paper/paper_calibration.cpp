@@ -130,23 +130,17 @@ class CalibrationDescent {
 Expected<void> CalibrationDescent::rebuild() {
   parameters_.project(state_.values);
   auto scene = parameters_.scene_with(state_.values);
-  if (!scene) {
-    return tl::make_unexpected(std::move(scene.error()));
-  }
+  RAYLOC_TRY(scene);
   state_.scene = *std::move(scene);
   return {};
 }
 
 Expected<void> CalibrationDescent::step(const std::vector<double>& position_gradient) {
   position_steps_.step(position_gradient, state_.values.translation);
-  if (auto built = rebuild(); !built) {
-    return built;
-  }
+  RAYLOC_TRY(rebuild());
   const auto moved =
       evaluator_.evaluate(state_.scene, PaperLossKind::kRatioAmplitude, parameters_.materials());
-  if (!moved) {
-    return tl::make_unexpected(moved.error());
-  }
+  RAYLOC_TRY(moved);
   material_steps_.step(moved->gradient, state_.values.material);
   return rebuild();
 }
@@ -171,9 +165,7 @@ Expected<void> CalibrationDescent::run(const CalibrationObserver& observer,
   for (int iteration = 0;; ++iteration) {
     const auto here =
         evaluator_.evaluate(state_.scene, PaperLossKind::kDelay, parameters_.objects());
-    if (!here) {
-      return tl::make_unexpected(here.error());
-    }
+    RAYLOC_TRY(here);
     if (iteration == 0 || here->sum() < best_loss_) {
       best_loss_ = here->sum();
       best_ = state_;
@@ -186,9 +178,7 @@ Expected<void> CalibrationDescent::run(const CalibrationObserver& observer,
       result.interrupted = true;
       return {};
     }
-    if (auto stepped = step(here->gradient); !stepped) {
-      return stepped;
-    }
+    RAYLOC_TRY(step(here->gradient));
   }
 }
 
@@ -217,20 +207,14 @@ Expected<RoomCalibration> calibrate_by_paper(const RoomModel& room,
                                              std::span<const CalibrationPoint> points,
                                              const PaperCalibrationOptions& options,
                                              const CalibrationObserver& observer) {
-  if (auto valid = check(options); !valid) {
-    return tl::make_unexpected(std::move(valid.error()));
-  }
+  RAYLOC_TRY(check(options));
   const TraceOptions tracing{.max_depth = options.max_depth, .softness = options.softness};
   const auto samples = gather_paper_samples(room, points, tracing);
-  if (!samples) {
-    return tl::make_unexpected(samples.error());
-  }
+  RAYLOC_TRY(samples);
   RoomCalibration result;
   result.room = room;
   CalibrationDescent descent(room, *samples, options);
-  if (auto done = descent.run(observer, result); !done) {
-    return tl::make_unexpected(std::move(done.error()));
-  }
+  RAYLOC_TRY(descent.run(observer, result));
   result.room.scene = descent.best_scene();
   result.parameters = descent.best_parameters();
   result.points = point_fits(room, *samples, descent.best_scene(), options.max_depth);

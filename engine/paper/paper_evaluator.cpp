@@ -40,9 +40,7 @@ Expected<PaperEvaluator::Evaluation> PaperEvaluator::evaluate_sample(
   const auto paths = tracer.trace(device);
   const auto expected = array_csi(paths, room_.grid);
   const auto derivatives = tracer.differentiate(device, paths, parameters);
-  if (!derivatives) {
-    return tl::make_unexpected(derivatives.error());
-  }
+  RAYLOC_TRY(derivatives);
   return Evaluation{
       loss_.value(PaperLossKind::kDelay, measured, expected),
       loss_.value(PaperLossKind::kRatioAmplitude, measured, expected),

@@ -105,12 +105,8 @@ std::optional<LossInPlan> PaperLocalizer::Impl::loss(std::span<const CsiFrame> f
 
 Expected<PaperLocalizer> PaperLocalizer::create(std::shared_ptr<const RoomModel> room,
                                                 const PaperLocalizerOptions& options) {
-  if (auto valid = validate(options); !valid) {
-    return tl::make_unexpected(std::move(valid.error()));
-  }
-  if (auto valid = check_room(room.get()); !valid) {
-    return tl::make_unexpected(std::move(valid.error()));
-  }
+  RAYLOC_TRY(validate(options));
+  RAYLOC_TRY(check_room(room.get()));
   return PaperLocalizer(std::make_unique<const Impl>(std::move(room), options));
 }
 

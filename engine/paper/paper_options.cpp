@@ -25,9 +25,7 @@ Expected<void> validate(const PaperLocalizerOptions& options) {
   if (options.starts == 0) {
     return refuse("the paper's method takes 1 or more starts");
   }
-  if (auto valid = validate(options.descent); !valid) {
-    return valid;
-  }
+  RAYLOC_TRY(validate(options.descent));
   return validate(options.csi.smoothing);
 }
 

@@ -70,9 +70,7 @@ Expected<std::shared_ptr<const Scene>> PaperParameters::scene_with(const Values&
         values.material[i];
   }
   auto scene = Scene::create(std::move(input));
-  if (!scene) {
-    return tl::make_unexpected(std::move(scene.error()));
-  }
+  RAYLOC_TRY(scene);
   return std::make_shared<const Scene>(std::move(*scene));
 }
 

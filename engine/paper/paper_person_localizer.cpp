@@ -47,9 +47,7 @@ class PaperPersonLocalizer::Impl {
 
 Expected<void> PaperPersonLocalizer::Impl::add(const PersonReference& reference,
                                                const PersonLink& link) {
-  if (auto valid = check_link(*room_, link); !valid) {
-    return valid;
-  }
+  RAYLOC_TRY(check_link(*room_, link));
   const RoomAccessPoint& ap = room_->access_points[link.access_point];
   if (ap.cores.size() < 2) {
     warnings_.push_back("access point " + ap.id +
@@ -58,9 +56,7 @@ Expected<void> PaperPersonLocalizer::Impl::add(const PersonReference& reference,
   }
   auto scattering = PersonScattering::create(
       *room_, link.access_point, reference.transmitter, reference.person.body, kPersonDepth);
-  if (!scattering) {
-    return tl::make_unexpected(std::move(scattering.error()));
-  }
+  RAYLOC_TRY(scattering);
   links_.push_back({link.access_point, *std::move(scattering), link.empty, link.scale});
   return {};
 }
@@ -105,20 +101,14 @@ std::optional<LossInPlan> PaperPersonLocalizer::Impl::loss(std::span<const CsiFr
 Expected<PaperPersonLocalizer> PaperPersonLocalizer::create(std::shared_ptr<const RoomModel> room,
                                                             const PersonReference& reference,
                                                             const PaperLocalizerOptions& options) {
-  if (auto valid = validate(options); !valid) {
-    return tl::make_unexpected(std::move(valid.error()));
-  }
-  if (auto valid = check_room(room.get()); !valid) {
-    return tl::make_unexpected(std::move(valid.error()));
-  }
+  RAYLOC_TRY(validate(options));
+  RAYLOC_TRY(check_room(room.get()));
   if (reference.links.empty()) {
     return make_error(ErrorKind::kConfiguration, "the reference is of no access point");
   }
   auto impl = std::make_unique<Impl>(std::move(room), reference.person.body, options);
   for (const PersonLink& link : reference.links) {
-    if (auto added = impl->add(reference, link); !added) {
-      return tl::make_unexpected(std::move(added.error()));
-    }
+    RAYLOC_TRY(impl->add(reference, link));
   }
   return PaperPersonLocalizer(std::move(impl));
 }

@@ -38,9 +38,7 @@ Expected<std::vector<PaperSample>> received(const RoomModel& room,
       if (h.empty()) {
         continue;
       }
-      if (auto usable = check_access_point(access_point); !usable) {
-        return tl::make_unexpected(std::move(usable.error()));
-      }
+      RAYLOC_TRY(check_access_point(access_point));
       RAYLOC_CHECK(h.size() == access_point.cores.size() * room.grid.size());
       std::vector<Value> field = h;
       remove_gains(access_point.gains, field);
@@ -93,9 +91,7 @@ Expected<PaperSamples> gather_paper_samples(const RoomModel& room,
                                             std::span<const CalibrationPoint> points,
                                             const TraceOptions& tracing) {
   auto all = received(room, points);
-  if (!all) {
-    return tl::make_unexpected(std::move(all.error()));
-  }
+  RAYLOC_TRY(all);
   const auto tracers = array_tracers(room, PathTracer(room.scene, tracing), *all);
   std::vector<std::vector<Paths>> paths(all->size());
   parallel_for(all->size(), 4, [&](std::size_t i) {
@@ -119,9 +115,7 @@ Expected<PaperSamples> gather_paper_samples(const RoomModel& room,
       }
     }
   }
-  if (auto enough = check_counts(room, *all, result.training); !enough) {
-    return tl::make_unexpected(std::move(enough.error()));
-  }
+  RAYLOC_TRY(check_counts(room, *all, result.training));
   return result;
 }
 

@@ -392,9 +392,7 @@ Expected<PersonLocalizer> PersonLocalizer::create(std::shared_ptr<const RoomMode
     return make_error(ErrorKind::kConfiguration, "the reference is of no access point");
   }
   auto squares = make_person_squares(*room, reference, options.cell, options.depth);
-  if (!squares) {
-    return tl::make_unexpected(std::move(squares.error()));
-  }
+  RAYLOC_TRY(squares);
   return PersonLocalizer(
       std::make_unique<Impl>(std::move(room), std::move(reference), options, *std::move(squares)));
 }

@@ -81,9 +81,7 @@ Expected<PersonScattering> PersonScattering::create(const RoomModel& room,
   options.trace.transmission = false;
   options.negligible = kNegligible;
   const auto tracer = TargetTracer::create(room.scene, body, options);
-  if (!tracer) {
-    return tl::make_unexpected(tracer.error());
-  }
+  RAYLOC_TRY(tracer);
   const auto elements = array_elements<Receiver>(room.access_points[access_point].array);
   return PersonScattering(room, tracer->links(transmitter, elements));
 }

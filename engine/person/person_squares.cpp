@@ -38,15 +38,11 @@ class SquaresBuilder {
 };
 
 Expected<PersonLinkMap> SquaresBuilder::make_link_map(const PersonLink& link, int depth) const {
-  if (auto valid = check_link(room_, link); !valid) {
-    return tl::make_unexpected(std::move(valid.error()));
-  }
+  RAYLOC_TRY(check_link(room_, link));
   const RoomAccessPoint& ap = room_.access_points[link.access_point];
   auto scattering = PersonScattering::create(
       room_, link.access_point, reference_.transmitter, reference_.person.body, depth);
-  if (!scattering) {
-    return tl::make_unexpected(scattering.error());
-  }
+  RAYLOC_TRY(scattering);
   PersonLikelihood likelihood(room_.grid,
                               ap.cores.size(),
                               link,
@@ -102,9 +98,7 @@ void SquaresBuilder::build_block(std::size_t block_x, std::size_t block_y) {
 Expected<PersonSquares> SquaresBuilder::build(int depth) {
   for (const PersonLink& link : reference_.links) {
     auto map = make_link_map(link, depth);
-    if (!map) {
-      return tl::make_unexpected(map.error());
-    }
+    RAYLOC_TRY(map);
     squares_.links.push_back(*std::move(map));
   }
   const Grid& grid = squares_.walkable.grid;

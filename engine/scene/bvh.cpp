@@ -220,9 +220,7 @@ class Bvh::Impl {
 
 Expected<Bvh> Bvh::create(std::span<const Surface> surfaces, double margin) {
   auto impl = std::make_unique<Impl>(surfaces, margin);
-  if (auto built = impl->build(); !built) {
-    return tl::make_unexpected(built.error());
-  }
+  RAYLOC_TRY(impl->build());
   return Bvh(std::move(impl));
 }
 

@@ -165,9 +165,7 @@ class RayShooter::Impl {
 
 Expected<RayShooter> RayShooter::create(std::span<const Surface> surfaces) {
   auto impl = std::make_unique<Impl>(surfaces);
-  if (auto built = impl->build(); !built) {
-    return tl::make_unexpected(built.error());
-  }
+  RAYLOC_TRY(impl->build());
   return RayShooter(std::move(impl));
 }
 

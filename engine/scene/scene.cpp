@@ -77,17 +77,13 @@ Expected<void> check_input(const Scene::Input& input) {
     return bad_input("the carrier frequency must be more than 0 Hz");
   }
   for (const RadioMaterial& material : input.materials) {
-    if (auto valid = validate(material); !valid) {
-      return valid;
-    }
+    RAYLOC_TRY(validate(material));
   }
   for (const SceneObject& object : input.objects) {
     if (object.material >= input.materials.size()) {
       return bad_input("object '" + object.name + "' has no material");
     }
-    if (auto valid = check_mesh(object); !valid) {
-      return valid;
-    }
+    RAYLOC_TRY(check_mesh(object));
   }
   return {};
 }
@@ -95,9 +91,7 @@ Expected<void> check_input(const Scene::Input& input) {
 }  // namespace
 
 Expected<Scene> Scene::create(Input input) {
-  if (auto valid = check_input(input); !valid) {
-    return tl::make_unexpected(valid.error());
-  }
+  RAYLOC_TRY(check_input(input));
   std::size_t dropped = 0;
   std::vector<Surface> surfaces;
   std::vector<SurfaceOwner> owners;
@@ -114,9 +108,7 @@ Expected<Scene> Scene::create(Input input) {
     }
   }
   auto bvh = Bvh::create(surfaces);
-  if (!bvh) {
-    return tl::make_unexpected(bvh.error());
-  }
+  RAYLOC_TRY(bvh);
   Scene scene(std::move(input), std::move(surfaces), std::move(owners), std::move(*bvh));
   scene.dropped_triangles_ = dropped;
   return scene;

@@ -151,16 +151,12 @@ Expected<ChangedLink> change_link(const ChangedLink& link,
       return make_error(ErrorKind::kUsage, "a parameter is changed by a value that is not finite");
     }
     if (!change_ends(changed, parameters[i], by[i])) {
-      if (auto added = scene.add(parameters[i], by[i]); !added) {
-        return tl::make_unexpected(std::move(added.error()));
-      }
+      RAYLOC_TRY(scene.add(parameters[i], by[i]));
     }
   }
   if (scene.is_change()) {
     auto made = scene.made();
-    if (!made) {
-      return tl::make_unexpected(std::move(made.error()));
-    }
+    RAYLOC_TRY(made);
     changed.scene = std::make_shared<const Scene>(*std::move(made));
   }
   return changed;

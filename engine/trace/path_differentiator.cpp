@@ -157,9 +157,7 @@ bool PathDifferentiator::depends(const Path& path, const Parameter& parameter) c
 Expected<PathDerivatives> PathDifferentiator::differentiate(
     const Paths& paths, std::span<const Parameter> parameters) const {
   for (const Parameter& parameter : parameters) {
-    if (auto valid = check_parameter(context_, parameter); !valid) {
-      return tl::make_unexpected(valid.error());
-    }
+    RAYLOC_TRY(check_parameter(context_, parameter));
   }
   // Two lanes cost half as much as four: enough for a position in plan.
   return parameters.size() <= 2 ? run<2>(paths, parameters) : run<4>(paths, parameters);

@@ -90,12 +90,8 @@ class NpzFile::Impl {
                               bytes.size() > kBigMember ? 1 : 0) != ZIP_OK) {
       return failed();
     }
-    if (auto written = write(std::as_bytes(std::span(header))); !written) {
-      return written;
-    }
-    if (auto written = write(bytes); !written) {
-      return written;
-    }
+    RAYLOC_TRY(write(std::as_bytes(std::span(header))));
+    RAYLOC_TRY(write(bytes));
     return zipCloseFileInZip(file_) == ZIP_OK ? Expected<void>() : failed();
   }
 

@@ -12,9 +12,7 @@ Expected<OfdmGrid> parse_grid(const std::string& text) {
   constexpr double kMaxTones = 65'536;
   std::array<double, 3> v{};
   const std::string example = "5.19e9,312500,128";
-  if (auto parsed = parse_number_list("--cfr", text, example, v); !parsed) {
-    return tl::make_unexpected(parsed.error());
-  }
+  RAYLOC_TRY(parse_number_list("--cfr", text, example, v));
   const auto [centre, spacing, count] = v;
   if (!(centre > 0.0) || !(spacing > 0.0) || count != std::trunc(count) || count < 1.0 ||
       count > kMaxTones) {

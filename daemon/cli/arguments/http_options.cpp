@@ -26,9 +26,7 @@ Expected<HttpQuery> query_of(const HttpOptions& options) {
 
 Expected<JsonResult> get_json(const HttpQuery& query, const std::string& path) {
   const Expected<HttpResult> result = http_get(query, path);
-  if (!result) {
-    return tl::make_unexpected(result.error());
-  }
+  RAYLOC_TRY(result);
   nlohmann::json json = nlohmann::json::parse(result->body, nullptr, false);
   if (json.is_discarded() || (result->status != 200 && result->status != 503)) {
     return make_error(ErrorKind::kUnavailable,

@@ -40,9 +40,7 @@ Expected<Polarization> parse_polarization(const std::string& name) {
 Expected<Orientation> parse_orientation(const std::string& option, const std::string& text) {
   std::array<double, 3> v{};
   if (!text.empty()) {
-    if (auto parsed = parse_number_list(option, text, "0.3,0,0", v); !parsed) {
-      return tl::make_unexpected(parsed.error());
-    }
+    RAYLOC_TRY(parse_number_list(option, text, "0.3,0,0", v));
   }
   return Orientation{v[0], v[1], v[2]};
 }
@@ -55,21 +53,13 @@ struct EndText {
 
 Expected<RadioDevice> parse_end(const EndText& text) {
   const auto position = parse_point(text.option, text.position);
-  if (!position) {
-    return tl::make_unexpected(position.error());
-  }
+  RAYLOC_TRY(position);
   const auto orientation = parse_orientation(text.orientation_option, text.orientation);
-  if (!orientation) {
-    return tl::make_unexpected(orientation.error());
-  }
+  RAYLOC_TRY(orientation);
   const auto pattern = parse_pattern(text.pattern);
-  if (!pattern) {
-    return tl::make_unexpected(pattern.error());
-  }
+  RAYLOC_TRY(pattern);
   const auto polarization = parse_polarization(text.polarization);
-  if (!polarization) {
-    return tl::make_unexpected(polarization.error());
-  }
+  RAYLOC_TRY(polarization);
   return RadioDevice{*position, *orientation, *pattern, *polarization, {}};
 }
 
@@ -145,18 +135,14 @@ Expected<Link> parse_link(const LinkArguments& arguments) {
                              arguments.orientation_tx,
                              pattern_tx,
                              polarization_tx});
-  if (!tx) {
-    return tl::make_unexpected(tx.error());
-  }
+  RAYLOC_TRY(tx);
   const auto rx = parse_end({"--rx",
                              arguments.rx,
                              "--orientation-rx",
                              arguments.orientation_rx,
                              pattern_rx,
                              polarization_rx});
-  if (!rx) {
-    return tl::make_unexpected(rx.error());
-  }
+  RAYLOC_TRY(rx);
   if (tx->position == rx->position) {
     return make_error(ErrorKind::kUsage,
                       "--tx and --rx are the same point; give two different points");

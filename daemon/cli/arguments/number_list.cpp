@@ -37,9 +37,7 @@ Expected<void> parse_number_list(const std::string& option,
 
 Expected<Vec3d> parse_point(const std::string& option, const std::string& text) {
   std::array<double, 3> v{};
-  if (auto parsed = parse_number_list(option, text, "1.2,-0.4,2.1", v); !parsed) {
-    return tl::make_unexpected(parsed.error());
-  }
+  RAYLOC_TRY(parse_number_list(option, text, "1.2,-0.4,2.1", v));
   return Vec3d{v[0], v[1], v[2]};
 }
 

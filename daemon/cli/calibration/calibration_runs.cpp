@@ -19,9 +19,7 @@ Expected<CalibrationOutcome> calibrate_survey(CalibrateArguments arguments, RunO
   arguments.control = control_by_signal();
   const auto result = run_calibration(arguments, terminal_observer(line, report));
   line.clear();
-  if (!result) {
-    return tl::make_unexpected(result.error());
-  }
+  RAYLOC_TRY(result);
   print_result(*result, report);
   StopSignal::end_if_requested();
   return result->outcome;
@@ -43,18 +41,14 @@ Expected<void> calibrate_unsurveyed(UnsurveyedArguments arguments, bool quiet) {
   };
   const auto outcome = run_unsurveyed(arguments, observer);
   line.clear();
-  if (!outcome) {
-    return tl::make_unexpected(outcome.error());
-  }
+  RAYLOC_TRY(outcome);
   StopSignal::end_if_requested();
   return {};
 }
 
 Expected<void> renew_chains(const RechainArguments& arguments, bool quiet) {
   const auto chains = run_rechain(arguments, terminal_notes(quiet));
-  if (!chains) {
-    return tl::make_unexpected(chains.error());
-  }
+  RAYLOC_TRY(chains);
   if (!quiet) {
     print_chains(*chains, arguments.unsurveyed);
   }

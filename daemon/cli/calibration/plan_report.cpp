@@ -79,14 +79,10 @@ void print_worth(std::size_t points) {
 
 Expected<void> write_plan(const PlannedSurvey& planned, const PlanOutput& output) {
   if (const std::string file = picture_file(output); !file.empty()) {
-    if (auto drawn = write_picture(draw_plan(planned), file); !drawn) {
-      return drawn;
-    }
+    RAYLOC_TRY(write_picture(draw_plan(planned), file));
   }
   auto out = OutputFile::open(output.csv);
-  if (!out) {
-    return tl::make_unexpected(std::move(out.error()));
-  }
+  RAYLOC_TRY(out);
   out->write(to_csv(planned.points));
   if (!output.quiet) {
     print_coverage(planned.coverage, planned.points.size());

@@ -40,9 +40,7 @@ Expected<void> FeedFollower::take(const PublishedMessage& message) {
   }
   report_losses(message.topic, envelope);
   if (envelope.has_heartbeat() && writer_.needs_heartbeats()) {
-    if (auto received = writer_.receive(envelope.heartbeat()); !received) {
-      return received;
-    }
+    RAYLOC_TRY(writer_.receive(envelope.heartbeat()));
   }
   if (is_requested(message.topic)) {
     last_ = Clock::now();
@@ -85,9 +83,7 @@ Expected<void> FeedFollower::write_due() {
     if (!line) {
       return {};
     }
-    if (auto written = output_.write(*line); !written) {
-      return written;
-    }
+    RAYLOC_TRY(output_.write(*line));
     ++written_;
   }
   return {};

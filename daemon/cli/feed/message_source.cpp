@@ -22,13 +22,9 @@ Expected<std::optional<CurveClientKeys>> read_keys(const MessageSource& source) 
     return std::nullopt;
   }
   Expected<std::string> server = read_curve_public(source.server_key);
-  if (!server) {
-    return tl::make_unexpected(server.error());
-  }
+  RAYLOC_TRY(server);
   Expected<CurveKeyPair> own = read_curve_secret(source.key);
-  if (!own) {
-    return tl::make_unexpected(own.error());
-  }
+  RAYLOC_TRY(own);
   return CurveClientKeys{std::move(*server), std::move(*own)};
 }
 
@@ -51,9 +47,7 @@ void add_source_options(OptionParser& app, MessageSource& source) {
 
 Expected<Receive> connect(const MessageSource& source, const std::vector<std::string>& topics) {
   const Expected<std::optional<CurveClientKeys>> curve = read_keys(source);
-  if (!curve) {
-    return tl::make_unexpected(curve.error());
-  }
+  RAYLOC_TRY(curve);
   if (!source.snapshot.empty()) {
     auto late =
         LateSubscriber::join(source.endpoint, source.snapshot, topics, source.patience, *curve);

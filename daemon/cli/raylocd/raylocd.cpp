@@ -60,13 +60,9 @@ Expected<void> serve(const std::string& file) {
   const sigset_t signals = block_daemon_signals();
   const ServiceManager manager;
   Expected<DaemonSetup> setup = load_daemon_setup(file);
-  if (!setup) {
-    return tl::make_unexpected(setup.error());
-  }
+  RAYLOC_TRY(setup);
   Expected<PassedSockets> sockets = PassedSockets::take();
-  if (!sockets) {
-    return tl::make_unexpected(sockets.error());
-  }
+  RAYLOC_TRY(sockets);
   Reloader reloader(*setup);
   set_up_log(setup->config.log);
   auto watch = std::make_unique<StartWatch>(manager);  // throws where there is no thread for it
@@ -75,9 +71,7 @@ Expected<void> serve(const std::string& file) {
       Process::open(std::move(*setup), *sockets, [](const std::string& line) {
         spdlog::info("{}", printable(line));
       });
-  if (!opened) {
-    return tl::make_unexpected(opened.error());
-  }
+  RAYLOC_TRY(opened);
   if (!sockets->empty()) {
     spdlog::warn("systemd passed sockets that nothing here is called: {}", sockets->unused());
   }

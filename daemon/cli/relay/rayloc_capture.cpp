@@ -99,13 +99,9 @@ Expected<void> forward(DatagramSource& source, DatagramSink& sink, const StopSig
   DatagramBatch batch;
   LossLog losses;
   while (!stop.requested()) {
-    if (auto read = source.read(batch, kTick); !read) {
-      return read;
-    }
+    RAYLOC_TRY(source.read(batch, kTick));
     sink.note_source(source.counters());
-    if (auto written = sink.write(batch); !written) {
-      return written;
-    }
+    RAYLOC_TRY(sink.write(batch));
     losses.check(source.counters(), sink.counters());
   }
   return {};
@@ -117,17 +113,11 @@ Expected<void> capture(const Arguments& arguments) {
   options.filter = arguments.filter;
   auto source =
       open_datagram_source(transport_schemes(), "live:" + arguments.interface, {}, options);
-  if (!source) {
-    return tl::make_unexpected(source.error());
-  }
-  if (auto dropped = drop_capabilities(); !dropped) {
-    return dropped;
-  }
+  RAYLOC_TRY(source);
+  RAYLOC_TRY(drop_capabilities());
   // Without privileges: whatever it opens, or a process that it starts, has none.
   auto sink = open_datagram_sink(transport_schemes(), arguments.to, "unix");
-  if (!sink) {
-    return tl::make_unexpected(std::move(sink.error()));
-  }
+  RAYLOC_TRY(sink);
   std::fprintf(stderr,
                "rayloc-capture: %s (%s) to %s\n",
                arguments.interface.c_str(),

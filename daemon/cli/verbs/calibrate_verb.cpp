@@ -37,9 +37,7 @@ Expected<int> run_calibrate(const CalibrateOptions& options) {
   }
   if (!options.time_offset.empty()) {
     const auto offset = parse_time_offset(options.time_offset);
-    if (!offset) {
-      return tl::make_unexpected(offset.error());
-    }
+    RAYLOC_TRY(offset);
     fit.time_offset = *offset;
   }
   if (options.unsurveyed) {
@@ -59,9 +57,7 @@ Expected<int> run_calibrate(const CalibrateOptions& options) {
   if (options.gains_only) {
     fit.method = "gains-only";
   }
-  if (const auto usable = check_fit_arguments(fit); !usable) {
-    return tl::make_unexpected(usable.error());
-  }
+  RAYLOC_TRY(check_fit_arguments(fit));
   return calibrate_survey(fit, options.output).map([](CalibrationOutcome verdict) {
     return verdict == CalibrationOutcome::kExplains ? 0 : kExitUnexplained;
   });

@@ -45,9 +45,7 @@ using LacksOf = std::function<SiteLacks(const RoomModel& room)>;
 // Reads the scene and the calibration as raylocd will read them.
 Expected<std::string> check_room(const Site& site, const LacksOf& lacks_of) {
   const Expected<RoomModel> room = load_room_model(site);
-  if (!room) {
-    return tl::make_unexpected(room.error());
-  }
+  RAYLOC_TRY(room);
   print_scene_notes(*room->scene);
   for (const std::string& warning : room_warnings(*room->scene, site)) {
     std::fprintf(stderr, "%s\n", warning.c_str());
@@ -92,12 +90,8 @@ Expected<std::string> check_daemon(const std::filesystem::path& path) {
     return check_site(path);
   }
   const Expected<DaemonSetup> setup = load_daemon_setup(path);
-  if (!setup) {
-    return tl::make_unexpected(setup.error());
-  }
-  if (const Expected<void> secrets = check_secrets_of(setup->config); !secrets) {
-    return tl::make_unexpected(secrets.error());
-  }
+  RAYLOC_TRY(setup);
+  RAYLOC_TRY(check_secrets_of(setup->config));
   std::string good;
   for (const SiteSetup& site : setup->sites) {
     Expected<std::string> room =
@@ -133,9 +127,7 @@ RunVerb declare_check_config(OptionParser& app) {
 
 Expected<std::string> check_site(const std::filesystem::path& folder) {
   const Expected<Site> site = load_site(folder);
-  if (!site) {
-    return tl::make_unexpected(site.error());
-  }
+  RAYLOC_TRY(site);
   return check_room(*site, [&](const RoomModel& read) { return site_lacks(*site, read); });
 }
 

@@ -24,42 +24,30 @@ Expected<ClusterView> read_cluster(const BrokerOptions& server) {
 Expected<int> run_status(const BrokerOptions& server) {
   constexpr int kOrphaned = 1;
   const auto view = read_cluster(server);
-  if (!view) {
-    return tl::make_unexpected(view.error());
-  }
+  RAYLOC_TRY(view);
   fmt::print("{}", workers_text(*view));
   return view->sites_without_owner() == 0 ? 0 : kOrphaned;
 }
 
 Expected<void> run_sites(const BrokerOptions& server) {
   const auto view = read_cluster(server);
-  if (!view) {
-    return tl::make_unexpected(view.error());
-  }
+  RAYLOC_TRY(view);
   fmt::print("{}", sites_text(*view, system_now()));
   return {};
 }
 
 Expected<void> run_drain(const BrokerOptions& server, const std::string& worker) {
   const auto broker = connect(server);
-  if (!broker) {
-    return tl::make_unexpected(broker.error());
-  }
-  if (Expected<void> left = drain_worker(**broker, worker); !left) {
-    return left;
-  }
+  RAYLOC_TRY(broker);
+  RAYLOC_TRY(drain_worker(**broker, worker));
   fmt::print("worker {} has given back its sites, and may be stopped\n", printable(worker));
   return {};
 }
 
 Expected<void> run_remove(const BrokerOptions& server, const std::string& site) {
   const auto broker = connect(server);
-  if (!broker) {
-    return tl::make_unexpected(broker.error());
-  }
-  if (Expected<void> removed = remove_site(**broker, site); !removed) {
-    return removed;
-  }
+  RAYLOC_TRY(broker);
+  RAYLOC_TRY(remove_site(**broker, site));
   fmt::print("site {} is taken out\n", printable(site));
   return {};
 }

@@ -18,13 +18,9 @@ namespace rayloc::cli {
 
 Expected<void> run_cluster_apply(const BrokerOptions& options, const ApplyArguments& arguments) {
   const auto bundle = read_bundle(arguments.folder);
-  if (!bundle) {
-    return tl::make_unexpected(bundle.error());
-  }
+  RAYLOC_TRY(bundle);
   const auto fresh = make_temporary_folder("rayloc-apply");
-  if (!fresh) {
-    return tl::make_unexpected(fresh.error());
-  }
+  RAYLOC_TRY(fresh);
   const ScratchFolder around(*fresh);
   const std::filesystem::path copy = *fresh / "site";
   const auto checked = check_bundle(*bundle, copy, check_site);
@@ -41,15 +37,9 @@ Expected<void> run_cluster_apply(const BrokerOptions& options, const ApplyArgume
     return make_error(ErrorKind::kUsage, "'" + printable(name) + "' is no name for a site");
   }
   const auto broker = connect(options);
-  if (!broker) {
-    return tl::make_unexpected(broker.error());
-  }
-  if (const auto stored = store_bundle(**broker, name, *bundle, arguments.replicas); !stored) {
-    return tl::make_unexpected(stored.error());
-  }
-  if (Expected<void> open = reopen_claim(**broker, name); !open) {
-    return open;
-  }
+  RAYLOC_TRY(broker);
+  RAYLOC_TRY(store_bundle(**broker, name, *bundle, arguments.replicas));
+  RAYLOC_TRY(reopen_claim(**broker, name));
   fmt::print("site {}: {} files, bundle {:.12}: {}\n",
              printable(name),
              bundle->files.size(),

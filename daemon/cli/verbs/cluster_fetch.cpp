@@ -45,9 +45,7 @@ void print_site_change(const SiteDifference& difference, const SiteChange& chang
 // Returns true if a site has changed.
 Expected<bool> update_sites(Broker& broker, SiteFolder& folder) {
   const auto stored = stored_bundles(broker);
-  if (!stored) {
-    return tl::make_unexpected(stored.error());
-  }
+  RAYLOC_TRY(stored);
   bool has_changed = false;
   for (const SiteDifference& difference : folder.differences(*stored)) {
     const SiteChange change = folder.settle(broker, difference);
@@ -73,13 +71,9 @@ Expected<void> run_cluster_fetch(const BrokerOptions& options, const FetchArgume
   std::error_code failed;
   std::filesystem::create_directories(arguments.folder, failed);
   const auto broker = connect(options);
-  if (!broker) {
-    return tl::make_unexpected(broker.error());
-  }
+  RAYLOC_TRY(broker);
   const auto notices = BundleNotices::subscribe(**broker);
-  if (!notices) {
-    return tl::make_unexpected(notices.error());
-  }
+  RAYLOC_TRY(notices);
   SiteFolder folder(arguments.folder, check_site);
   do {
     const auto changed = update_sites(**broker, folder);

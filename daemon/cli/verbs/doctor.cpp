@@ -91,9 +91,7 @@ Expected<void> run_doctor(const std::string& file, const HttpOptions& options) {
     return report_file_error({ErrorKind::kConfiguration, setup.error().message});
   }
   const Expected<HttpQuery> query = query_of(options, setup->config.http);
-  if (!query) {
-    return tl::make_unexpected(query.error());
-  }
+  RAYLOC_TRY(query);
   const bool asked = setup->config.http.enabled || !options.address.empty();
   const bool answers = asked && http_get(*query, "/healthz").has_value();
   const std::optional<pid_t> silent = answers ? std::nullopt : running_daemon(file);

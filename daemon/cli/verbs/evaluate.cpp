@@ -48,9 +48,7 @@ void warn_of_several_targets(const std::vector<PublishedEstimate>& estimates) {
 }
 
 Expected<void> write_plots(const EvaluateArguments& arguments, const Comparison& comparison) {
-  if (auto prepared = prepare_output(arguments.plot, arguments.force); !prepared) {
-    return prepared;
-  }
+  RAYLOC_TRY(prepare_output(arguments.plot, arguments.force));
   if (!comparison.site) {
     std::fputs("rayloc evaluate: no map of the room without --site\n", stderr);
   }
@@ -59,9 +57,7 @@ Expected<void> write_plots(const EvaluateArguments& arguments, const Comparison&
 
 Expected<void> run_evaluate(const EvaluateArguments& arguments) {
   const auto offset = parse_time_offset(arguments.time_offset);
-  if (!offset) {
-    return tl::make_unexpected(offset.error());
-  }
+  RAYLOC_TRY(offset);
   const Observer observer{{}, [](const std::string& note) {
                             std::fprintf(stderr, "rayloc evaluate: %s\n", note.c_str());
                           }};
@@ -76,16 +72,12 @@ Expected<void> run_evaluate(const EvaluateArguments& arguments) {
                                               arguments.points,
                                               arguments.captures},
                                              observer);
-  if (!comparison) {
-    return tl::make_unexpected(comparison.error());
-  }
+  RAYLOC_TRY(comparison);
   if (arguments.kind == "device") {
     warn_of_several_targets(comparison->estimates);
   }
   if (!arguments.plot.empty()) {
-    if (auto written = write_plots(arguments, *comparison); !written) {
-      return written;
-    }
+    RAYLOC_TRY(write_plots(arguments, *comparison));
   }
   const ErrorStatistics statistics =
       compute_statistics(comparison->results, comparison->controls, {});

@@ -43,13 +43,9 @@ Expected<void> run_experiment_verb(const ExperimentArguments& arguments) {
   if (!experiment) {
     return report_file_error(experiment.error());
   }
-  if (auto kept = keep_studies(arguments.studies, *experiment); !kept) {
-    return kept;
-  }
+  RAYLOC_TRY(keep_studies(arguments.studies, *experiment));
   const std::filesystem::path directory = arguments.out;
-  if (auto prepared = prepare_output(directory, arguments.force || arguments.resume); !prepared) {
-    return prepared;
-  }
+  RAYLOC_TRY(prepare_output(directory, arguments.force || arguments.resume));
   const bool shown = !arguments.quiet && ::isatty(STDERR_FILENO) == 1;
   const auto results = run_experiment(
       *experiment,
@@ -59,12 +55,8 @@ Expected<void> run_experiment_verb(const ExperimentArguments& arguments) {
         }
       },
       condition_store(directory, arguments.resume));
-  if (!results) {
-    return tl::make_unexpected(results.error());
-  }
-  if (auto written = write_experiment_report(directory, *experiment, *results); !written) {
-    return written;
-  }
+  RAYLOC_TRY(results);
+  RAYLOC_TRY(write_experiment_report(directory, *experiment, *results));
   if (!arguments.quiet) {
     std::fprintf(stderr, "%s\n", (directory / "report.html").c_str());
   }

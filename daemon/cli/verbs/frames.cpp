@@ -46,13 +46,9 @@ Expected<void> run_recording(const RecordingArgument& recording,
 }
 
 Expected<void> run_frames(const FramesOptions& options) {
-  if (auto checked = check_wire_format(options.format); !checked) {
-    return checked;
-  }
+  RAYLOC_TRY(check_wire_format(options.format));
   auto out = FrameOutput::open(options.output);
-  if (!out) {
-    return tl::make_unexpected(out.error());
-  }
+  RAYLOC_TRY(out);
   FrameSummary summary;
   Expected<void> result;
   for (const RecordingArgument& recording : recordings_of_any(options.captures)) {

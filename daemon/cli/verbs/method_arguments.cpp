@@ -71,9 +71,7 @@ Expected<MethodOptions> method_options(const MethodArguments& options) {
   settings.is_exhaustive = options.exhaustive;
   if (!options.start.empty()) {
     auto start = read_start(options.start, method);
-    if (!start) {
-      return tl::make_unexpected(std::move(start.error()));
-    }
+    RAYLOC_TRY(start);
     settings.start = *start;
   }
   if (options.starts > 1 || !options.paper.empty()) {

@@ -26,40 +26,28 @@ struct PredictArguments {
 
 Expected<void> run_predict(PredictArguments arguments) {
   for (const std::string& file : arguments.out) {
-    if (auto checked = check_prediction_file(file); !checked) {
-      return checked;
-    }
+    RAYLOC_TRY(check_prediction_file(file));
   }
-  if (auto checked = check_prediction(arguments.options); !checked) {
-    return checked;
-  }
+  RAYLOC_TRY(check_prediction(arguments.options));
   const auto site = load_site(arguments.site);
-  if (!site) {
-    return tl::make_unexpected(site.error());
-  }
+  RAYLOC_TRY(site);
   if (arguments.spacing_cm > 0.0) {
     arguments.options.plan.spacing = kMetresPerCentimetre * arguments.spacing_cm;
   }
   PredictionProgress progress(arguments.quiet);
   const auto predicted = predict_site(*site, arguments.options, progress.observer());
   progress.clear();
-  if (!predicted) {
-    return tl::make_unexpected(predicted.error());
-  }
+  RAYLOC_TRY(predicted);
   print_prediction(*predicted, arguments.options.devices);
   for (const std::string& file : arguments.out) {
-    if (auto written = write_prediction(predicted->prediction, *predicted->room, file); !written) {
-      return written;
-    }
+    RAYLOC_TRY(write_prediction(predicted->prediction, *predicted->room, file));
   }
   if (!arguments.propose && !arguments.moves) {
     return {};
   }
   const auto found = propose_changes(*predicted, {true, arguments.moves}, progress.observer());
   progress.clear();
-  if (!found) {
-    return tl::make_unexpected(found.error());
-  }
+  RAYLOC_TRY(found);
   print_proposals(*found);
   return {};
 }

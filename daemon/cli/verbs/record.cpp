@@ -44,13 +44,9 @@ Expected<std::unique_ptr<DatagramSource>> open_source(const RecordArguments& arg
 
 Expected<void> run_record(const RecordArguments& arguments) {
   auto source = open_source(arguments);
-  if (!source) {
-    return tl::make_unexpected(std::move(source.error()));
-  }
+  RAYLOC_TRY(source);
   auto recorder = open_datagram_sink(transport_schemes(), arguments.out, "pcap");
-  if (!recorder) {
-    return tl::make_unexpected(std::move(recorder.error()));
-  }
+  RAYLOC_TRY(recorder);
   StopSignal::install();
   std::fprintf(stderr,
                "rayloc record: %s into %s%s\n",

@@ -28,17 +28,10 @@ Expected<void> run_reference(const ReferenceArguments& arguments) {
     observer.on_note = [](const std::string& note) { std::fprintf(stderr, "%s\n", note.c_str()); };
   }
   const auto inputs = read_reference_inputs(options, observer);
-  if (!inputs) {
-    return tl::make_unexpected(inputs.error());
-  }
+  RAYLOC_TRY(inputs);
   const auto learned = learn_reference(*inputs, observer);
-  if (!learned) {
-    return tl::make_unexpected(learned.error());
-  }
-  if (auto written = write_reference_site(inputs->site, *learned, options.out, options.force);
-      !written) {
-    return written;
-  }
+  RAYLOC_TRY(learned);
+  RAYLOC_TRY(write_reference_site(inputs->site, *learned, options.out, options.force));
   if (!arguments.quiet) {
     print_reference(*inputs, *learned);
   }

@@ -20,9 +20,7 @@ namespace {
 Expected<void> write_results(const ReplayArguments& arguments, PreparedReplay& replay) {
   auto files = ReplayFiles::open(arguments.format,
                                  {arguments.out, arguments.zone_events, arguments.carried_out});
-  if (!files) {
-    return tl::make_unexpected(files.error());
-  }
+  RAYLOC_TRY(files);
   NoFixReasons reasons;
   ReplayOutput output;
   output.on_location = [&](const Location& location) {
@@ -34,9 +32,7 @@ Expected<void> write_results(const ReplayArguments& arguments, PreparedReplay& r
   const Duration carry_every =
       arguments.carried_out.empty() ? Duration{} : from_seconds(arguments.carried_every);
   const ReplaySummary summary = run_replay(replay, carry_every, output);
-  if (Expected<void> closed = files->close(); !closed) {
-    return closed;
-  }
+  RAYLOC_TRY(files->close());
   return report_replay(summary, reasons.text(), arguments.quiet);
 }
 
@@ -44,14 +40,10 @@ Expected<void> replay_captures(const ReplayArguments& arguments,
                                const Site& site,
                                const ReplayOptions& options) {
   const auto recordings = replay_recordings(arguments);
-  if (!recordings) {
-    return tl::make_unexpected(recordings.error());
-  }
+  RAYLOC_TRY(recordings);
   auto replay = prepare_replay(
       site, options, *recordings, warm_replay(arguments), replay_observer(arguments.quiet));
-  if (!replay) {
-    return tl::make_unexpected(std::move(replay.error()));
-  }
+  RAYLOC_TRY(replay);
   Expected<void> written = write_results(arguments, *replay);
   if (!arguments.quiet) {
     print_replay_notices(replay_notices(*replay));
@@ -61,13 +53,9 @@ Expected<void> replay_captures(const ReplayArguments& arguments,
 
 Expected<void> run_replay_verb(const ReplayArguments& arguments) {
   const auto options = replay_options(arguments);
-  if (!options) {
-    return tl::make_unexpected(options.error());
-  }
+  RAYLOC_TRY(options);
   const Expected<Site> site = replay_site(arguments);
-  if (!site) {
-    return tl::make_unexpected(site.error());
-  }
+  RAYLOC_TRY(site);
   // Applies to the engine's parallel loops; the results are the same for any number.
   const oneapi::tbb::global_control threads(
       oneapi::tbb::global_control::max_allowed_parallelism,

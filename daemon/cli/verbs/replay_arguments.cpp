@@ -155,24 +155,16 @@ void add_replay_options(OptionParser& app, ReplayArguments& arguments) {
 }
 
 Expected<ReplayOptions> replay_options(const ReplayArguments& arguments) {
-  if (auto checked = check_replay_inputs(arguments); !checked) {
-    return tl::make_unexpected(std::move(checked.error()));
-  }
+  RAYLOC_TRY(check_replay_inputs(arguments));
   ReplayOptions options;
   ReplayEstimatorOptions& estimators = options.estimators;
   estimators.kind = replay_kind(arguments.kind);
   estimators.method = find_method(arguments.method.name);
-  if (auto checked = check_replay_kind(*estimators.method, estimators.kind); !checked) {
-    return tl::make_unexpected(std::move(checked.error()));
-  }
+  RAYLOC_TRY(check_replay_kind(*estimators.method, estimators.kind));
   auto settings = method_options(arguments.method);
-  if (!settings) {
-    return tl::make_unexpected(std::move(settings.error()));
-  }
+  RAYLOC_TRY(settings);
   const Expected<Duration> burst = parse_burst_argument(arguments.burst);
-  if (!burst) {
-    return tl::make_unexpected(burst.error());
-  }
+  RAYLOC_TRY(burst);
   options.burst = *burst;
   estimators.settings = *std::move(settings);
   estimators.path_grids = path_grids(arguments);
@@ -186,9 +178,7 @@ Expected<ReplayOptions> replay_options(const ReplayArguments& arguments) {
 
 Expected<ReplayRecordings> replay_recordings(const ReplayArguments& arguments) {
   const auto speed = parse_speed_argument(arguments.speed);
-  if (!speed) {
-    return tl::make_unexpected(speed.error());
-  }
+  RAYLOC_TRY(speed);
   return ReplayRecordings{arguments.captures, *speed, from_seconds(arguments.max_gap)};
 }
 

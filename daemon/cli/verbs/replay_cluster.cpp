@@ -25,9 +25,7 @@ constexpr std::chrono::seconds kReplayBrokerTimeout{3};  // for an answer of the
 
 Expected<void> replay_history(Broker& broker, const StreamReplay& replay, bool quiet) {
   const auto report = replay_fill(broker, replay);
-  if (!report) {
-    return tl::make_unexpected(report.error());
-  }
+  RAYLOC_TRY(report);
   if (!quiet) {
     std::fprintf(stderr,
                  "%zu results of %zu datagrams that came later, in %zu batches\n",
@@ -43,9 +41,7 @@ Expected<void> compare_with_published(const BrokerOptions& server,
                                       bool fill,
                                       bool quiet) {
   const auto broker = open_broker(server);
-  if (!broker) {
-    return tl::make_unexpected(broker.error());
-  }
+  RAYLOC_TRY(broker);
   if (!wait_for_broker(**broker, kReplayBrokerTimeout)) {
     const std::string refusal = (*broker)->refusal();
     return make_error(ErrorKind::kUnavailable,
@@ -56,9 +52,7 @@ Expected<void> compare_with_published(const BrokerOptions& server,
     return replay_history(**broker, replay, quiet);
   }
   const auto report = replay_stream(*broker, replay);
-  if (!report) {
-    return tl::make_unexpected(report.error());
-  }
+  RAYLOC_TRY(report);
   for (const std::string& note : report->notes) {
     std::fprintf(stderr, "rayloc replay: %s\n", printable(note).c_str());
   }
@@ -84,9 +78,7 @@ Expected<void> replay_cluster(const ReplayArguments& arguments,
                               const Site& site,
                               const ReplayOptions& options) {
   auto files = ReplayFiles::open(arguments.format, {arguments.out, arguments.zone_events});
-  if (!files) {
-    return tl::make_unexpected(files.error());
-  }
+  RAYLOC_TRY(files);
   StreamReplay replay;
   replay.site = site.name;
   replay.uninterrupted = arguments.uninterrupted;
@@ -111,9 +103,7 @@ Expected<void> replay_cluster(const ReplayArguments& arguments,
   broker.servers = {arguments.stream};
   broker.name = "rayloc replay";
   Expected<void> replayed = compare_with_published(broker, replay, arguments.fill, arguments.quiet);
-  if (Expected<void> closed = files->close(); !closed) {
-    return closed;
-  }
+  RAYLOC_TRY(files->close());
   return replayed;
 }
 

@@ -18,9 +18,7 @@ Expected<std::optional<OutputFile>> open_optional(const std::string& file) {
     return std::optional<OutputFile>();
   }
   Expected<OutputFile> opened = OutputFile::open(file);
-  if (!opened) {
-    return tl::make_unexpected(opened.error());
-  }
+  RAYLOC_TRY(opened);
   return std::optional<OutputFile>(std::move(*opened));
 }
 
@@ -37,9 +35,7 @@ ReplayFiles::ReplayFiles(bool is_binary,
 
 Expected<ReplayFiles> ReplayFiles::open(const std::string& format, const Paths& paths) {
   Expected<OutputFile> locations = OutputFile::open(paths.locations);
-  if (!locations) {
-    return tl::make_unexpected(locations.error());
-  }
+  RAYLOC_TRY(locations);
   auto events = open_optional(paths.zone_events);
   auto carried = open_optional(paths.carried);
   for (const auto* const opened : {&events, &carried}) {
@@ -83,9 +79,7 @@ Expected<void> ReplayFiles::close() {
   for (OutputFile* const file :
        {&locations_, events_ ? &*events_ : nullptr, carried_ ? &*carried_ : nullptr}) {
     if (file != nullptr) {
-      if (Expected<void> closed = file->close(); !closed) {
-        return closed;
-      }
+      RAYLOC_TRY(file->close());
     }
   }
   return {};

@@ -34,14 +34,10 @@ struct SceneImportArguments {
 Expected<void> write_imported(const SceneImportArguments& arguments,
                               const ImportedScene& imported) {
   const std::filesystem::path directory = arguments.out;
-  if (auto prepared = prepare_output(directory, arguments.force); !prepared) {
-    return prepared;
-  }
+  RAYLOC_TRY(prepare_output(directory, arguments.force));
   const std::string name = arguments.name.empty() ? "room" : arguments.name;
   for (const auto& [file, content] : imported_site_files(imported, name, arguments.model)) {
-    if (auto written = write_file(directory / file, content); !written) {
-      return written;
-    }
+    RAYLOC_TRY(write_file(directory / file, content));
   }
   return {};
 }
@@ -55,9 +51,7 @@ Expected<void> run_scene_import(const SceneImportArguments& arguments) {
     return make_error(ErrorKind::kUsage, "write FILE and --out, or --print-materials");
   }
   const auto options = import_options(arguments.request);
-  if (!options) {
-    return tl::make_unexpected(options.error());
-  }
+  RAYLOC_TRY(options);
   const auto table = arguments.materials.empty()
                          ? MaterialTable::parse(kDefaultMaterialTable, "materials")
                          : MaterialTable::read(arguments.materials);
@@ -68,9 +62,7 @@ Expected<void> run_scene_import(const SceneImportArguments& arguments) {
   if (!imported) {
     return report_file_error(imported.error());
   }
-  if (auto written = write_imported(arguments, *imported); !written) {
-    return written;
-  }
+  RAYLOC_TRY(write_imported(arguments, *imported));
   if (!arguments.quiet) {
     const Vec3d size = imported->bounds.size();
     std::fprintf(stderr,

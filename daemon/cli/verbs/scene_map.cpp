@@ -45,9 +45,7 @@ Expected<std::vector<NamedArray>> arrays_of(const SceneMapArguments& arguments,
   }
   for (const std::string& text : arguments.antennas) {
     const auto position = parse_point("--antenna", text);
-    if (!position) {
-      return tl::make_unexpected(position.error());
-    }
+    RAYLOC_TRY(position);
     arrays.push_back(planned_antenna(*position, arrays.size() + 1));
   }
   if (arrays.empty()) {
@@ -63,16 +61,10 @@ Expected<void> run_scene_map(const SceneMapArguments& arguments) {
     return report_file_error(source.error());
   }
   auto arrays = arrays_of(arguments, *source);
-  if (!arrays) {
-    return tl::make_unexpected(arrays.error());
-  }
+  RAYLOC_TRY(arrays);
   const auto grid = mapped_grid(*source, arguments.height, arguments.step);
-  if (!grid) {
-    return tl::make_unexpected(grid.error());
-  }
-  if (auto made = prepare_output(arguments.out, arguments.force); !made) {
-    return made;
-  }
+  RAYLOC_TRY(grid);
+  RAYLOC_TRY(prepare_output(arguments.out, arguments.force));
   print_scene_notes(*source->scene);
   const RadioMaps maps = compute_radio_maps(*source, *std::move(arrays), *grid, arguments.options);
   std::fputs(printable(radio_map_table(maps), '\n').c_str(), stdout);

@@ -87,23 +87,17 @@ Expected<void> run_scene_room(const SceneRoomArguments& arguments) {
                           " has access points of its own; leave the option out");
   }
   const std::filesystem::path directory = arguments.out;
-  if (auto prepared = prepare_output(directory, arguments.force); !prepared) {
-    return prepared;
-  }
+  RAYLOC_TRY(prepare_output(directory, arguments.force));
   const StatedScene scene = build_room(*plan);
   auto files = scene_files(scene);
   files["site.toml"] = room_site(*plan, arguments.model);
   for (const auto& [name, original] : room_pattern_files(*plan)) {
     auto content = read_file(original);
-    if (!content) {
-      return tl::make_unexpected(std::move(content.error()));
-    }
+    RAYLOC_TRY(content);
     files[name] = *std::move(content);
   }
   for (const auto& [name, content] : files) {
-    if (auto written = write_file(directory / name, content); !written) {
-      return written;
-    }
+    RAYLOC_TRY(write_file(directory / name, content));
   }
   if (!arguments.quiet) {
     std::fprintf(

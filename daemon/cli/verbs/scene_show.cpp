@@ -66,31 +66,23 @@ Expected<std::optional<Link>> link_of(const SceneShowArguments& arguments,
   for (std::string* end : {&wanted.tx, &wanted.rx}) {
     if (end->empty()) {
       const auto position = access_point_of(source, arguments.access_point);
-      if (!position) {
-        return tl::make_unexpected(position.error());
-      }
+      RAYLOC_TRY(position);
       *end = text_of(*position);
     }
   }
   const auto link = parse_link(wanted);
-  if (!link) {
-    return tl::make_unexpected(link.error());
-  }
+  RAYLOC_TRY(link);
   return *link;
 }
 
 Expected<void> run_scene_show(const SceneShowArguments& arguments) {
-  if (auto checked = check_ending(arguments.out); !checked) {
-    return checked;
-  }
+  RAYLOC_TRY(check_ending(arguments.out));
   const auto source = load_scene_source(arguments.link.scene, arguments.link.frequency);
   if (!source) {
     return report_file_error(source.error());
   }
   const auto link = link_of(arguments, *source);
-  if (!link) {
-    return tl::make_unexpected(link.error());
-  }
+  RAYLOC_TRY(link);
   print_scene_notes(*source->scene);
   draw::ScenePicture picture = draw::source_picture(*source);
   std::string note;

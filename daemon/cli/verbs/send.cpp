@@ -37,9 +37,7 @@ Expected<std::vector<std::unique_ptr<DatagramSource>>> open_recordings(
   std::vector<std::unique_ptr<DatagramSource>> sources;
   for (const RecordingArgument& recording : recordings) {
     auto source = open_recording(recording, options);
-    if (!source) {
-      return tl::make_unexpected(std::move(source.error()));
-    }
+    RAYLOC_TRY(source);
     print_send_lines((*source)->notices());
     sources.push_back(*std::move(source));
   }
@@ -51,9 +49,7 @@ Expected<std::vector<std::unique_ptr<DatagramSink>>> open_sinks(
   std::vector<std::unique_ptr<DatagramSink>> sinks;
   for (const std::string& text : destinations) {
     auto sink = open_datagram_sink(transport_schemes(), text, "udp");
-    if (!sink) {
-      return tl::make_unexpected(std::move(sink.error()));
-    }
+    RAYLOC_TRY(sink);
     sinks.push_back(*std::move(sink));
   }
   return sinks;
@@ -61,9 +57,7 @@ Expected<std::vector<std::unique_ptr<DatagramSink>>> open_sinks(
 
 Expected<void> run_send(const SendArguments& arguments) {
   const auto speed = parse_pace_argument(arguments.speed);
-  if (!speed) {
-    return tl::make_unexpected(speed.error());
-  }
+  RAYLOC_TRY(speed);
   const std::vector<RecordingArgument> captures = recordings_of_any(arguments.files);
   if (captures.size() != arguments.destinations.size()) {
     return make_error(ErrorKind::kUsage,
@@ -73,15 +67,11 @@ Expected<void> run_send(const SendArguments& arguments) {
                           "access point are one recording: AP=FILE AP=FILE)");
   }
   auto sinks = open_sinks(arguments.destinations);
-  if (!sinks) {
-    return tl::make_unexpected(std::move(sinks.error()));
-  }
+  RAYLOC_TRY(sinks);
   SourceOptions options;
   options.max_gap = from_seconds(arguments.max_gap);
   auto sources = open_recordings(captures, options);
-  if (!sources) {
-    return tl::make_unexpected(std::move(sources.error()));
-  }
+  RAYLOC_TRY(sources);
   MergedRecordings recordings(*std::move(sources), StopSignal::requested);
   SinkQueue queue(*std::move(sinks));
   StopSignal::install();
@@ -93,9 +83,7 @@ Expected<void> run_send(const SendArguments& arguments) {
                            : sender.send_paced({.speed = *speed,
                                                 .duration = arguments.duration,
                                                 .max_gap = from_seconds(arguments.max_gap)});
-  if (!outcome) {
-    return tl::make_unexpected(outcome.error());
-  }
+  RAYLOC_TRY(outcome);
   const auto synced = queue.sync();
   print_send_lines(recordings.warnings());
   print_sent(queue.counters(), *outcome, recordings.rejected());

@@ -28,22 +28,16 @@ SimulationObserver standard_error() {
 
 Expected<void> run_simulate(const SimulateArguments& arguments) {
   const auto site = load_site(arguments.site);
-  if (!site) {
-    return tl::make_unexpected(site.error());
-  }
+  RAYLOC_TRY(site);
   auto outputs = resolve_captures(arguments.out, access_point_ids(*site));
-  if (!outputs) {
-    return tl::make_unexpected(std::move(outputs.error()));
-  }
+  RAYLOC_TRY(outputs);
   SimulationOptions options = arguments.simulation;
   for (const CaptureArgument& output : *outputs) {
     options.outputs.push_back({output.access_point, output.file});
   }
   const auto truth = simulate_recordings(
       *site, options, arguments.quiet ? SimulationObserver() : standard_error());
-  if (!truth) {
-    return tl::make_unexpected(truth.error());
-  }
+  RAYLOC_TRY(truth);
   std::fputs(simulation_json(*truth).c_str(), stdout);
   return {};
 }

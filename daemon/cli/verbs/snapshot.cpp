@@ -12,13 +12,9 @@ namespace {
 
 Expected<void> run_snapshot(const HttpOptions& options) {
   const Expected<HttpQuery> query = query_of(options);
-  if (!query) {
-    return tl::make_unexpected(query.error());
-  }
+  RAYLOC_TRY(query);
   const Expected<HttpResult> result = http_post(*query, "/api/v1/record/snapshot");
-  if (!result) {
-    return tl::make_unexpected(result.error());
-  }
+  RAYLOC_TRY(result);
   const nlohmann::json json = nlohmann::json::parse(result->body, nullptr, false);
   if (json.is_object() && json.contains("files")) {
     for (const nlohmann::json& file : json.at("files")) {

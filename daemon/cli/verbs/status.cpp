@@ -17,22 +17,16 @@ namespace {
 // `path`: "" or the path of a site, "/site/office".
 Expected<SiteStatus> ask(const HttpQuery& query, const std::string& site, const std::string& path) {
   const Expected<JsonResult> ready = get_json(query, path + "/readyz");
-  if (!ready) {
-    return tl::make_unexpected(ready.error());
-  }
+  RAYLOC_TRY(ready);
   const Expected<JsonResult> status = get_json(query, path + "/api/v1/status");
-  if (!status) {
-    return tl::make_unexpected(status.error());
-  }
+  RAYLOC_TRY(status);
   return SiteStatus{site, ready->json, status->json};
 }
 
 // States of the sites of [[site]], or of the one of [site].
 Expected<std::vector<SiteStatus>> ask_all(const HttpQuery& query, const std::string& only) {
   const Expected<JsonResult> sites = get_json(query, "/api/v1/sites");
-  if (!sites) {
-    return tl::make_unexpected(sites.error());
-  }
+  RAYLOC_TRY(sites);
   std::vector<SiteStatus> states;
   std::string names;
   for (const nlohmann::json& site : sites->json) {
@@ -45,9 +39,7 @@ Expected<std::vector<SiteStatus>> ask_all(const HttpQuery& query, const std::str
     std::string path = "/" + site.at("path").get<std::string>();
     path.pop_back();
     Expected<SiteStatus> state = ask(query, listed ? name : "", listed ? path : "");
-    if (!state) {
-      return tl::make_unexpected(state.error());
-    }
+    RAYLOC_TRY(state);
     states.push_back(std::move(*state));
   }
   if (states.empty()) {
@@ -59,13 +51,9 @@ Expected<std::vector<SiteStatus>> ask_all(const HttpQuery& query, const std::str
 
 Expected<void> run_status_verb(const HttpOptions& options, const std::string& site, bool json) {
   const Expected<HttpQuery> query = query_of(options);
-  if (!query) {
-    return tl::make_unexpected(query.error());
-  }
+  RAYLOC_TRY(query);
   const Expected<std::vector<SiteStatus>> states = ask_all(*query, site);
-  if (!states) {
-    return tl::make_unexpected(states.error());
-  }
+  RAYLOC_TRY(states);
   if (!json) {
     fmt::print("{}", status_text(*states));
     return {};

@@ -41,9 +41,7 @@ Expected<HttpServer::Options> server_options(const StudioArguments& arguments) {
   options.port = address->port;
   if (!arguments.token_file.empty()) {
     auto token = read_http_token(arguments.token_file);
-    if (!token) {
-      return tl::make_unexpected(std::move(token.error()));
-    }
+    RAYLOC_TRY(token);
     options.token = *std::move(token);
   }
   if (!is_loopback(options.host) && options.token.empty()) {
@@ -57,9 +55,7 @@ Expected<HttpServer::Options> server_options(const StudioArguments& arguments) {
 
 Expected<void> run_studio(const StudioArguments& arguments) {
   const auto options = server_options(arguments);
-  if (!options) {
-    return tl::make_unexpected(options.error());
-  }
+  RAYLOC_TRY(options);
   std::error_code status;
   std::filesystem::create_directories(arguments.site, status);
   if (!std::filesystem::is_directory(arguments.site, status)) {
@@ -80,9 +76,7 @@ Expected<void> run_studio(const StudioArguments& arguments) {
   routes.merge(calibration_routes(calibration));
   routes["/"] = routes.at("/edit");
   auto server = HttpServer::open(*options, std::move(routes));
-  if (!server) {
-    return tl::make_unexpected(std::move(server.error()));
-  }
+  RAYLOC_TRY(server);
   StopSignal::install();
   (*server)->start();
   std::fprintf(stderr,

@@ -46,13 +46,9 @@ Expected<void> run_sub(const SubArguments& arguments) {
   request.format = format_of(arguments);
   FeedFollower feed(request, {print_message_line, print_feed_note});
   const Expected<Receive> receive = connect(arguments.from, feed.prefixes());
-  if (!receive) {
-    return tl::make_unexpected(receive.error());
-  }
+  RAYLOC_TRY(receive);
   StopSignal::install();
-  if (auto begun = feed.begin(); !begun) {
-    return begun;
-  }
+  RAYLOC_TRY(feed.begin());
   const auto is_silent = [&] {
     const std::chrono::duration<double> silence = feed.silence();
     return !StopSignal::requested() && arguments.timeout > 0.0 &&
@@ -65,9 +61,7 @@ Expected<void> run_sub(const SubArguments& arguments) {
           ErrorKind::kUnavailable,
           "no message from " + arguments.from.endpoint + "; is raylocd running there?");
     }
-    if (auto taken = message ? feed.take(*message) : Expected<void>(); !taken) {
-      return taken;
-    }
+    RAYLOC_TRY(message ? feed.take(*message) : Expected<void>());
   }
   feed.report_left_out();
   return {};

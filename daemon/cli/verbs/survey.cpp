@@ -30,34 +30,22 @@ struct SurveyVerbArguments {
 
 Expected<void> run_survey(const SurveyVerbArguments& arguments) {
   const auto site = load_site(arguments.ports.site);
-  if (!site) {
-    return tl::make_unexpected(site.error());
-  }
+  RAYLOC_TRY(site);
   auto room = load_room_model(*site);
-  if (!room) {
-    return tl::make_unexpected(std::move(room.error()));
-  }
+  RAYLOC_TRY(room);
   print_scene_notes(*room->scene);
   const auto ports = survey_ports(arguments.ports, *site);
-  if (!ports) {
-    return tl::make_unexpected(ports.error());
-  }
+  RAYLOC_TRY(ports);
   std::vector<PlannedPoint> plan;
   if (!arguments.plan.empty()) {
     auto planned = load_planned_points(arguments.plan);
-    if (!planned) {
-      return tl::make_unexpected(std::move(planned.error()));
-    }
+    RAYLOC_TRY(planned);
     plan = *std::move(planned);
   }
   auto file = SurveyFile::open(arguments.out);
-  if (!file) {
-    return tl::make_unexpected(std::move(file.error()));
-  }
+  RAYLOC_TRY(file);
   auto listener = SurveyListener::open(*site, *ports);
-  if (!listener) {
-    return tl::make_unexpected(std::move(listener.error()));
-  }
+  RAYLOC_TRY(listener);
   StopSignal::install();
   SurveySession session(*std::move(room), *std::move(listener), *std::move(file), std::move(plan));
   auto done = SurveyDialogue(session, {arguments.frames, from_seconds(arguments.timeout)}).run();

@@ -28,15 +28,11 @@ SurveyDialogue::SurveyDialogue(SurveySession& session, const CountLimits& limits
 Expected<void> SurveyDialogue::run() {
   while (true) {
     const auto point = ask();
-    if (!point) {
-      return tl::make_unexpected(point.error());
-    }
+    RAYLOC_TRY(point);
     if (!*point) {
       return session_.finish();
     }
-    if (auto measured = measure(**point); !measured) {
-      return measured;
-    }
+    RAYLOC_TRY(measure(**point));
   }
 }
 
@@ -53,9 +49,7 @@ Expected<std::optional<PlannedPoint>> SurveyDialogue::ask() {
         std::fputs("\n", stderr);
         return std::nullopt;
       }
-      if (auto received = session_.listen(); !received) {
-        return tl::make_unexpected(received.error());
-      }
+      RAYLOC_TRY(session_.listen());
       input_.poll();
     }
     const auto answer = session_.parse_answer(*input_.front());
@@ -88,9 +82,7 @@ Expected<void> SurveyDialogue::measure(const PlannedPoint& point) {
   control.is_interrupted = StopSignal::requested;
   control.is_ended_early = [this] { return is_ended_early(); };
   const auto counted = session_.count_frames(limits_, control);
-  if (!counted) {
-    return tl::make_unexpected(counted.error());
-  }
+  RAYLOC_TRY(counted);
   if (counted->is_interrupted) {
     std::fprintf(stderr, "\n%s: interrupted, not written\n", planned_text(point).c_str());
     return {};

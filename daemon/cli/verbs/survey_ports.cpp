@@ -20,9 +20,7 @@ namespace {
 // directory or, if the survey uses another copy of it, of that name.
 Expected<SiteSetup> configured_site(const SurveyPortArguments& arguments, const Site& site) {
   auto setup = load_daemon_setup(arguments.config);
-  if (!setup) {
-    return tl::make_unexpected(setup.error());
-  }
+  RAYLOC_TRY(setup);
   std::vector<std::function<bool(const SiteSetup&)>> criteria;
   if (arguments.name.empty()) {
     criteria = {[&](const SiteSetup&) { return setup->sites.size() == 1; },
@@ -56,9 +54,7 @@ Expected<SiteSetup> configured_site(const SurveyPortArguments& arguments, const 
 Expected<std::vector<std::string>> configured_ports(const SurveyPortArguments& arguments,
                                                     const Site& site) {
   const auto setup = configured_site(arguments, site);
-  if (!setup) {
-    return tl::make_unexpected(setup.error());
-  }
+  RAYLOC_TRY(setup);
   std::vector<std::string> listen;
   for (const SourceConfig& source : setup->config.sources) {
     if (!is_live(source)) {
@@ -82,9 +78,7 @@ Expected<std::vector<SurveyPort>> survey_ports(const SurveyPortArguments& argume
   }
   auto listen = arguments.config.empty() ? Expected<std::vector<std::string>>(arguments.listen)
                                          : configured_ports(arguments, site);
-  if (!listen) {
-    return tl::make_unexpected(std::move(listen.error()));
-  }
+  RAYLOC_TRY(listen);
   const auto addresses = resolve_captures(*listen, access_point_ids(site));
   const auto recordings = resolve_captures(arguments.record, access_point_ids(site));
   for (const auto* resolved : {&addresses, &recordings}) {

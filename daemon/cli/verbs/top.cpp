@@ -89,9 +89,7 @@ void show(const Receive& receive, const TopArguments& arguments) {
 
 Expected<void> run_top(const TopArguments& arguments) {
   const Expected<Receive> receive = connect_with_snapshot(arguments.from, arguments.timeout);
-  if (!receive) {
-    return tl::make_unexpected(receive.error());
-  }
+  RAYLOC_TRY(receive);
   if (arguments.once || !TerminalScreen::is_possible()) {
     return print_once(*receive, arguments);
   }

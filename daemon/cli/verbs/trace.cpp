@@ -47,15 +47,11 @@ Expected<void> write_trace(const LinkTrace& traced,
 
 Expected<void> run_trace(const TraceArguments& arguments) {
   const Expected<Link> link = parse_link(arguments.link);
-  if (!link) {
-    return tl::make_unexpected(link.error());
-  }
+  RAYLOC_TRY(link);
   LinkTraceOptions options{arguments.link.options, arguments.diffuse, {}, {}};
   if (!arguments.cfr.empty()) {
     auto tones = parse_grid(arguments.cfr);
-    if (!tones) {
-      return tl::make_unexpected(std::move(tones.error()));
-    }
+    RAYLOC_TRY(tones);
     options.tones = *std::move(tones);
   }
   const auto source = load_scene_source(arguments.link.scene, arguments.link.frequency);
@@ -69,9 +65,7 @@ Expected<void> run_trace(const TraceArguments& arguments) {
   print_scene_notes(scene);
   if (!arguments.gradient.empty()) {
     auto parameters = parse_gradient(arguments.gradient, scene);
-    if (!parameters) {
-      return tl::make_unexpected(std::move(parameters.error()));
-    }
+    RAYLOC_TRY(parameters);
     options.gradient = *std::move(parameters);
   }
   const auto traced = trace_link(source->scene, *link, options);

@@ -46,19 +46,11 @@ Expected<void> run_train(const TrainArguments& arguments) {
   options.out = arguments.out;
   options.force = options.force || arguments.resume;
   const auto inputs = read_train_inputs(options);
-  if (!inputs) {
-    return tl::make_unexpected(inputs.error());
-  }
-  if (auto done = prepare_output(options.out, options.force); !done) {
-    return done;
-  }
+  RAYLOC_TRY(inputs);
+  RAYLOC_TRY(prepare_output(options.out, options.force));
   const auto trained = train_on_terminal(*inputs, arguments);
-  if (!trained) {
-    return tl::make_unexpected(trained.error());
-  }
-  if (auto done = write_trained_site(*inputs, *trained, options.out); !done) {
-    return done;
-  }
+  RAYLOC_TRY(trained);
+  RAYLOC_TRY(write_trained_site(*inputs, *trained, options.out));
   if (!arguments.quiet) {
     print_trained(*inputs, *trained);
   }

@@ -35,15 +35,11 @@ Expected<std::string> obstacle(const HttpQuery& query, bool sources) {
 
 Expected<void> run_wait_ready(const HttpOptions& options, double timeout, bool sources) {
   const Expected<HttpQuery> query = query_of(options);
-  if (!query) {
-    return tl::make_unexpected(query.error());
-  }
+  RAYLOC_TRY(query);
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::duration<double>(timeout);
   while (true) {
     const Expected<std::string> why = obstacle(*query, sources);
-    if (!why) {
-      return tl::make_unexpected(why.error());
-    }
+    RAYLOC_TRY(why);
     if (why->empty()) {
       return {};
     }

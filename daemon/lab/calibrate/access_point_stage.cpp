@@ -37,9 +37,7 @@ Expected<AccessPointResult> fit_access_point(const RoomModel& room,
   const Samples all = point_samples(points, access_point, survey_error, true);
   const AccessPointCalibrator on_all(room, access_point, all.samples);
   auto fit = on_all.fit(array);
-  if (!fit) {
-    return tl::make_unexpected(std::move(fit.error()));
-  }
+  RAYLOC_TRY(fit);
   result.fit = *std::move(fit);
   auto train =
       AccessPointCalibrator(

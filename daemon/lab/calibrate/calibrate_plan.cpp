@@ -78,13 +78,9 @@ PlanCoverage coverage_of(const SurveyPlan& plan, const RoomModel& room, std::siz
 
 Expected<PlannedSurvey> run_plan(const PlanArguments& arguments, const Observer& observer) {
   auto site = load_site(arguments.site);
-  if (!site) {
-    return tl::make_unexpected(std::move(site.error()));
-  }
+  RAYLOC_TRY(site);
   auto room = load_room_model(*site);
-  if (!room) {
-    return tl::make_unexpected(std::move(room.error()));
-  }
+  RAYLOC_TRY(room);
   note_scene(*room->scene, observer);
   SurveyPlanOptions options;
   options.points = arguments.points;

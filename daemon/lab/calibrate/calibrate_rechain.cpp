@@ -79,9 +79,7 @@ Expected<RefitInputs> read_surveyed(const Site& site,
                                     const RechainArguments& arguments) {
   auto inputs = read_calibration_inputs(
       with_bounds(site, room), captures, arguments.points, arguments.time_offset);
-  if (!inputs) {
-    return tl::make_unexpected(std::move(inputs.error()));
-  }
+  RAYLOC_TRY(inputs);
   RefitInputs received{{},
                        std::move(inputs->recorded),
                        std::move(inputs->refused),
@@ -100,9 +98,7 @@ Expected<RefitInputs> read_fixed(const Site& site, const std::vector<CaptureArgu
   };
   RefitInputs received;
   auto frames = read_fixed_frames(site, captures, received.notes);
-  if (!frames) {
-    return tl::make_unexpected(std::move(frames.error()));
-  }
+  RAYLOC_TRY(frames);
   for (const SiteTransmitter& transmitter : site.transmitters) {
     if (has_place(transmitter)) {
       received.spots.push_back({*transmitter.position,
@@ -215,9 +211,7 @@ Expected<void> Rechain::read_calibration() {
     }
   } else {
     auto calibration = load_calibration_file(*site_.calibration_file);
-    if (!calibration) {
-      return tl::make_unexpected(std::move(calibration.error()));
-    }
+    RAYLOC_TRY(calibration);
     before_ = *std::move(calibration);
     heldout_ = usual_fits(site_);
   }
@@ -233,41 +227,27 @@ Expected<void> Rechain::read() {
                         "`rayloc calibrate` with a survey first, or with --unsurveyed",
                         arguments_.out,
                         arguments_.force);
-  if (!site) {
-    return tl::make_unexpected(std::move(site.error()));
-  }
+  RAYLOC_TRY(site);
   site_ = *std::move(site);
   auto room = load_room_model(site_);
-  if (!room) {
-    return tl::make_unexpected(std::move(room.error()));
-  }
+  RAYLOC_TRY(room);
   room_ = *std::move(room);
   note_scene(*room_.scene, observer_);
   auto references = load_references(site_, room_);
-  if (!references) {
-    return tl::make_unexpected(std::move(references.error()));
-  }
+  RAYLOC_TRY(references);
   references_ = *std::move(references);
-  if (auto known = read_calibration(); !known) {
-    return known;
-  }
+  RAYLOC_TRY(read_calibration());
   const auto captures =
       resolve_captures(arguments_.captures, access_point_ids(site_), PerAccessPoint::kSeveral);
-  if (!captures) {
-    return tl::make_unexpected(captures.error());
-  }
+  RAYLOC_TRY(captures);
   auto received = arguments_.points.empty() ? read_fixed(site_, *captures)
                                             : read_surveyed(site_, room_, *captures, arguments_);
-  if (!received) {
-    return tl::make_unexpected(std::move(received.error()));
-  }
+  RAYLOC_TRY(received);
   received_ = *std::move(received);
   if (arguments_.points.empty()) {
     std::vector<std::string> repeated_notices;
     auto states = learn_chains(site_, room_, *captures, repeated_notices);
-    if (!states) {
-      return tl::make_unexpected(std::move(states.error()));
-    }
+    RAYLOC_TRY(states);
     states_ = *std::move(states);
   }
   for (const std::string& note : received_.notes) {
@@ -343,9 +323,7 @@ Expected<RefitAccessPoint> Rechain::refit(std::size_t access_point, ContentHash&
   ChainRefitOptions options;
   options.usual = usual_fit(heldout_, ap.id);
   auto refit = refit_chains(room_, access_point, spots, options);
-  if (!refit) {
-    return tl::make_unexpected(std::move(refit.error()));
-  }
+  RAYLOC_TRY(refit);
   return RefitAccessPoint{access_point, *std::move(refit), options.usual, 0};
 }
 
@@ -366,9 +344,7 @@ Expected<void> Rechain::refit() {
       continue;
     }
     auto result = refit(a, content);
-    if (!result) {
-      return tl::make_unexpected(std::move(result.error()));
-    }
+    RAYLOC_TRY(result);
     for (CalibratedAccessPoint& stated : after_.access_points) {
       if (stated.id == ap.id) {
         stated.gains = result->refit.gains;
@@ -455,22 +431,12 @@ Json Rechain::report(const RechainResult& result) const {
 
 Expected<void> Rechain::write(const RechainResult& result) {
   const fs::path out = arguments_.out;
-  if (auto prepared = prepare_output(out, arguments_.force); !prepared) {
-    return prepared;
-  }
-  if (auto written = write_site(site_, to_toml(after_), out); !written) {
-    return written;
-  }
+  RAYLOC_TRY(prepare_output(out, arguments_.force));
+  RAYLOC_TRY(write_site(site_, to_toml(after_), out));
   if (site_.reference_file) {
     const auto reference = read_file(*site_.reference_file);
-    if (!reference) {
-      return tl::make_unexpected(reference.error());
-    }
-    if (auto written =
-            write_file(out / "reference.toml", reference_of_calibration(*reference, after_.id));
-        !written) {
-      return written;
-    }
+    RAYLOC_TRY(reference);
+    RAYLOC_TRY(write_file(out / "reference.toml", reference_of_calibration(*reference, after_.id)));
   }
   return write_file(out / "report.json", report(result).dump(2) + "\n");
 }

@@ -312,9 +312,7 @@ Expected<void> check_overlap(const Site& site,
         explain_silence(site, access_point, device, recorded.second, inputs, points_file));
   }
   if (device && !offset_is_stated) {
-    if (auto checked = check_clock(*device, recorded, id, points_file, inputs); !checked) {
-      return checked;
-    }
+    RAYLOC_TRY(check_clock(*device, recorded, id, points_file, inputs));
   }
   if (2 * empty.size() > inputs.points.size()) {
     inputs.notes.push_back(fmt::format("{}: access point '{}' has frames at {} of {} points only",
@@ -353,9 +351,7 @@ Expected<CalibrationInputs> read_calibration_inputs(const Site& site,
                                                     const std::string& points_file,
                                                     std::optional<Duration> time_offset) {
   auto points = load_points_csv(points_file, time_offset.value_or(Duration(0)));
-  if (!points) {
-    return tl::make_unexpected(std::move(points.error()));
-  }
+  RAYLOC_TRY(points);
   CalibrationInputs inputs;
   inputs.recorded.resize(site.access_points.size());
   ContentHash points_hash;
@@ -367,31 +363,19 @@ Expected<CalibrationInputs> read_calibration_inputs(const Site& site,
     points_hash.add(point.position.z);
   }
   inputs.points_hash = points_hash.text();
-  if (auto checked = check_points(site, points_file, inputs); !checked) {
-    return tl::make_unexpected(std::move(checked.error()));
-  }
-  if (auto checked = check_times(points_file, inputs); !checked) {
-    return tl::make_unexpected(std::move(checked.error()));
-  }
+  RAYLOC_TRY(check_points(site, points_file, inputs));
+  RAYLOC_TRY(check_times(points_file, inputs));
   std::map<int, Recorded> recorded;  // by access point
   for (const RecordingArgument& recording : recordings_of(captures)) {
     const auto index = find_access_point(site, recording.access_point);
-    if (!index) {
-      return tl::make_unexpected(index.error());
-    }
+    RAYLOC_TRY(index);
     inputs.recorded[static_cast<std::size_t>(*index)] = true;
-    if (auto read = read_recording(site, recording, inputs, recorded[*index]); !read) {
-      return tl::make_unexpected(std::move(read.error()));
-    }
+    RAYLOC_TRY(read_recording(site, recording, inputs, recorded[*index]));
   }
   const std::optional<MacAddress> device = device_of(site, inputs);
   keep_device(device, inputs);
   for (const auto& one : recorded) {
-    if (auto checked =
-            check_overlap(site, device, one, points_file, time_offset.has_value(), inputs);
-        !checked) {
-      return tl::make_unexpected(std::move(checked.error()));
-    }
+    RAYLOC_TRY(check_overlap(site, device, one, points_file, time_offset.has_value(), inputs));
   }
   inputs.content = hash_of_frames(site, inputs);
   return inputs;

@@ -107,9 +107,7 @@ CalibrationFile Calibration::file_of(const std::vector<CalibrationMethodResult>&
 
 Expected<void> Calibration::write_reports(const CalibrationReport& report) const {
   const fs::path out = options_.out;
-  if (auto json = write_file(out / kJsonReport, to_json(report).dump(2) + "\n"); !json) {
-    return json;
-  }
+  RAYLOC_TRY(write_file(out / kJsonReport, to_json(report).dump(2) + "\n"));
   return write_file(out / kHtmlReport, to_html(report));
 }
 
@@ -144,9 +142,7 @@ Expected<CalibrationResult> Calibration::write_site_and_reports(
   const std::map<std::string, std::string> scene =
       first.method == "gains-only" ? std::map<std::string, std::string>()
                                    : refined_scene(*first.calibration.room.scene);
-  if (auto written = write_site(site_, to_toml(file), options_.out, scene); !written) {
-    return tl::make_unexpected(std::move(written.error()));
-  }
+  RAYLOC_TRY(write_site(site_, to_toml(file), options_.out, scene));
   return write_reports(result.report).map([&] { return std::move(result); });
 }
 

@@ -43,22 +43,14 @@ Expected<void> Calibration::check_site() {
 
 Expected<void> Calibration::measure() {
   auto site = load_site(options_.site);
-  if (!site) {
-    return tl::make_unexpected(std::move(site.error()));
-  }
+  RAYLOC_TRY(site);
   site_ = *std::move(site);
-  if (auto checked = check_site(); !checked) {
-    return checked;
-  }
+  RAYLOC_TRY(check_site());
   const auto captures =
       resolve_captures(options_.captures, access_point_ids(site_), PerAccessPoint::kSeveral);
-  if (!captures) {
-    return tl::make_unexpected(captures.error());
-  }
+  RAYLOC_TRY(captures);
   auto room = load_room_model(site_);
-  if (!room) {
-    return tl::make_unexpected(std::move(room.error()));
-  }
+  RAYLOC_TRY(room);
   plan_ = *std::move(room);
   for (const std::string& warning : room_warnings(*plan_.scene, site_)) {
     observer_.warn(warning);
@@ -66,9 +58,7 @@ Expected<void> Calibration::measure() {
   note_scene(*plan_.scene, observer_);
   auto inputs = read_calibration_inputs(
       with_bounds(site_, plan_), *captures, options_.points, options_.time_offset);
-  if (!inputs) {
-    return tl::make_unexpected(std::move(inputs.error()));
-  }
+  RAYLOC_TRY(inputs);
   inputs_ = *std::move(inputs);
   for (const std::string& note : inputs_.notes) {
     observer_.note(note);
@@ -154,9 +144,7 @@ Expected<RoomCalibration> Calibration::jointly(const CalibrationObserver& observ
   StoredCheckpoint from;
   if (options_.resume) {
     auto loaded = load_checkpoint(checkpoint(), id_, start_, points_.size());
-    if (!loaded) {
-      return tl::make_unexpected(std::move(loaded.error()));
-    }
+    RAYLOC_TRY(loaded);
     from = *std::move(loaded);
     joint.resume = &from.reached;
   }
@@ -206,9 +194,7 @@ Expected<CalibrationMethodResult> Calibration::calibrate(const std::string& meth
   const auto begin = std::chrono::steady_clock::now();
   auto calibration = method == "paper" ? calibrate_by_paper(start_, points_, paper, observer)
                                        : jointly(observer, result.seconds);
-  if (!calibration) {
-    return tl::make_unexpected(std::move(calibration.error()));
-  }
+  RAYLOC_TRY(calibration);
   result.calibration = *std::move(calibration);
   count_yaw_from_survey(plan_, start_, result.calibration.parameters);
   if (method == "paper") {
@@ -225,9 +211,7 @@ Expected<void> Calibration::fit_errors(const CalibrationMethodResult& method) {
   const ArrayFit array = method.method == "joint" ? ArrayFit::kHeld : ArrayFit::kFitted;
   for (const AccessPointResult& gains : gains_) {
     auto result = fit_access_point(room, gains.index, points_, survey_error_, array);
-    if (!result) {
-      return tl::make_unexpected(std::move(result.error()));
-    }
+    RAYLOC_TRY(result);
     refuse_unreached(*result);
     results_.push_back(*std::move(result));
   }
@@ -267,9 +251,7 @@ Expected<void> Calibration::fit_certainty(const RoomModel& room) {
     trained->access_points[result.index].levels = result.levels;
   }
   auto fixes = fit_certainty_of(std::move(trained), spots(false), survey_error_);
-  if (!fixes) {
-    return tl::make_unexpected(std::move(fixes.error()));
-  }
+  RAYLOC_TRY(fixes);
   fixes_ = *std::move(fixes);
   return {};
 }
@@ -283,9 +265,7 @@ Expected<std::vector<CalibrationMethodResult>> Calibration::calibrate_all() {
   }
   for (const std::string& name : names) {
     auto result = calibrate(name);
-    if (!result) {
-      return tl::make_unexpected(std::move(result.error()));
-    }
+    RAYLOC_TRY(result);
     methods.push_back(*std::move(result));
     if (!go_on()) {
       break;
@@ -306,9 +286,7 @@ Expected<void> Calibration::fit_what_is_left(const std::vector<CalibrationMethod
     survey_error_ = methods.front().calibration.survey_sigma;
   }
   observer_.begin("fitting the errors of the model");
-  if (auto fitted = fit_errors(methods.front()); !fitted) {
-    return fitted;
-  }
+  RAYLOC_TRY(fit_errors(methods.front()));
   observer_.begin("locating the points held out");
   return fit_certainty(methods.front().calibration.room);
 }
@@ -326,9 +304,7 @@ void Calibration::judge(CalibrationReport& report) {
 
 Expected<CalibrationResult> Calibration::run() {
   observer_.begin("reading the recordings");
-  if (auto measured = measure(); !measured) {
-    return tl::make_unexpected(std::move(measured.error()));
-  }
+  RAYLOC_TRY(measure());
   const auto held = draw_holdout(inputs_.points.size(), options_.holdout, options_.seed);
   CombinedSurvey survey = combine_survey(plan_, held, options_.points, inputs_);
   points_ = std::move(survey.points);
@@ -339,34 +315,22 @@ Expected<CalibrationResult> Calibration::run() {
     observer_.warn(dead);
   }
   observer_.begin("comparing points and recordings");
-  if (auto checked = check_inputs(); !checked) {
-    return tl::make_unexpected(std::move(checked.error()));
-  }
+  RAYLOC_TRY(check_inputs());
   observer_.begin("fitting chain gains");
-  if (auto fitted = fit_gains(survey.first_refusal); !fitted) {
-    return tl::make_unexpected(std::move(fitted.error()));
-  }
+  RAYLOC_TRY(fit_gains(survey.first_refusal));
   if (options_.control.on_begin) {
     options_.control.on_begin();
   }
-  if (auto prepared = prepare_output(options_.out, may_replace()); !prepared) {
-    return tl::make_unexpected(std::move(prepared.error()));
-  }
+  RAYLOC_TRY(prepare_output(options_.out, may_replace()));
   if (!verdict_.is_success() && !options_.force) {
     CalibrationResult refused{
         CalibrationOutcome::kFails, report_of({gains_only()}), {}, false, std::nullopt};
-    if (auto written = write_refusal(refused.report); !written) {
-      return tl::make_unexpected(std::move(written.error()));
-    }
+    RAYLOC_TRY(write_refusal(refused.report));
     return refused;
   }
   const auto methods = calibrate_all();
-  if (!methods) {
-    return tl::make_unexpected(methods.error());
-  }
-  if (auto fitted = fit_what_is_left(*methods); !fitted) {
-    return tl::make_unexpected(std::move(fitted.error()));
-  }
+  RAYLOC_TRY(methods);
+  RAYLOC_TRY(fit_what_is_left(*methods));
   auto result = write_site_and_reports(*methods);
   if (result) {
     result->interruption = end(*methods);

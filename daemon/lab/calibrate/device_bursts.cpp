@@ -59,9 +59,7 @@ Expected<DeviceBursts> read_device_bursts(const Site& site,
         frames.push_back(std::move(frame));
       }
     };
-    if (auto read = for_each_frame(site, recording, keep, notes); !read) {
-      return tl::make_unexpected(std::move(read.error()));
-    }
+    RAYLOC_TRY(for_each_frame(site, recording, keep, notes));
   }
   result.bursts = bursts_of(std::move(frames));
   return result;
@@ -70,9 +68,7 @@ Expected<DeviceBursts> read_device_bursts(const Site& site,
 Expected<std::shared_ptr<const Localizer>> device_localizer(const Site& site, RoomModel room) {
   room.device = unlisted_device(site);
   auto localizer = Localizer::create(std::make_shared<const RoomModel>(std::move(room)), {});
-  if (!localizer) {
-    return tl::make_unexpected(std::move(localizer.error()));
-  }
+  RAYLOC_TRY(localizer);
   return std::make_shared<const Localizer>(*std::move(localizer));
 }
 

@@ -85,9 +85,7 @@ Expected<std::vector<HeldOutFixes>> fit_certainty_of(std::shared_ptr<const RoomM
   const double most = room->access_points.size() > 1 ? kMaxExponentOfSeveral : kExponents.front();
   const std::array usual_sigma{room->sigma_floor};
   const auto localizer = Localizer::create(std::move(room), {});
-  if (!localizer) {
-    return tl::make_unexpected(localizer.error());
-  }
+  RAYLOC_TRY(localizer);
   if (spots.size() < kMinFixes) {
     return std::vector<HeldOutFixes>{
         fixes_with(*localizer, spots, usual, usual_sigma, survey_sigma).outcome};

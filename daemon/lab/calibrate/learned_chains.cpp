@@ -56,16 +56,12 @@ Expected<std::vector<ChainState>> learn_chains(const Site& site,
                                                const std::vector<CaptureArgument>& captures,
                                                std::vector<std::string>& notes) {
   const auto received = read_device_bursts(site, captures, notes);
-  if (!received) {
-    return tl::make_unexpected(received.error());
-  }
+  RAYLOC_TRY(received);
   if (!received->is_any_device) {
     return std::vector<ChainState>();
   }
   const auto localizer = device_localizer(site, room);
-  if (!localizer) {
-    return tl::make_unexpected(localizer.error());
-  }
+  RAYLOC_TRY(localizer);
   std::vector<ChainState> states;
   std::size_t known = 0;
   do {

@@ -74,9 +74,7 @@ Expected<void> add_controls(const ComparisonRequest& request,
     return {};
   }
   auto site = load_site(request.site);
-  if (!site) {
-    return tl::make_unexpected(std::move(site.error()));
-  }
+  RAYLOC_TRY(site);
   comparison.site = *std::move(site);
   if (!comparison.site->has_bounds) {
     return make_error(ErrorKind::kConfiguration,
@@ -98,9 +96,7 @@ Expected<void> add_controls(const ComparisonRequest& request,
                                              request.is_person ? "" : request.target};
   auto errors =
       cli::fingerprint_errors(*comparison.site, fingerprints, comparison.recorded, observer);
-  if (!errors) {
-    return tl::make_unexpected(std::move(errors.error()));
-  }
+  RAYLOC_TRY(errors);
   comparison.controls.fingerprint = *std::move(errors);
   return {};
 }
@@ -109,17 +105,11 @@ Expected<void> add_controls(const ComparisonRequest& request,
 
 Expected<Comparison> compare_with_truth(const ComparisonRequest& request,
                                         const Observer& observer) {
-  if (auto checked = check(request); !checked) {
-    return tl::make_unexpected(std::move(checked.error()));
-  }
+  RAYLOC_TRY(check(request));
   auto truth = load_truth(request.truth);
-  if (!truth) {
-    return tl::make_unexpected(std::move(truth.error()));
-  }
+  RAYLOC_TRY(truth);
   const auto estimates = load_estimates(request.estimates);
-  if (!estimates) {
-    return tl::make_unexpected(estimates.error());
-  }
+  RAYLOC_TRY(estimates);
   Comparison comparison;
   comparison.recorded = *std::move(truth);
   comparison.truth = shifted(comparison.recorded, request.time_offset);
@@ -135,9 +125,7 @@ Expected<Comparison> compare_with_truth(const ComparisonRequest& request,
   for (std::size_t i = 0; i < comparison.truth.size(); ++i) {
     comparison.results.push_back(evaluate_point(comparison.truth[i], comparison.matches[i]));
   }
-  if (auto added = add_controls(request, observer, comparison); !added) {
-    return tl::make_unexpected(std::move(added.error()));
-  }
+  RAYLOC_TRY(add_controls(request, observer, comparison));
   return comparison;
 }
 

@@ -15,9 +15,7 @@ namespace {
 
 Expected<draw::Drawing> error_map(const Comparison& comparison) {
   const auto room = load_room_model(*comparison.site);
-  if (!room) {
-    return tl::make_unexpected(room.error());
-  }
+  RAYLOC_TRY(room);
   std::vector<draw::MapAntenna> antennas;
   for (const RoomAccessPoint& ap : room->access_points) {
     antennas.push_back({ap.id, ap.array.pose.position});
@@ -51,15 +49,11 @@ Expected<void> write_comparison_plots(const std::filesystem::path& directory,
       draw_reliability(stated_outcomes(comparison.truth, comparison.matches));
   if (comparison.site) {
     auto map = error_map(comparison);
-    if (!map) {
-      return tl::make_unexpected(std::move(map.error()));
-    }
+    RAYLOC_TRY(map);
     plots["map.svg"] = *std::move(map);
   }
   for (const auto& [name, drawing] : plots) {
-    if (auto written = write_file(directory / name, draw::to_svg(drawing)); !written) {
-      return written;
-    }
+    RAYLOC_TRY(write_file(directory / name, draw::to_svg(drawing)));
   }
   return {};
 }

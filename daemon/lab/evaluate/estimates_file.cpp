@@ -106,9 +106,7 @@ Expected<void> read_line(std::string_view line,
     return {};
   }
   auto read = from_message(envelope.location(), place(1));
-  if (!read) {
-    return tl::make_unexpected(read.error());
-  }
+  RAYLOC_TRY(read);
   out.push_back(std::move(*read));
   return {};
 }
@@ -124,9 +122,7 @@ Expected<Estimates> read_lines(std::string_view content, const std::string& name
     if (line.find_first_not_of(" \t\r") == std::string_view::npos) {
       continue;
     }
-    if (const auto read = read_line(line, name, number, estimates); !read) {
-      return tl::make_unexpected(read.error());
-    }
+    RAYLOC_TRY(read_line(line, name, number, estimates));
   }
   return estimates;
 }
@@ -149,9 +145,7 @@ Expected<Estimates> read_delimited(std::string_view content, const std::string& 
       return bad_input(place + ": not a Location in protobuf");
     }
     auto read = from_message(location, place);
-    if (!read) {
-      return tl::make_unexpected(read.error());
-    }
+    RAYLOC_TRY(read);
     estimates.push_back(std::move(*read));
   }
   return estimates;

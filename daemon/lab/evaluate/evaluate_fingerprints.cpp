@@ -73,9 +73,7 @@ Expected<std::vector<Frames>> read_windows(const Site& site,
         found.add(frame);
       }
     };
-    if (auto read = for_each_frame(site, recording, use, notes); !read) {
-      return tl::make_unexpected(std::move(read.error()));
-    }
+    RAYLOC_TRY(for_each_frame(site, recording, use, notes));
   }
   for (const std::string& note : notes) {
     observer.note(note);
@@ -122,17 +120,13 @@ Expected<FingerprintMap> learn(const Site& site,
                                std::vector<FingerprintMap::AccessPoint> access_points,
                                const Observer& observer) {
   const auto points = load_points_csv(request.points);
-  if (!points) {
-    return tl::make_unexpected(points.error());
-  }
+  RAYLOC_TRY(points);
   std::vector<Window> windows;
   for (const SurveyPoint& point : *points) {
     windows.push_back({point.t_start, point.t_end});
   }
   const auto frames = read_windows(site, request, survey, windows, observer);
-  if (!frames) {
-    return tl::make_unexpected(frames.error());
-  }
+  RAYLOC_TRY(frames);
   FingerprintMap map(site.carrier.grid, std::move(access_points));
   for (std::size_t i = 0; i < points->size(); ++i) {
     map.add((*points)[i].position, (*frames)[i]);
@@ -162,15 +156,11 @@ Expected<std::vector<double>> fingerprint_errors(const Site& site,
                       "the survey and of the target by the same one");
   }
   const auto map = learn(site, request, *survey, std::move(common), observer);
-  if (!map) {
-    return tl::make_unexpected(map.error());
-  }
+  RAYLOC_TRY(map);
   std::vector<Window> windows;
   std::transform(truth.begin(), truth.end(), std::back_inserter(windows), window_of);
   const auto frames = read_windows(site, request, *captures, windows, observer);
-  if (!frames) {
-    return tl::make_unexpected(frames.error());
-  }
+  RAYLOC_TRY(frames);
   std::vector<double> errors;
   for (std::size_t i = 0; i < truth.size(); ++i) {
     const auto answer = map->nearest((*frames)[i]);

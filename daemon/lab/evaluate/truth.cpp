@@ -40,9 +40,7 @@ const LocationEstimate* nearest(Iterator first, Iterator last, Timestamp time) {
 
 Expected<std::vector<TruthPoint>> load_truth(const std::filesystem::path& file) {
   const auto table = CsvTable::load(file);
-  if (!table) {
-    return tl::make_unexpected(table.error());
-  }
+  RAYLOC_TRY(table);
   auto truth = read_truth(*table);
   if (truth && truth->empty()) {
     return bad_input(file.string() + ": no points, only a header");
@@ -53,9 +51,7 @@ Expected<std::vector<TruthPoint>> load_truth(const std::filesystem::path& file) 
 Expected<std::vector<TruthPoint>> read_truth(const CsvTable& table) {
   const bool instant = has_instants(table);
   const auto points = instant ? read_instants(table) : read_points(table);
-  if (!points) {
-    return tl::make_unexpected(points.error());
-  }
+  RAYLOC_TRY(points);
   std::vector<TruthPoint> truth;
   for (const SurveyPoint& point : *points) {
     truth.push_back({point.t_start, point.t_end, instant, point.position});

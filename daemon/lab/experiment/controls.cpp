@@ -86,17 +86,13 @@ Expected<Locate> level(std::shared_ptr<const RoomModel> room,
     return refuse("no survey: survey_points is 0");
   }
   const auto learned = train_spotfi(survey_of(room, layout, constant_power, seed));
-  if (!learned) {
-    return tl::make_unexpected(learned.error());
-  }
+  RAYLOC_TRY(learned);
   auto training = std::make_shared<Training>(**learned);
   for (AccessPointTraining& ap : training->access_points) {
     ap.outliers = 1.0;
   }
   auto made = Spotfi::create(std::move(room), {}, std::move(training));
-  if (!made) {
-    return tl::make_unexpected(std::move(made.error()));
-  }
+  RAYLOC_TRY(made);
   const auto spotfi = std::make_shared<const Spotfi>(*std::move(made));
   return [spotfi](const StudySpot& spot, std::size_t repeat) {
     return spotfi->locate(spot.frames, repeat);

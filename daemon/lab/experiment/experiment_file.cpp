@@ -244,9 +244,7 @@ class ExperimentReader {
 Expected<Experiment> read_document(TomlDocument& document) {
   const TomlTable root = document.root();
   Experiment experiment = ExperimentReader(root).read();
-  if (auto finished = document.finish(); !finished) {
-    return tl::make_unexpected(std::move(finished.error()));
-  }
+  RAYLOC_TRY(document.finish());
   return experiment;
 }
 

@@ -244,9 +244,7 @@ Expected<void> write_experiment_report(const std::filesystem::path& directory,
         std::pair{"report.csv", experiment_csv(results)},
         std::pair{"errors.csv", experiment_errors_csv(results)},
         std::pair{"report.html", experiment_html(experiment, results)}}) {
-    if (auto written = write_file(directory / name, content); !written) {
-      return written;
-    }
+    RAYLOC_TRY(write_file(directory / name, content));
   }
   return {};
 }

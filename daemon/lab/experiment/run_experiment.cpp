@@ -149,9 +149,7 @@ class Worlds {
     std::string text = world_text(condition);
     if (layouts_.empty() || text != text_) {
       auto simulated = simulate_world(condition, seed);
-      if (!simulated) {
-        return tl::make_unexpected(std::move(simulated.error()));
-      }
+      RAYLOC_TRY(simulated);
       layouts_ = *std::move(simulated);
       text_ = std::move(text);
     }
@@ -183,9 +181,7 @@ Expected<std::vector<StudyResult>> run_experiment(const Experiment& experiment,
         continue;
       }
       const auto layouts = worlds.get(condition, experiment.seed);
-      if (!layouts) {
-        return tl::make_unexpected(layouts.error());
-      }
+      RAYLOC_TRY(layouts);
       result.conditions.push_back(run_condition(condition, **layouts, experiment.seed));
       summarise(result.conditions.back(), experiment.seed);
       if (store.save) {

@@ -48,9 +48,7 @@ Expected<PersonReference> refer(const RoomModel& room, const StudyLayout& layout
     return bad_input("no access point receives the fixed transmitter of the empty room");
   }
   auto reference = fit_empty_room(room, *layout.transmitter, empty);
-  if (!reference) {
-    return tl::make_unexpected(std::move(reference.error()));
-  }
+  RAYLOC_TRY(reference);
   reference->mac = kStudyTransmitter;
   return reference;
 }
@@ -138,14 +136,10 @@ Expected<PeopleMaker> prepare_people(const Condition& condition,
   maker.room = model_room(condition, layout);
   maker.options = options_of(condition, method, seed);
   auto training = learn(condition, method, maker.room, maker.options, layout);
-  if (!training) {
-    return tl::make_unexpected(std::move(training.error()));
-  }
+  RAYLOC_TRY(training);
   maker.training = *std::move(training);
   auto reference = refer(*maker.room, layout);
-  if (!reference) {
-    return tl::make_unexpected(std::move(reference.error()));
-  }
+  RAYLOC_TRY(reference);
   maker.reference = *std::move(reference);
   return maker;
 }
@@ -154,13 +148,9 @@ Expected<Locate> locate_people(const Condition& condition,
                                const StudyLayout& layout,
                                std::uint64_t seed) {
   const auto maker = prepare_people(condition, layout, seed);
-  if (!maker) {
-    return tl::make_unexpected(maker.error());
-  }
+  RAYLOC_TRY(maker);
   auto made = maker->make(std::nullopt);
-  if (!made) {
-    return tl::make_unexpected(std::move(made.error()));
-  }
+  RAYLOC_TRY(made);
   const std::shared_ptr<const PersonMethod> people = *std::move(made);
   return [people](const StudySpot& spot, std::size_t repeat) {
     return people->locate(spot.frames, repeat).front();
@@ -272,14 +262,10 @@ Expected<Locate> make_locate(const Condition& condition,
   }
   DeviceMethodInput input{model_room(condition, layout), options_of(condition, method, seed)};
   auto training = learn(condition, method, input.room, input.options, layout);
-  if (!training) {
-    return tl::make_unexpected(std::move(training.error()));
-  }
+  RAYLOC_TRY(training);
   input.training = *std::move(training);
   auto made = method.create_device(std::move(input));
-  if (!made) {
-    return tl::make_unexpected(std::move(made.error()));
-  }
+  RAYLOC_TRY(made);
   const std::shared_ptr<const DeviceMethod> devices = *std::move(made);
   return [devices](const StudySpot& spot, std::size_t repeat) {
     return devices->locate(spot.frames, repeat);
@@ -291,9 +277,7 @@ Expected<Follow> make_follow(const Condition& condition,
                              std::uint64_t seed) {
   if (is_control(condition)) {
     auto locate = make_locate(condition, layout, seed);
-    if (!locate) {
-      return tl::make_unexpected(std::move(locate.error()));
-    }
+    RAYLOC_TRY(locate);
     return [locate = *std::move(locate)](const StudyWalk& walk) {
       return held(follow_by_bursts(locate, walk));
     };
@@ -302,9 +286,7 @@ Expected<Follow> make_follow(const Condition& condition,
     return no_frames();
   }
   auto prepared = prepare_people(condition, layout, seed);
-  if (!prepared) {
-    return tl::make_unexpected(std::move(prepared.error()));
-  }
+  RAYLOC_TRY(prepared);
   const auto maker = std::make_shared<const PeopleMaker>(*std::move(prepared));
   // Created once, or once per walk if the method takes its start.
   auto made = std::make_shared<std::unique_ptr<PersonMethod>>();
@@ -314,9 +296,7 @@ Expected<Follow> make_follow(const Condition& condition,
     if (*made == nullptr || begins_at_start) {
       auto method =
           maker->make(begins_at_start ? std::optional(walk.truth.front().position) : std::nullopt);
-      if (!method) {
-        return tl::make_unexpected(std::move(method.error()));
-      }
+      RAYLOC_TRY(method);
       *made = *std::move(method);
     }
     std::vector<PublishedEstimate> estimates = follow_by_method(**made, row, walk);

@@ -82,9 +82,7 @@ Expected<Scene> make_scene(const RoomPlan& plan) {
   input.carrier_hz = plan.carrier.grid.centre_hz;
   for (const StatedMaterial& material : stated.materials) {
     auto evaluated = evaluate(material, input.carrier_hz);
-    if (!evaluated) {
-      return tl::make_unexpected(std::move(evaluated.error()));
-    }
+    RAYLOC_TRY(evaluated);
     input.materials.push_back(*std::move(evaluated));
   }
   for (const StatedObject& object : stated.objects) {

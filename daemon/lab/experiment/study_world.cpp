@@ -85,9 +85,7 @@ Expected<void> receive(const Transmissions& sent, CaptureOptions options, StudyL
                             const SimulatedSpot& spot,
                             std::vector<CsiFrame>& frames) -> Expected<void> {
       auto received = simulator.capture(spot);
-      if (!received) {
-        return tl::make_unexpected(std::move(received.error()));
-      }
+      RAYLOC_TRY(received);
       append(decoded_frames(*received, truth.access_points[ap], static_cast<int>(ap)), frames);
       return {};
     };
@@ -101,27 +99,19 @@ Expected<void> receive(const Transmissions& sent, CaptureOptions options, StudyL
       CaptureOptions alone = options;
       alone.person.reset();
       CaptureSimulator empty(sent.rooms, ap, alone);  // the same radio: it has the same seed
-      if (auto received = listen(empty, sent.empty, layout.empty); !received) {
-        return received;
-      }
+      RAYLOC_TRY(listen(empty, sent.empty, layout.empty));
     }
     for (std::size_t i = 0; i < sent.spots.size(); ++i) {
-      if (auto received = listen(simulator, sent.spots[i], layout.spots[i].frames); !received) {
-        return received;
-      }
+      RAYLOC_TRY(listen(simulator, sent.spots[i], layout.spots[i].frames));
     }
     for (std::size_t i = 0; i < sent.walks.size(); ++i) {
       for (const SimulatedSpot& frame : sent.walks[i]) {
-        if (auto received = listen(simulator, frame, layout.walks[i].frames); !received) {
-          return received;
-        }
+        RAYLOC_TRY(listen(simulator, frame, layout.walks[i].frames));
       }
     }
     // Drawn last: without a survey all other draws are unchanged.
     for (std::size_t i = 0; i < sent.survey.size(); ++i) {
-      if (auto received = listen(simulator, sent.survey[i], layout.survey[i].frames); !received) {
-        return received;
-      }
+      RAYLOC_TRY(listen(simulator, sent.survey[i], layout.survey[i].frames));
     }
   }
   sort_by_time(layout.empty);
@@ -159,9 +149,7 @@ Expected<LivedInRoom> make_truth(const RoomPlan& plan,
                                  const Condition& condition,
                                  std::uint64_t seed) {
   const auto day = day_of(condition);
-  if (!day) {
-    return tl::make_unexpected(day.error());
-  }
+  RAYLOC_TRY(day);
   const auto room = make_room(plan, condition);
   return room ? live_in(*room, *day, seed) : tl::make_unexpected(room.error());
 }
@@ -172,14 +160,10 @@ Expected<void> make_rooms(const RoomPlan& plan,
                           std::uint64_t seed,
                           Transmissions& sent) {
   const auto plans = on_channels(plan, condition);
-  if (!plans) {
-    return tl::make_unexpected(plans.error());
-  }
+  RAYLOC_TRY(plans);
   for (const RoomPlan& on_channel : *plans) {
     auto truth = make_truth(on_channel, condition, seed);
-    if (!truth) {
-      return tl::make_unexpected(std::move(truth.error()));
-    }
+    RAYLOC_TRY(truth);
     sent.truth = *std::move(truth);
     sent.rooms.push_back(sent.truth.room);
   }
@@ -193,9 +177,7 @@ Expected<void> add_spots(const StudyPlaces& places,
                          std::size_t& after,
                          Transmissions& sent) {
   const auto spots = draw_spots(places, seed, layout);
-  if (!spots) {
-    return tl::make_unexpected(spots.error());
-  }
+  RAYLOC_TRY(spots);
   const auto frames = static_cast<std::size_t>(places.condition.frames);
   for (const Vec3d& at : *spots) {
     sent.spots.push_back(transmissions(at, after++, frames, sent.rooms.size(), traffic));
@@ -211,9 +193,7 @@ Expected<void> add_walks(const StudyPlaces& places,
                          std::size_t& after,
                          Transmissions& sent) {
   const auto walks = draw_walks(places, seed, layout);
-  if (!walks) {
-    return tl::make_unexpected(walks.error());
-  }
+  RAYLOC_TRY(walks);
   const Duration interval(std::llround(1e9 / places.condition.rate_hz));
   for (const std::vector<Vec3d>& walk : *walks) {
     std::vector<SimulatedSpot>& frames = sent.walks.emplace_back();
@@ -293,13 +273,9 @@ Expected<StudyLayout> simulate_layout(const RoomPlan& original,
                                       std::uint64_t seed,
                                       std::size_t number) {
   const auto impairments = impairments_of(condition);
-  if (!impairments) {
-    return tl::make_unexpected(impairments.error());
-  }
+  RAYLOC_TRY(impairments);
   const auto plan = furnish(original, condition, seed, number);
-  if (!plan) {
-    return tl::make_unexpected(plan.error());
-  }
+  RAYLOC_TRY(plan);
   auto model = make_room(*plan, condition);
   const std::uint64_t radios = random_stream(seed, "radios", number)();
   Transmissions sent;
@@ -313,16 +289,12 @@ Expected<StudyLayout> simulate_layout(const RoomPlan& original,
   place.moved = sent.truth.moved.empty() ? nullptr : &objects;
   if (condition.kind == "person") {
     const auto at = draw_transmitter(place, seed, number);
-    if (!at) {
-      return tl::make_unexpected(at.error());
-    }
+    RAYLOC_TRY(at);
     place.transmitter = *at;
     const DeviceModel& device = layout.model.device;
     layout.transmitter = Transmitter{{*at, {}, device.pattern, device.polarization}};
   }
-  if (auto drawn = draw_transmissions(place, seed, number, sent); !drawn) {
-    return tl::make_unexpected(std::move(drawn.error()));
-  }
+  RAYLOC_TRY(draw_transmissions(place, seed, number, sent));
   for (const SimulatedSpot& spot : sent.spots) {
     layout.spots.push_back({spot.position, {}});
   }
@@ -335,9 +307,7 @@ Expected<StudyLayout> simulate_layout(const RoomPlan& original,
   CaptureOptions options = capture_options(condition, *plan, layout);
   options.impairments = *impairments;
   options.seed = radios;
-  if (auto received = receive(sent, options, layout); !received) {
-    return tl::make_unexpected(std::move(received.error()));
-  }
+  RAYLOC_TRY(receive(sent, options, layout));
   return layout;
 }
 
@@ -345,9 +315,7 @@ Expected<StudyLayout> simulate_layout(const RoomPlan& original,
 
 Expected<std::vector<StudyLayout>> simulate_world(const Condition& condition, std::uint64_t seed) {
   const auto plan = load_room_plan(condition.room);
-  if (!plan) {
-    return tl::make_unexpected(plan.error());
-  }
+  RAYLOC_TRY(plan);
   if (!plan->rooms.empty()) {
     return make_error(ErrorKind::kConfiguration,
                       condition.room.string() +
@@ -361,9 +329,7 @@ Expected<std::vector<StudyLayout>> simulate_world(const Condition& condition, st
   std::vector<StudyLayout> layouts;
   for (std::size_t i = 0; i < static_cast<std::size_t>(condition.layouts); ++i) {
     auto layout = simulate_layout(*plan, condition, seed, i);
-    if (!layout) {
-      return tl::make_unexpected(std::move(layout.error()));
-    }
+    RAYLOC_TRY(layout);
     layouts.push_back(*std::move(layout));
   }
   return layouts;

@@ -92,9 +92,7 @@ Expected<RoomModel> planned_room(const Site& site, const PlannedRoomOptions& pla
   if (!room) {
     return room;
   }
-  if (auto kept = keep_only(plan.access_points, *room); !kept) {
-    return tl::make_unexpected(std::move(kept.error()));
-  }
+  RAYLOC_TRY(keep_only(plan.access_points, *room));
   const bool other_tones =
       plan.bandwidth_mhz != 0 && plan.bandwidth_mhz != site.carrier.bandwidth_mhz;
   if (other_tones) {
@@ -115,9 +113,7 @@ Expected<RoomModel> planned_room(const Site& site, const PlannedRoomOptions& pla
     ap.levels.clear();
   }
   if (plan.spacing) {
-    if (auto spaced = set_spacing(*plan.spacing, *room); !spaced) {
-      return tl::make_unexpected(std::move(spaced.error()));
-    }
+    RAYLOC_TRY(set_spacing(*plan.spacing, *room));
   }
   return room;
 }

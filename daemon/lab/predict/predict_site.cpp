@@ -30,13 +30,9 @@ Expected<void> check_prediction(const SitePredictionOptions& options) {
 Expected<SitePrediction> predict_site(const Site& site,
                                       const SitePredictionOptions& options,
                                       const Observer& observer) {
-  if (auto checked = check_prediction(options); !checked) {
-    return tl::make_unexpected(std::move(checked.error()));
-  }
+  RAYLOC_TRY(check_prediction(options));
   auto room = planned_room(site, options.plan);
-  if (!room) {
-    return tl::make_unexpected(std::move(room.error()));
-  }
+  RAYLOC_TRY(room);
   SitePrediction predicted;
   predicted.room = std::make_shared<const RoomModel>(*std::move(room));
   predicted.options = options.prediction;
@@ -55,9 +51,7 @@ Expected<SitePrediction> predict_site(const Site& site,
   }
   auto prediction = predict(
       predicted.room, predicted.places, reported_to(observer, "predicting", predicted.options));
-  if (!prediction) {
-    return tl::make_unexpected(std::move(prediction.error()));
-  }
+  RAYLOC_TRY(prediction);
   predicted.prediction = *std::move(prediction);
   return predicted;
 }

@@ -61,9 +61,7 @@ Expected<std::vector<CsiFrame>> received_at(const SimulatedSpot& spot,
   std::vector<CsiFrame> frames;
   for (Listener& listener : listeners) {
     auto capture = listener.simulator.capture(spot);
-    if (!capture) {
-      return tl::make_unexpected(std::move(capture.error()));
-    }
+    RAYLOC_TRY(capture);
     for (const SimulatedDatagram& datagram : capture->datagrams) {
       listener.receiver.push({datagram.time, {}, datagram.payload}, frames);
     }
@@ -142,9 +140,7 @@ Expected<Prediction> predict(const std::shared_ptr<const RoomModel>& room,
   LocalizerOptions localizer_options;
   localizer_options.path_grids = options.path_grids;
   const auto localizer = Localizer::create(room, localizer_options);
-  if (!localizer) {
-    return tl::make_unexpected(localizer.error());
-  }
+  RAYLOC_TRY(localizer);
   std::vector<Listener> listeners;
   for (std::size_t i = 0; i < room->access_points.size(); ++i) {
     listeners.push_back(listener_of(*room, i, options));
@@ -157,9 +153,7 @@ Expected<Prediction> predict(const std::shared_ptr<const RoomModel>& room,
     PredictedPlace place{position, {}, {}};
     for (std::size_t draw = 0; draw < options.draws; ++draw) {
       const auto frames = received_at(spot_of(position, number++, options.frames), listeners);
-      if (!frames) {
-        return tl::make_unexpected(frames.error());
-      }
+      RAYLOC_TRY(frames);
       add_draw(frames->empty() ? LocationEstimate() : localizer->locate(*frames), place);
     }
     prediction.places.push_back(std::move(place));

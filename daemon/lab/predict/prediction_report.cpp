@@ -75,9 +75,7 @@ Expected<void> write_npz(const Prediction& prediction, const std::string& path) 
   const std::size_t places = prediction.places.size();
   const std::size_t draws = places == 0 ? 0 : error.size() / places;
   auto file = NpzFile::create(path);
-  if (!file) {
-    return tl::make_unexpected(std::move(file.error()));
-  }
+  RAYLOC_TRY(file);
   file->add("position", position, {places, 3});
   file->add("error", error, {places, draws});
   file->add("estimate", estimate, {places, draws, 3});

@@ -150,9 +150,7 @@ Expected<std::vector<Proposal>> proposals(const RoomModel& room,
     };
     auto prediction =
         predict(std::make_shared<const RoomModel>(std::move(change.room)), places, each);
-    if (!prediction) {
-      return tl::make_unexpected(std::move(prediction.error()));
-    }
+    RAYLOC_TRY(prediction);
     found.push_back({std::move(change.what), *std::move(prediction)});
   }
   std::stable_sort(found.begin(), found.end(), [](const Proposal& a, const Proposal& b) {

@@ -170,9 +170,7 @@ Expected<void> write_npz(const RadioMaps& maps, const std::string& path) {
     names.push_back(maps.arrays[i].name);
   }
   auto file = NpzFile::create(path);
-  if (!file) {
-    return tl::make_unexpected(std::move(file.error()));
-  }
+  RAYLOC_TRY(file);
   const std::vector<std::size_t> of_each{maps.maps.size(), grid.count_y, grid.count_x};
   file->add("x", x, {x.size()});
   file->add("y", y, {y.size()});
@@ -195,12 +193,8 @@ Expected<void> write_radio_maps(const RadioMaps& maps,
     for (const char* ending : {".png", ".svg"}) {
       const std::string file = folder / (std::string(name) + ending);
       const auto bytes = draw::picture_bytes(drawing, file);
-      if (!bytes) {
-        return tl::make_unexpected(bytes.error());
-      }
-      if (auto written = write_file(file, *bytes); !written) {
-        return written;
-      }
+      RAYLOC_TRY(bytes);
+      RAYLOC_TRY(write_file(file, *bytes));
     }
   }
   return write_npz(maps, folder / "radio-map.npz");

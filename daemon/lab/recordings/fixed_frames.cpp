@@ -17,9 +17,7 @@ Expected<std::map<MacAddress, std::vector<CsiFrame>>> read_fixed_frames(
         found[frame.transmitter].push_back(std::move(frame));
       }
     };
-    if (auto read = for_each_frame(site, recording, keep, notes); !read) {
-      return tl::make_unexpected(std::move(read.error()));
-    }
+    RAYLOC_TRY(for_each_frame(site, recording, keep, notes));
   }
   return found;
 }

@@ -97,9 +97,7 @@ Expected<void> write_npz(const FrameArrays& arrays,
                          const std::vector<std::string>& access_points,
                          const std::string& path) {
   auto file = NpzFile::create(path);
-  if (!file) {
-    return tl::make_unexpected(std::move(file.error()));
-  }
+  RAYLOC_TRY(file);
   const auto shape = arrays.shape();
   const auto bytes = [](const auto& values) { return std::as_bytes(std::span(values)); };
   file->add("csi", arrays.csi, shape);

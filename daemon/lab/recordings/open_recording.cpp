@@ -15,9 +15,7 @@ Expected<std::unique_ptr<DatagramSource>> open_recording(const RecordingArgument
   std::vector<std::string> files;
   for (const std::string& text : texts) {
     const auto where = parse_transport(transport_schemes(), text, "pcap");
-    if (!where) {
-      return tl::make_unexpected(where.error());
-    }
+    RAYLOC_TRY(where);
     if (where->scheme->live) {
       return make_error(
           ErrorKind::kUsage,

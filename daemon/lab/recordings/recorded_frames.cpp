@@ -63,22 +63,16 @@ Expected<void> for_each_frame(const Site& site,
                               const std::function<void(CsiFrame&&)>& take,
                               std::vector<std::string>& notes) {
   const auto index = find_access_point(site, recording.access_point);
-  if (!index) {
-    return tl::make_unexpected(index.error());
-  }
+  RAYLOC_TRY(index);
   auto source = RecordedSource::open(recording.files, as_stamped_options());
-  if (!source) {
-    return tl::make_unexpected(std::move(source.error()));
-  }
+  RAYLOC_TRY(source);
   CsiReceiver receiver(receiver_options(site, *index));
   StampTally stamps;
   DatagramBatch batch;
   std::vector<CsiFrame> frames;
   while (!batch.ended) {
     frames.clear();
-    if (auto read = (*source)->read(batch, std::chrono::seconds(1)); !read) {
-      return tl::make_unexpected(std::move(read.error()));
-    }
+    RAYLOC_TRY((*source)->read(batch, std::chrono::seconds(1)));
     stamps.add(batch.datagrams);
     for (const Datagram& datagram : batch.datagrams) {
       receiver.push(datagram, frames);

@@ -20,9 +20,7 @@ Expected<void> read_unsited_frames(
     FrameSummary& summary,
     std::vector<std::string>& notes) {
   auto source = RecordedSource::open(recording.files, as_stamped_options());
-  if (!source) {
-    return tl::make_unexpected(source.error());
-  }
+  RAYLOC_TRY(source);
   CsiReceiver receiver(options);
   DatagramBatch batch;
   std::vector<CsiFrame> frames;
@@ -38,9 +36,7 @@ Expected<void> read_unsited_frames(
     if (!result || batch.ended) {
       receiver.flush(frames);
     }
-    if (Expected<void> taken = take(frames); !taken) {
-      return taken;
-    }
+    RAYLOC_TRY(take(frames));
     frames.clear();
   }
   summary.add((*source)->counters(), receiver.counters());

@@ -47,9 +47,7 @@ Expected<void> ReferenceLearner::add_reference(const MacAddress& mac,
                                                const Transmitter& surveyed,
                                                const std::vector<EmptyRoom>& received) {
   auto reference = fit_empty_room(people_room_, surveyed, received);
-  if (!reference) {
-    return tl::make_unexpected(std::move(reference.error()));
-  }
+  RAYLOC_TRY(reference);
   reference->mac = mac;
   reference->person = stated_person(inputs_.site);
   reference->area = stated_area(inputs_.site);
@@ -60,13 +58,9 @@ Expected<void> ReferenceLearner::add_reference(const MacAddress& mac,
 Expected<void> ReferenceLearner::learn_empty_room() {
   for (const auto& [mac, frames] : inputs_.empty) {
     const auto received = receive_empty_room(inputs_.room, frames, inputs_.occupied, log_);
-    if (!received) {
-      return tl::make_unexpected(received.error());
-    }
+    RAYLOC_TRY(received);
     const Transmitter surveyed = surveyed_place(*find_transmitter(inputs_.site, mac));
-    if (auto added = add_reference(mac, surveyed, *received); !added) {
-      return added;
-    }
+    RAYLOC_TRY(add_reference(mac, surveyed, *received));
   }
   return {};
 }
@@ -82,9 +76,7 @@ Expected<void> ReferenceLearner::learn_two_days() {
       continue;
     }
     auto today = receive_empty_room(inputs_.room, frames, inputs_.occupied, log_);
-    if (!today) {
-      return tl::make_unexpected(std::move(today.error()));
-    }
+    RAYLOC_TRY(today);
     auto people = receive_empty_room(inputs_.room, before->second, false, log_);
     if (!people) {
       return bad_input("--people-empty: " + people.error().message);
@@ -95,9 +87,7 @@ Expected<void> ReferenceLearner::learn_two_days() {
                     *std::move(today)});
   }
   auto days = separate_days(inputs_.room, both);
-  if (!days) {
-    return tl::make_unexpected(std::move(days.error()));
-  }
+  RAYLOC_TRY(days);
   learned_.room = std::move(days->today);
   people_room_ = std::move(days->people);
   learned_.changes = std::move(days->changes);
@@ -107,9 +97,7 @@ Expected<void> ReferenceLearner::learn_two_days() {
       log_.refused.push_back({to_string(macs[i]), "no access point received it on both days"});
       continue;
     }
-    if (auto added = add_reference(macs[i], received.surveyed, received.people); !added) {
-      return added;
-    }
+    RAYLOC_TRY(add_reference(macs[i], received.surveyed, received.people));
     received_.push_back(std::move(received));
   }
   return {};
@@ -128,9 +116,7 @@ Expected<void> ReferenceLearner::fit_spots(const std::vector<CsiFrame>& frames,
     return bad_input(inputs_.points_file + ": " + fit.error().message);
   }
   const auto certainty = fit_person_certainty(people_room_, *fit, measured.spots, measured.frames);
-  if (!certainty) {
-    return tl::make_unexpected(certainty.error());
-  }
+  RAYLOC_TRY(certainty);
   reference = std::move(fit->reference);
   reference.person.likelihood_exponent = certainty->likelihood_exponent;
   reference.person.second_person = certainty->second_person;
@@ -150,9 +136,7 @@ Expected<void> ReferenceLearner::learn_person() {
       log_.refused.push_back({to_string(reference.mac), "not in the recordings of people"});
       continue;
     }
-    if (auto fitted = fit_spots(frames->second, reference); !fitted) {
-      return fitted;
-    }
+    RAYLOC_TRY(fit_spots(frames->second, reference));
   }
   return {};
 }
@@ -181,9 +165,7 @@ Expected<LearnedReference> ReferenceLearner::run() {
   if (done && !inputs_.people.empty()) {
     done = learn_person();
   }
-  if (!done) {
-    return tl::make_unexpected(std::move(done.error()));
-  }
+  RAYLOC_TRY(done);
   finish();
   return std::move(learned_);
 }

@@ -18,13 +18,9 @@ Expected<FixedFrames> read_captures(const Site& site,
                                     std::vector<std::string>& notes) {
   const auto captures =
       cli::resolve_captures(arguments, access_point_ids(site), cli::PerAccessPoint::kSeveral);
-  if (!captures) {
-    return tl::make_unexpected(captures.error());
-  }
+  RAYLOC_TRY(captures);
   auto frames = cli::read_fixed_frames(site, *captures, notes);
-  if (!frames) {
-    return tl::make_unexpected(std::move(frames.error()));
-  }
+  RAYLOC_TRY(frames);
   for (const cli::RecordingArgument& recording : cli::recordings_of(*captures)) {
     const int index = *find_access_point(site, recording.access_point);
     const bool received = std::any_of(frames->begin(), frames->end(), [&](const auto& entry) {
@@ -78,14 +74,10 @@ Expected<Site> load_site_of(const ReferenceOptions& options) {
 
 Expected<void> read_people(const ReferenceOptions& options, ReferenceInputs& inputs) {
   auto people = read_captures(inputs.site, options.people, inputs.notes);
-  if (!people) {
-    return tl::make_unexpected(std::move(people.error()));
-  }
+  RAYLOC_TRY(people);
   inputs.people = *std::move(people);
   auto points = load_points_csv(options.points, options.time_offset);
-  if (!points) {
-    return tl::make_unexpected(std::move(points.error()));
-  }
+  RAYLOC_TRY(points);
   inputs.points = *std::move(points);
   inputs.points_file = options.points;
   return {};
@@ -93,16 +85,12 @@ Expected<void> read_people(const ReferenceOptions& options, ReferenceInputs& inp
 
 Expected<void> read_recordings(const ReferenceOptions& options, ReferenceInputs& inputs) {
   auto empty = read_captures(inputs.site, options.captures, inputs.notes);
-  if (!empty) {
-    return tl::make_unexpected(std::move(empty.error()));
-  }
+  RAYLOC_TRY(empty);
   inputs.empty = *std::move(empty);
   inputs.occupied = options.occupied;
   if (!options.people_empty.empty()) {
     auto people_empty = read_captures(inputs.site, options.people_empty, inputs.notes);
-    if (!people_empty) {
-      return tl::make_unexpected(std::move(people_empty.error()));
-    }
+    RAYLOC_TRY(people_empty);
     inputs.people_empty = *std::move(people_empty);
   }
   return options.people.empty() ? Expected<void>() : read_people(options, inputs);
@@ -112,26 +100,18 @@ Expected<void> read_recordings(const ReferenceOptions& options, ReferenceInputs&
 
 Expected<ReferenceInputs> read_reference_inputs(const ReferenceOptions& options,
                                                 const Observer& observer) {
-  if (auto valid = check_options(options); !valid) {
-    return tl::make_unexpected(std::move(valid.error()));
-  }
+  RAYLOC_TRY(check_options(options));
   auto site = load_site_of(options);
-  if (!site) {
-    return tl::make_unexpected(std::move(site.error()));
-  }
+  RAYLOC_TRY(site);
   ReferenceInputs inputs;
   inputs.site = *std::move(site);
   auto room = load_room_model(inputs.site);
-  if (!room) {
-    return tl::make_unexpected(std::move(room.error()));
-  }
+  RAYLOC_TRY(room);
   inputs.room = *std::move(room);
   for (const SceneNote& note : inputs.room.scene->notes()) {
     observer.note(to_line(note));
   }
-  if (auto read = read_recordings(options, inputs); !read) {
-    return tl::make_unexpected(std::move(read.error()));
-  }
+  RAYLOC_TRY(read_recordings(options, inputs));
   return inputs;
 }
 

@@ -19,9 +19,7 @@ Expected<std::string> calibration_text(const Site& site, const LearnedReference&
     return read_file(*site.calibration_file);
   }
   auto calibration = load_calibration_file(*site.calibration_file);
-  if (!calibration) {
-    return tl::make_unexpected(std::move(calibration.error()));
-  }
+  RAYLOC_TRY(calibration);
   for (const DayChange& change : learned.changes) {
     const RoomAccessPoint& ap = learned.room.access_points[change.access_point];
     for (CalibratedAccessPoint& stated : calibration->access_points) {
@@ -41,9 +39,7 @@ Expected<std::string> calibration_text(const Site& site, const LearnedReference&
 Expected<void> copy_reports(const Site& site, const fs::path& out) {
   for (const char* name : {"report.json", "report.html"}) {
     if (const auto report = read_file(site.calibration_file->parent_path() / name)) {
-      if (auto written = write_file(out / name, *report); !written) {
-        return written;
-      }
+      RAYLOC_TRY(write_file(out / name, *report));
     }
   }
   return {};
@@ -55,23 +51,15 @@ Expected<void> write_reference_site(const Site& site,
                                     const LearnedReference& learned,
                                     const fs::path& out,
                                     bool force) {
-  if (auto prepared = prepare_output(out, force); !prepared) {
-    return prepared;
-  }
+  RAYLOC_TRY(prepare_output(out, force));
   const auto calibration = calibration_text(site, learned);
-  if (!calibration) {
-    return tl::make_unexpected(calibration.error());
-  }
+  RAYLOC_TRY(calibration);
   const fs::path file = out / "reference.toml";
   const std::string text = reference_toml(learned.references, learned.room, learned.spots);
-  if (auto written = write_file(file, text); !written) {
-    return written;
-  }
+  RAYLOC_TRY(write_file(file, text));
   Site copy = site;
   copy.reference_file = file;
-  if (auto written = write_site(copy, *calibration, out); !written) {
-    return written;
-  }
+  RAYLOC_TRY(write_site(copy, *calibration, out));
   return copy_reports(site, out);
 }
 

@@ -48,18 +48,12 @@ Expected<PreparedReplay> prepare_replay(const Site& site,
                                         const WarmReplay& warm,
                                         const Observer& observer) {
   auto start = warm_start_of(warm);
-  if (!start) {
-    return tl::make_unexpected(std::move(start.error()));
-  }
+  RAYLOC_TRY(start);
   auto inputs =
       open_replay_inputs(recordings, site, *options.estimators.method, start->listen_from);
-  if (!inputs) {
-    return tl::make_unexpected(std::move(inputs.error()));
-  }
+  RAYLOC_TRY(inputs);
   auto estimators = make_replay_estimators(options.estimators, site, start->carried, observer);
-  if (!estimators) {
-    return tl::make_unexpected(std::move(estimators.error()));
-  }
+  RAYLOC_TRY(estimators);
   return PreparedReplay{
       site, options, *std::move(start), *std::move(inputs), *std::move(estimators)};
 }
@@ -98,9 +92,7 @@ Expected<void> replay_streams(const Site& site,
                               LocationSink& sink,
                               const Observer& observer) {
   auto estimators = make_replay_estimators(options.estimators, site, streams.carried, observer);
-  if (!estimators) {
-    return tl::make_unexpected(estimators.error());
-  }
+  RAYLOC_TRY(estimators);
   std::vector<SourceInput> inputs(streams.sources.size());
   for (std::size_t i = 0; i < inputs.size(); ++i) {
     inputs[i].access_point = site.access_points[i].id;

@@ -12,9 +12,7 @@ Expected<std::shared_ptr<TargetNames>> target_names(const ReplayEstimatorOptions
   TargetNames::Options names;
   if (!options.target_key.empty()) {
     Expected<std::string> key = TargetNames::read_key(options.target_key);
-    if (!key) {
-      return tl::make_unexpected(key.error());
-    }
+    RAYLOC_TRY(key);
     names.hashed = true;
     names.key = *std::move(key);
     names.period = options.target_period;
@@ -28,9 +26,7 @@ Expected<std::unique_ptr<DeviceEstimator>> make_device_estimator(
     const std::shared_ptr<const Carried>& carried) {
   DeviceEstimator::Options estimation;
   auto names = target_names(options);
-  if (!names) {
-    return tl::make_unexpected(names.error());
-  }
+  RAYLOC_TRY(names);
   estimation.names = *std::move(names);
   estimation.method = options.method;
   estimation.settings = options.settings;
@@ -71,15 +67,11 @@ Expected<ReplayEstimators> make_replay_estimators(const ReplayEstimatorOptions& 
                                                   const std::shared_ptr<const Carried>& carried,
                                                   const Observer& observer) {
   const Method& method = *options.method;
-  if (auto checked = check_replay_kind(method, options.kind); !checked) {
-    return tl::make_unexpected(std::move(checked.error()));
-  }
+  RAYLOC_TRY(check_replay_kind(method, options.kind));
   ReplayEstimators estimators;
   if (options.kind != ReplayKind::kPerson && method.create_device != nullptr) {
     auto devices = make_device_estimator(options, site, carried);
-    if (!devices) {
-      return tl::make_unexpected(devices.error());
-    }
+    RAYLOC_TRY(devices);
     estimators.devices = *std::move(devices);
     estimators.all.add(*estimators.devices);
   }
@@ -88,9 +80,7 @@ Expected<ReplayEstimators> make_replay_estimators(const ReplayEstimatorOptions& 
       (options.kind == ReplayKind::kAll && method.create_person != nullptr &&
        site.reference_file)) {
     auto people = make_person_estimator(options, site, carried);
-    if (!people) {
-      return tl::make_unexpected(people.error());
-    }
+    RAYLOC_TRY(people);
     estimators.people = *std::move(people);
     estimators.all.add(*estimators.people);
   }

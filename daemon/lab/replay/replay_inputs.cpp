@@ -16,9 +16,7 @@ Expected<ReplayInputs> open_replay_inputs(const ReplayRecordings& recordings,
                                           Timestamp listen_from) {
   const auto captures = cli::resolve_captures(
       recordings.captures, access_point_ids(site), cli::PerAccessPoint::kSeveral);
-  if (!captures) {
-    return tl::make_unexpected(captures.error());
-  }
+  RAYLOC_TRY(captures);
   PcapFileOptions file_options;
   file_options.max_gap = recordings.max_gap;
   const auto pace =
@@ -26,9 +24,7 @@ Expected<ReplayInputs> open_replay_inputs(const ReplayRecordings& recordings,
   ReplayInputs all;
   for (const cli::RecordingArgument& recording : cli::recordings_of(*captures)) {
     auto source = RecordedSource::open(recording.files, file_options);
-    if (!source) {
-      return tl::make_unexpected(source.error());
-    }
+    RAYLOC_TRY(source);
     const int index = *find_access_point(site, recording.access_point);
     SourceInput input;
     input.access_point = recording.access_point;

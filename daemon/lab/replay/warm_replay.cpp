@@ -55,15 +55,11 @@ Expected<std::vector<Carried>> read_records(const std::string& file) {
 
 Expected<WarmStart> warm_start_of(const WarmReplay& replay) {
   const auto from = parse_from(replay.from);
-  if (!from) {
-    return tl::make_unexpected(from.error());
-  }
+  RAYLOC_TRY(from);
   std::vector<Carried> records;
   if (!replay.carried.empty()) {
     auto read = read_records(replay.carried);
-    if (!read) {
-      return tl::make_unexpected(std::move(read.error()));
-    }
+    RAYLOC_TRY(read);
     records = *std::move(read);
   }
   auto start = warm_start(records, *from, replay.warm_up);

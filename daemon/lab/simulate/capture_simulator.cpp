@@ -170,9 +170,7 @@ Expected<std::vector<std::complex<double>>> CaptureSimulator::channel_at(OnChann
   };
   for (std::size_t antenna = 0; antenna < on.past_person.size(); ++antenna) {
     const auto added = on.past_person[antenna].trace({spot.position.x, spot.position.y});
-    if (!added) {
-      return tl::make_unexpected(added.error());
-    }
+    RAYLOC_TRY(added);
     add(antenna, *added);
   }
   if (on.diffuse) {
@@ -192,9 +190,7 @@ Expected<SpotCapture> CaptureSimulator::capture(const SimulatedSpot& spot) {
     OnChannel& on = channels_.at(sent.channel);
     if (h[sent.channel].empty()) {
       auto traced = channel_at(on, spot, capture.paths);
-      if (!traced) {
-        return tl::make_unexpected(traced.error());
-      }
+      RAYLOC_TRY(traced);
       h[sent.channel] = *std::move(traced);
       change_power(spot.power_db, h[sent.channel]);
     }

@@ -118,9 +118,7 @@ Expected<Impairments> read_impairment_keys(TomlDocument& document) {
                   "'delay_max_ns' is " + to_text(values.delay_max_ns) + ", less than " +
                       to_text(values.delay_min_ns) + ", the 'delay_min_ns'; exchange them");
   }
-  if (auto finished = document.finish(); !finished) {
-    return tl::make_unexpected(std::move(finished.error()));
-  }
+  RAYLOC_TRY(document.finish());
   return values;
 }
 

@@ -129,9 +129,7 @@ Expected<void> move_things(LivedInRoom& lived, const SecondDay& day, RandomStrea
   }
   const std::size_t surfaces = before.surfaces().size();
   auto after = Scene::create(std::move(input));
-  if (!after) {
-    return tl::make_unexpected(std::move(after.error()));
-  }
+  RAYLOC_TRY(after);
   // Corrections of a calibration are indexed by surface.
   if (after->surfaces().size() != surfaces) {
     return bad_input("the scene has other surfaces once its furniture is moved");
@@ -151,9 +149,7 @@ Expected<LivedInRoom> live_in(const RoomModel& room, const SecondDay& day, std::
         room.access_points[i].cores.size(), day, stream_of(seed, day, "power cycle", i));
   }
   if (day.moved_things > 0.0) {
-    if (auto moved = move_things(lived, day, stream_of(seed, day, "furniture")); !moved) {
-      return tl::make_unexpected(std::move(moved.error()));
-    }
+    RAYLOC_TRY(move_things(lived, day, stream_of(seed, day, "furniture")));
   }
   return lived;
 }

@@ -82,9 +82,7 @@ Expected<SecondDay> read_second_day_keys(TomlDocument& document) {
                   "'moved_most_m' is " + to_text(day.moved_most_m) + ", less than " +
                       to_text(day.moved_least_m) + ", the 'moved_least_m'; exchange them");
   }
-  if (auto finished = document.finish(); !finished) {
-    return tl::make_unexpected(std::move(finished.error()));
-  }
+  RAYLOC_TRY(document.finish());
   return day;
 }
 

@@ -34,9 +34,7 @@ Expected<CaptureReport> record(const SimulationSetup& setup,
     ++index;
   }
   auto recorder = create_recording(output.file, force);
-  if (!recorder) {
-    return tl::make_unexpected(std::move(recorder.error()));
-  }
+  RAYLOC_TRY(recorder);
   CaptureOptions options = setup.options;
   if (setup.day) {
     options.chain_changes = setup.lived.access_points[index].chain_changes;
@@ -55,9 +53,7 @@ Expected<CaptureReport> record(const SimulationSetup& setup,
     for (const SimulatedDatagram& datagram : received->datagrams) {
       batch.push_back({datagram.time, {}, datagram.payload});
     }
-    if (auto written = recorder->write(batch); !written) {
-      return tl::make_unexpected(std::move(written.error()));
-    }
+    RAYLOC_TRY(recorder->write(batch));
     report.datagrams += batch.size();
     report.lost += received->lost;
     if (received->paths == 0) {
@@ -65,9 +61,7 @@ Expected<CaptureReport> record(const SimulationSetup& setup,
     }
     progress(static_cast<double>(++done) / static_cast<double>(setup.spots.size()));
   }
-  if (auto synced = recorder->sync(); !synced) {
-    return tl::make_unexpected(std::move(synced.error()));
-  }
+  RAYLOC_TRY(recorder->sync());
   return report;
 }
 
@@ -98,9 +92,7 @@ Expected<SimulatedTruth> simulate_recordings(const Site& site,
                                              const SimulationOptions& options,
                                              const SimulationObserver& observer) {
   auto setup = read_simulation_setup(site, options, observer);
-  if (!setup) {
-    return tl::make_unexpected(std::move(setup.error()));
-  }
+  RAYLOC_TRY(setup);
   if (!options.truth.empty() && !options.force && std::filesystem::exists(options.truth)) {
     return make_error(ErrorKind::kUnavailable,
                       options.truth + ": exists already; choose another name, or give --force");
@@ -113,9 +105,7 @@ Expected<SimulatedTruth> simulate_recordings(const Site& site,
                             static_cast<double>(options.outputs.size()),
                         output.access_point);
     });
-    if (!capture) {
-      return tl::make_unexpected(std::move(capture.error()));
-    }
+    RAYLOC_TRY(capture);
     note_unreached_points(*capture, observer);
     captures.push_back(*std::move(capture));
   }
@@ -128,9 +118,7 @@ Expected<SimulatedTruth> simulate_recordings(const Site& site,
                        std::move(setup->lived),
                        std::move(setup->channels)};
   if (!options.truth.empty()) {
-    if (auto written = write_file(options.truth, truth_csv(truth)); !written) {
-      return tl::make_unexpected(std::move(written.error()));
-    }
+    RAYLOC_TRY(write_file(options.truth, truth_csv(truth)));
   }
   return truth;
 }

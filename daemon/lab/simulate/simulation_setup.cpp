@@ -81,14 +81,10 @@ Expected<std::vector<RadioChannel>> read_channels(const std::string& argument, c
 
 Expected<void> read_spots(const SimulationOptions& options, SimulationSetup& setup) {
   const auto table = CsvTable::load(options.points);
-  if (!table) {
-    return tl::make_unexpected(table.error());
-  }
+  RAYLOC_TRY(table);
   setup.is_walk = has_instants(*table);
   const auto points = setup.is_walk ? read_instants(*table) : read_points(*table);
-  if (!points) {
-    return tl::make_unexpected(points.error());
-  }
+  RAYLOC_TRY(points);
   if (points->empty()) {
     return bad_input(options.points + ": no spots, only a header");
   }
@@ -108,9 +104,7 @@ Expected<void> read_spots(const SimulationOptions& options, SimulationSetup& set
   }
   transmissions.retry_share = setup.options.impairments.retry_share;
   auto spots = plan_transmissions(*points, transmissions, options.points);
-  if (!spots) {
-    return tl::make_unexpected(std::move(spots.error()));
-  }
+  RAYLOC_TRY(spots);
   setup.spots = *std::move(spots);
   return {};
 }
@@ -119,9 +113,7 @@ Expected<void> read_sender(const Site& site,
                            const SimulationOptions& options,
                            SimulationSetup& setup) {
   const auto sender = find_sender(site, options.transmitter);
-  if (!sender) {
-    return tl::make_unexpected(sender.error());
-  }
+  RAYLOC_TRY(sender);
   if (options.person) {
     if (sender->role != TransmitterRole::kFixed || !sender->position) {
       return make_error(ErrorKind::kUsage,
@@ -142,24 +134,18 @@ Expected<void> read_rooms(const Site& site,
                           const SimulationObserver& observer,
                           SimulationSetup& setup) {
   auto room = load_room_model(site);
-  if (!room) {
-    return tl::make_unexpected(std::move(room.error()));
-  }
+  RAYLOC_TRY(room);
   if (observer.on_scene_note) {
     for (const SceneNote& note : room->scene->notes()) {
       observer.on_scene_note(note);
     }
   }
   if (options.trace.diffuse) {
-    if (auto scatters = check_scatters(*room->scene); !scatters) {
-      return tl::make_unexpected(std::move(scatters.error()));
-    }
+    RAYLOC_TRY(check_scatters(*room->scene));
   }
   for (const RadioChannel& channel : setup.channels) {
     auto other = room_on_channel(site, *room, channel.centre_hz);
-    if (!other) {
-      return tl::make_unexpected(std::move(other.error()));
-    }
+    RAYLOC_TRY(other);
     setup.rooms.push_back(*std::move(other));
   }
   if (setup.channels.empty()) {
@@ -172,14 +158,10 @@ Expected<void> read_rooms(const Site& site,
 Expected<void> live(const SimulationOptions& options, SimulationSetup& setup) {
   if (!options.second_day.empty()) {
     const auto day = read_second_day(options.second_day);
-    if (!day) {
-      return tl::make_unexpected(day.error());
-    }
+    RAYLOC_TRY(day);
     for (RoomModel& room : setup.rooms) {  // the same seed moves the same objects
       auto lived = live_in(room, *day, setup.options.seed);
-      if (!lived) {
-        return tl::make_unexpected(std::move(lived.error()));
-      }
+      RAYLOC_TRY(lived);
       setup.lived = *std::move(lived);
       room = setup.lived.room;
     }
@@ -199,34 +181,20 @@ Expected<SimulationSetup> read_simulation_setup(const Site& site,
                                                 const SimulationOptions& options,
                                                 const SimulationObserver& observer) {
   SimulationSetup setup;
-  if (auto checked = check_outputs(site, options.outputs); !checked) {
-    return tl::make_unexpected(std::move(checked.error()));
-  }
+  RAYLOC_TRY(check_outputs(site, options.outputs));
   const auto impairments = read_impairments(options.impairments);
-  if (!impairments) {
-    return tl::make_unexpected(impairments.error());
-  }
+  RAYLOC_TRY(impairments);
   setup.options.impairments = *impairments;
   setup.options.bandwidth_mhz = site.carrier.bandwidth_mhz;
   setup.options.trace = options.trace;
   setup.options.seed = options.transmissions.seed;
   auto channels = read_channels(options.channels, site);
-  if (!channels) {
-    return tl::make_unexpected(std::move(channels.error()));
-  }
+  RAYLOC_TRY(channels);
   setup.channels = *std::move(channels);
-  if (auto read = read_spots(options, setup); !read) {
-    return tl::make_unexpected(std::move(read.error()));
-  }
-  if (auto read = read_sender(site, options, setup); !read) {
-    return tl::make_unexpected(std::move(read.error()));
-  }
-  if (auto read = read_rooms(site, options, observer, setup); !read) {
-    return tl::make_unexpected(std::move(read.error()));
-  }
-  if (auto lived = live(options, setup); !lived) {
-    return tl::make_unexpected(std::move(lived.error()));
-  }
+  RAYLOC_TRY(read_spots(options, setup));
+  RAYLOC_TRY(read_sender(site, options, setup));
+  RAYLOC_TRY(read_rooms(site, options, observer, setup));
+  RAYLOC_TRY(live(options, setup));
   setup.options.model_error = options.model_error;
   if (options.model_error) {
     setup.options.trace = setup.rooms.front().trace;

@@ -78,9 +78,7 @@ Expected<std::vector<SimulatedSpot>> plan_transmissions(std::span<const SurveyPo
   std::vector<SimulatedSpot> spots;
   for (std::size_t i = 0; i < ordered.size(); ++i) {
     const SurveyPoint& point = ordered[i];
-    if (auto possible = check_times(ordered, i, options, file); !possible) {
-      return tl::make_unexpected(std::move(possible.error()));
-    }
+    RAYLOC_TRY(check_times(ordered, i, options, file));
     SimulatedSpot spot;
     spot.line = point.line;
     spot.t_start = point.t_start;

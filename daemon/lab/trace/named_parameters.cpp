@@ -167,9 +167,7 @@ Expected<std::vector<NamedParameter>> parse_parameters(const std::string& names,
   Parameters found;
   for (std::size_t begin = 0; begin <= names.size();) {
     const std::size_t end = std::min(names.find(',', begin), names.size());
-    if (auto added = parser.add(names.substr(begin, end - begin), found); !added) {
-      return tl::make_unexpected(added.error());
-    }
+    RAYLOC_TRY(parser.add(names.substr(begin, end - begin), found));
     begin = end + 1;
   }
   return found;

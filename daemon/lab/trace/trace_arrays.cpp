@@ -76,9 +76,7 @@ void add_channel(const LinkTrace& traced, NpzFile& file) {
 
 Expected<void> write_npz(const LinkTrace& traced, const Scene& scene, const std::string& path) {
   auto file = NpzFile::create(path);
-  if (!file) {
-    return tl::make_unexpected(std::move(file.error()));
-  }
+  RAYLOC_TRY(file);
   const Columns columns = columns_of(traced.paths);
   const std::size_t count = traced.paths.size();
   std::vector<std::string> names;

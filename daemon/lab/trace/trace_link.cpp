@@ -17,9 +17,7 @@ Expected<void> add_gradient(const ReceiverTracer& tracer,
     parameters.push_back(each.parameter);
   }
   const auto derivatives = tracer.differentiate(transmitter, traced.paths, parameters);
-  if (!derivatives) {
-    return tl::make_unexpected(derivatives.error());
-  }
+  RAYLOC_TRY(derivatives);
   std::vector<std::complex<double>> adjoint = traced.paths.cfr(traced.tones);
   traced.power = 0.0;
   for (std::complex<double>& h : adjoint) {
@@ -60,9 +58,7 @@ Expected<LinkTrace> trace_link(const std::shared_ptr<const Scene>& scene,
     traced.note += (traced.note.empty() ? "" : "; ") + std::string("no path");
   }
   if (options.trace.diffuse) {
-    if (auto scatters = check_scatters(*scene); !scatters) {
-      return tl::make_unexpected(scatters.error());
-    }
+    RAYLOC_TRY(check_scatters(*scene));
     traced.diffuse = DiffuseTracer(scene, options.trace, options.diffuse)
                          .density(link.transmitter, link.receiver);
   }
@@ -70,9 +66,7 @@ Expected<LinkTrace> trace_link(const std::shared_ptr<const Scene>& scene,
     traced.cfr = traced.paths.cfr(traced.tones);
   }
   if (!options.gradient.empty()) {
-    if (auto added = add_gradient(tracer, link.transmitter, options.gradient, traced); !added) {
-      return tl::make_unexpected(added.error());
-    }
+    RAYLOC_TRY(add_gradient(tracer, link.transmitter, options.gradient, traced));
   }
   return traced;
 }

@@ -41,14 +41,10 @@ Expected<void> load_place(const TrainOptions& options, TrainInputs& inputs) {
                                    "`rayloc calibrate` first",
                                    options.out,
                                    options.force);
-  if (!site) {
-    return tl::make_unexpected(std::move(site.error()));
-  }
+  RAYLOC_TRY(site);
   inputs.site = *std::move(site);
   auto room = load_room_model(inputs.site);
-  if (!room) {
-    return tl::make_unexpected(std::move(room.error()));
-  }
+  RAYLOC_TRY(room);
   inputs.room = std::make_shared<const RoomModel>(*std::move(room));
   return {};
 }
@@ -61,17 +57,13 @@ Expected<void> read_survey(const TrainOptions& options, TrainInputs& inputs) {
   SurveyArguments arguments = options.survey;
   if (!options.time_offset.empty()) {
     const auto offset = parse_time_offset(options.time_offset);
-    if (!offset) {
-      return tl::make_unexpected(offset.error());
-    }
+    RAYLOC_TRY(offset);
     arguments.time_offset = *offset;
   }
   auto survey = method.create_device != nullptr
                     ? read_device_survey(inputs.site, *inputs.room, arguments)
                     : read_people_survey(inputs.site, arguments);
-  if (!survey) {
-    return tl::make_unexpected(std::move(survey.error()));
-  }
+  RAYLOC_TRY(survey);
   inputs.survey = *std::move(survey);
   inputs.held = draw_holdout(inputs.survey.points.size(), options.holdout, options.seed);
   return {};
@@ -105,9 +97,7 @@ std::vector<std::string> trained_methods() {
 Expected<TrainInputs> read_train_inputs(const TrainOptions& options) {
   TrainInputs inputs;
   for (const auto step : {read_settings, load_place, read_survey}) {
-    if (auto done = step(options, inputs); !done) {
-      return tl::make_unexpected(std::move(done.error()));
-    }
+    RAYLOC_TRY(step(options, inputs));
   }
   inputs.hash = hash_of_inputs(options, inputs);
   return inputs;

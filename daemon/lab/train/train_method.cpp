@@ -47,9 +47,7 @@ Expected<std::shared_ptr<const Training>> train_with_checkpoints(
   const std::string method(inputs.method->name);
   if (checkpoints.resume) {
     auto reached = read_checkpoint(checkpoints.folder, method, inputs.hash);
-    if (!reached) {
-      return tl::make_unexpected(std::move(reached.error()));
-    }
+    RAYLOC_TRY(reached);
     input.resume = *std::move(reached);
   }
   Expected<void> kept;
@@ -99,9 +97,7 @@ Expected<std::optional<ErrorStatistics>> check_held_out(
     TruthPoint truth;
     truth.position = inputs.survey.points[i].position;
     const auto estimate = locate_trained(inputs, training, inputs.survey.points[i].frames);
-    if (!estimate) {
-      return tl::make_unexpected(estimate.error());
-    }
+    RAYLOC_TRY(estimate);
     results.push_back(evaluate_point(truth, &*estimate));
   }
   std::optional<ErrorStatistics> statistics;
@@ -121,15 +117,11 @@ Expected<TrainedMethod> train_method(const TrainInputs& inputs,
   const auto begin = std::chrono::steady_clock::now();
   auto training =
       train_with_checkpoints(inputs, training_input(inputs, observer, stop), checkpoints, observer);
-  if (!training) {
-    return tl::make_unexpected(std::move(training.error()));
-  }
+  RAYLOC_TRY(training);
   trained.training = *std::move(training);
   trained.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   auto held_out = check_held_out(inputs, trained.training);
-  if (!held_out) {
-    return tl::make_unexpected(std::move(held_out.error()));
-  }
+  RAYLOC_TRY(held_out);
   trained.held_out = *std::move(held_out);
   return trained;
 }

@@ -24,9 +24,7 @@ Expected<Frames> read_frames(const Site& site,
                              std::vector<std::string>& notes) {
   const auto captures =
       cli::resolve_captures(arguments, access_point_ids(site), cli::PerAccessPoint::kSeveral);
-  if (!captures) {
-    return tl::make_unexpected(captures.error());
-  }
+  RAYLOC_TRY(captures);
   auto frames = cli::read_fixed_frames(site, *captures, notes);
   if (frames) {
     for (auto& [mac, all] : *frames) {
@@ -83,14 +81,10 @@ Expected<TrainSurvey> read_device_survey(const Site& site,
                                          const SurveyArguments& arguments) {
   const auto captures = cli::resolve_captures(
       arguments.captures, access_point_ids(site), cli::PerAccessPoint::kSeveral);
-  if (!captures) {
-    return tl::make_unexpected(captures.error());
-  }
+  RAYLOC_TRY(captures);
   auto read = cli::read_calibration_inputs(
       cli::with_bounds(site, room), *captures, arguments.points, arguments.time_offset);
-  if (!read) {
-    return tl::make_unexpected(std::move(read.error()));
-  }
+  RAYLOC_TRY(read);
   TrainSurvey survey;
   for (cli::SurveyedFrames& spot : read->points) {
     if (!spot.frames.empty()) {
@@ -105,14 +99,10 @@ Expected<TrainSurvey> read_device_survey(const Site& site,
 Expected<TrainSurvey> read_people_survey(const Site& site, const SurveyArguments& arguments) {
   const auto points =
       load_points_csv(arguments.points, arguments.time_offset.value_or(Duration(0)));
-  if (!points) {
-    return tl::make_unexpected(points.error());
-  }
+  RAYLOC_TRY(points);
   TrainSurvey survey;
   const auto frames = read_frames(site, arguments.captures, survey.notes);
-  if (!frames) {
-    return tl::make_unexpected(frames.error());
-  }
+  RAYLOC_TRY(frames);
   for (const auto& [mac, all] : *frames) {
     auto received = cut(all, *points);
     if (received.size() > survey.points.size()) {
@@ -133,9 +123,7 @@ Expected<TrainSurvey> read_people_survey(const Site& site, const SurveyArguments
   }
   if (!arguments.empty.empty()) {
     auto empty = read_frames(site, arguments.empty, survey.notes);
-    if (!empty) {
-      return tl::make_unexpected(std::move(empty.error()));
-    }
+    RAYLOC_TRY(empty);
     survey.empty = std::move((*empty)[*survey.transmitter]);
     if (survey.empty.empty()) {
       return bad_input("--empty: does not hold " + to_string(*survey.transmitter) +

@@ -34,9 +34,7 @@ Expected<void> write_training(const TrainInputs& inputs,
                               const Training& training,
                               const fs::path& file) {
   const std::string text = training_toml(training, inputs.site, inputs.survey.content);
-  if (auto written = write_file(file, text); !written) {
-    return written;
-  }
+  RAYLOC_TRY(write_file(file, text));
   if (!training.network) {
     return {};
   }
@@ -50,20 +48,14 @@ Expected<void> write_trained_site(const TrainInputs& inputs,
                                   const TrainedMethod& trained,
                                   const fs::path& out) {
   const auto calibration = read_file(*inputs.site.calibration_file);
-  if (!calibration) {
-    return tl::make_unexpected(calibration.error());
-  }
+  RAYLOC_TRY(calibration);
   const std::string method(inputs.method->name);
   const fs::path folder = out / "training";
   const fs::path file = folder / (method + ".toml");
-  if (auto written = write_training(inputs, *trained.training, file); !written) {
-    return written;
-  }
+  RAYLOC_TRY(write_training(inputs, *trained.training, file));
   Site site = inputs.site;
   site.training_files.insert_or_assign(method, file);
-  if (auto written = write_site(site, *calibration, out); !written) {
-    return written;
-  }
+  RAYLOC_TRY(write_site(site, *calibration, out));
   const std::string report = report_text(method, trained);
   remove_checkpoint(folder, method);
   return write_file(folder / (method + "-report.json"), report);

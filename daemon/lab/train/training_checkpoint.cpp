@@ -44,9 +44,7 @@ Expected<void> write_checkpoint(const fs::path& folder,
                                           {"steps", state.steps},
                                           {"loss", state.loss}};
   // An interruption between the two writes leaves weights that the numbers do not match.
-  if (auto written = write_file(weights_file(folder, method), bytes); !written) {
-    return written;
-  }
+  RAYLOC_TRY(write_file(weights_file(folder, method), bytes));
   return write_file(numbers_file(folder, method), numbers.dump(1) + "\n");
 }
 

@@ -197,9 +197,7 @@ std::string encode(const Batch& batch) {
 
 Expected<Batch> decode_batch(std::string_view bytes) {
   v1::CsiBatch message;
-  if (const Expected<void> read = unseal(bytes, message); !read) {
-    return tl::make_unexpected(read.error());
-  }
+  RAYLOC_TRY(unseal(bytes, message));
   if (const auto trouble = trouble_of(message)) {
     return bad_input(fmt::format("batch {}: {}", message.number(), *trouble));
   }

@@ -54,14 +54,10 @@ DatagramTap& BatchSender::tap(const std::string& access_point) {
 Expected<void> BatchSender::start() {
   auto publisher = broker_->acked_publisher(
       [this](std::uint64_t number, const std::string& why) { note_acknowledged(number, why); });
-  if (!publisher) {
-    return tl::make_unexpected(publisher.error());
-  }
+  RAYLOC_TRY(publisher);
   auto fill = broker_->acked_publisher(
       [this](std::uint64_t number, const std::string& why) { note_filled(number, why); });
-  if (!fill) {
-    return tl::make_unexpected(fill.error());
-  }
+  RAYLOC_TRY(fill);
   publisher_ = std::move(*publisher);
   fill_publisher_ = std::move(*fill);
   sealed_ = std::chrono::steady_clock::now();

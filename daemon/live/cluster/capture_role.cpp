@@ -42,9 +42,7 @@ Expected<std::unique_ptr<CaptureRole>> CaptureRole::open(std::shared_ptr<Broker>
   auto requests = role->broker_->subscribe(
       resend_subject(role->options_.node),
       [self = role.get()](const BrokerMessage& m) { self->take_request(m); });
-  if (!requests) {
-    return tl::make_unexpected(requests.error());
-  }
+  RAYLOC_TRY(requests);
   role->requests_ = std::move(*requests);
   return role;
 }
@@ -57,9 +55,7 @@ Expected<std::shared_ptr<BatchSender>> CaptureRole::add_site(const std::string& 
   auto output = broker_->subscribe(
       output_again_subject(site),
       [this, site](const BrokerMessage& message) { take_output(site, message); });
-  if (!output) {
-    return tl::make_unexpected(output.error());
-  }
+  RAYLOC_TRY(output);
   std::unique_lock lock(mutex_);
   options.epoch = options_.epoch + starts_++;
   auto sender = std::make_shared<BatchSender>(broker_, std::move(options));

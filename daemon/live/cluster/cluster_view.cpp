@@ -22,14 +22,10 @@ constexpr milliseconds kUsualLease{2000};  // the preset, used when none is stat
 Expected<void> read_claims(Broker& broker, ClusterView& view) {
   const std::string stream(kClaimStream);
   const auto subjects = subjects_of(broker, stream);
-  if (!subjects) {
-    return tl::make_unexpected(subjects.error());
-  }
+  RAYLOC_TRY(subjects);
   for (const std::string& subject : *subjects) {
     const auto message = broker.last_of(stream, subject);
-    if (!message) {
-      return tl::make_unexpected(message.error());
-    }
+    RAYLOC_TRY(message);
     v1::SiteClaim claim;
     if (*message && unseal((*message)->data, claim) && !claim.removed()) {
       view.sites[token_name(last_token(subject))].claim = std::move(claim);
@@ -41,9 +37,7 @@ Expected<void> read_claims(Broker& broker, ClusterView& view) {
 Expected<void> read_last_results(Broker& broker, ClusterView& view) {
   for (auto& [name, site] : view.sites) {
     const auto last = broker.last_of(std::string(kOutputStream), output_subject(name));
-    if (!last) {
-      return tl::make_unexpected(last.error());
-    }
+    RAYLOC_TRY(last);
     if (*last && !unseal((*last)->data, site.last)) {
       site.last.Clear();
     }
@@ -101,13 +95,9 @@ Expected<ClusterView> inspect_cluster(Broker& broker) {
       worker = {std::move(state), system_now()};
     }
   });
-  if (!states) {
-    return tl::make_unexpected(states.error());
-  }
+  RAYLOC_TRY(states);
   const auto begin = std::chrono::steady_clock::now();
-  if (const Expected<void> read = read_claims(broker, view); !read) {
-    return tl::make_unexpected(read.error());
-  }
+  RAYLOC_TRY(read_claims(broker, view));
   for (bool enough = false; !enough;) {
     std::this_thread::sleep_for(kViewPollInterval);
     {
@@ -119,9 +109,7 @@ Expected<ClusterView> inspect_cluster(Broker& broker) {
     enough = passed >= lease || (passed >= lease / 2 && all_owners_report(view));
   }
   states->reset();
-  if (const Expected<void> read = read_last_results(broker, view); !read) {
-    return tl::make_unexpected(read.error());
-  }
+  RAYLOC_TRY(read_last_results(broker, view));
   return view;
 }
 

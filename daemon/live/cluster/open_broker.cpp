@@ -34,9 +34,7 @@ Expected<std::shared_ptr<Broker>> open_broker(const BrokerOptions& options) {
   std::string nkey;
   if (!options.nkey_seed_file.empty()) {
     Expected<std::string> made = read_nkey(options.nkey_seed_file);
-    if (!made) {
-      return tl::make_unexpected(made.error());
-    }
+    RAYLOC_TRY(made);
     nkey = std::move(*made);
   }
   std::string why;

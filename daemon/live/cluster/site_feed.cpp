@@ -154,9 +154,7 @@ Expected<std::unique_ptr<SiteFeed>> SiteFeed::open(std::shared_ptr<Broker> broke
   reading.again = live_subjects(feed->options_.site);
   reading.after = feed->options_.resume.place;
   auto reader = StreamReader::open(feed->broker_, std::move(reading));
-  if (!reader) {
-    return tl::make_unexpected(reader.error());
-  }
+  RAYLOC_TRY(reader);
   feed->reader_ = std::move(*reader);
   return feed;
 }

@@ -31,9 +31,7 @@ Expected<SiteStart> start_with(const v1::StreamPosition& resume,
   start.from = time_of_us(from_us);
   if (state != nullptr) {
     auto carried = carried_of(*state);
-    if (!carried) {
-      return tl::make_unexpected(carried.error());
-    }
+    RAYLOC_TRY(carried);
     start.carried = std::make_shared<const Carried>(*std::move(carried));
   }
   return start;

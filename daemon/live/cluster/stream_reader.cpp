@@ -25,9 +25,7 @@ Expected<std::unique_ptr<StreamReader>> StreamReader::open(std::shared_ptr<Broke
   auto subscription = reader->broker_->subscribe(
       reader->options_.again,
       [self = reader.get()](BrokerMessage&& message) { self->take(std::move(message)); });
-  if (!subscription) {
-    return tl::make_unexpected(subscription.error());
-  }
+  RAYLOC_TRY(subscription);
   reader->subscription_ = std::move(*subscription);
   return reader;
 }

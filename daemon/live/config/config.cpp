@@ -395,9 +395,7 @@ void check_curve(const TomlTable& root, const CurveConfig& curve) {
 
 Expected<DaemonConfig> finish_config(TomlDocument& document) {
   ConfigReading reading = read_config(document);
-  if (const Expected<void> result = document.finish(); !result) {
-    return tl::make_unexpected(result.error());
-  }
+  RAYLOC_TRY(document.finish());
   return std::move(reading.config);
 }
 

@@ -101,13 +101,9 @@ std::string config_example() {
 
 Expected<std::string> effective_config(const std::filesystem::path& file) {
   const auto document = read_files(file);
-  if (!document) {
-    return tl::make_unexpected(document.error());
-  }
+  RAYLOC_TRY(document);
   const ConfigReading reading = read_config(**document);
-  if (const Expected<void> result = (*document)->finish(); !result) {
-    return tl::make_unexpected(result.error());
-  }
+  RAYLOC_TRY((*document)->finish());
   std::string text;
   for (const ConfigSection& section : reading.sections) {
     if (section.entries.empty()) {

@@ -230,9 +230,7 @@ SiteSetup setup_of(const DaemonConfig& config, std::size_t index, ReadSite&& rea
 
 Expected<DaemonSetup> load(const fs::path& file, const RunningSetup* running) {
   const auto document = read_files(file);
-  if (!document) {
-    return tl::make_unexpected(document.error());
-  }
+  RAYLOC_TRY(document);
   ConfigReading reading = read_config(**document);
   std::vector<ReadSite> sites = read_site_folders(reading.config, running);
   check_names(sites, reading);

@@ -141,9 +141,7 @@ Expected<SourceOptions> source_options(const SourceConfig& source) {
   options.filter = source.filter;
   for (const std::string& text : source.allow) {
     const auto range = AddressRange::parse(text);
-    if (!range) {
-      return tl::make_unexpected(range.error());
-    }
+    RAYLOC_TRY(range);
     options.senders.push_back(*range);
   }
   return options;

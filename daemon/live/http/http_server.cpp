@@ -426,9 +426,7 @@ Expected<std::unique_ptr<HttpServer>> HttpServer::open(const Options& options,
   int listener = options.adopted_fd;
   if (listener < 0) {
     const Expected<int> opened = listen_at(options);
-    if (!opened) {
-      return tl::make_unexpected(opened.error());
-    }
+    RAYLOC_TRY(opened);
     listener = *opened;
   }
   const int wake = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);

@@ -74,12 +74,8 @@ Expected<LateSubscriber> LateSubscriber::join(const std::string& endpoint,
   subscriptions.emplace_back(kHeartbeatTopics);
   Expected<Subscriber> subscriber =
       Subscriber::connect(endpoint, subscriptions, kHighWaterMark, curve);
-  if (!subscriber) {
-    return tl::make_unexpected(subscriber.error());
-  }
-  if (const auto ok = check_endpoint(snapshot, ErrorKind::kUsage); !ok) {
-    return tl::make_unexpected(ok.error());
-  }
+  RAYLOC_TRY(subscriber);
+  RAYLOC_TRY(check_endpoint(snapshot, ErrorKind::kUsage));
   auto question = std::make_unique<Question>(prefixes, curve);
   try {
     question->connect(snapshot);
@@ -89,9 +85,7 @@ Expected<LateSubscriber> LateSubscriber::join(const std::string& endpoint,
     return tl::make_unexpected(std::move(problem));
   }
   LateSubscriber late(std::move(*subscriber), std::move(question), prefixes, patience);
-  if (const Expected<void> joined = late.wait_for_snapshot(endpoint, snapshot); !joined) {
-    return tl::make_unexpected(joined.error());
-  }
+  RAYLOC_TRY(late.wait_for_snapshot(endpoint, snapshot));
   return late;
 }
 

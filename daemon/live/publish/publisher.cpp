@@ -74,9 +74,7 @@ class Publisher::Impl {
   Expected<void> bind() {
     const Expected<std::string> bound =
         bind_socket(socket_, options_.endpoint, options_.adopted_fd);
-    if (!bound) {
-      return tl::make_unexpected(bound.error());
-    }
+    RAYLOC_TRY(bound);
     endpoint_ = *bound;
     return {};
   }
@@ -210,9 +208,7 @@ Expected<Publisher> Publisher::bind(const PublisherOptions& options) {
                       "the site has no name, which topics need; set `name` in site.toml");
   }
   auto impl = std::make_unique<Impl>(options);
-  if (const Expected<void> bound = impl->bind(); !bound) {
-    return tl::make_unexpected(bound.error());
-  }
+  RAYLOC_TRY(impl->bind());
   return Publisher(std::move(impl));
 }
 

@@ -58,9 +58,7 @@ class SnapshotServer::Impl {
   Expected<void> start() {
     const Expected<std::string> bound =
         bind_socket(socket_, options_.endpoint, options_.adopted_fd);
-    if (!bound) {
-      return tl::make_unexpected(bound.error());
-    }
+    RAYLOC_TRY(bound);
     endpoint_ = *bound;
     thread_ = std::thread([this] { run(); });
     return {};
@@ -152,9 +150,7 @@ class SnapshotServer::Impl {
 
 Expected<std::unique_ptr<SnapshotServer>> SnapshotServer::open(const Options& options) {
   auto impl = std::make_unique<Impl>(options);
-  if (const Expected<void> started = impl->start(); !started) {
-    return tl::make_unexpected(started.error());
-  }
+  RAYLOC_TRY(impl->start());
   return std::unique_ptr<SnapshotServer>(new SnapshotServer(std::move(impl)));
 }
 

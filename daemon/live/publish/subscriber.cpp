@@ -70,9 +70,7 @@ Expected<Subscriber> Subscriber::connect(const std::string& endpoint,
                                          const std::vector<std::string>& prefixes,
                                          int high_water_mark,
                                          const std::optional<CurveClientKeys>& curve) {
-  if (const auto ok = check_endpoint(endpoint, ErrorKind::kUsage); !ok) {
-    return tl::make_unexpected(ok.error());
-  }
+  RAYLOC_TRY(check_endpoint(endpoint, ErrorKind::kUsage));
   auto impl = std::make_unique<Impl>(high_water_mark, curve);
   try {
     impl->connect(endpoint, prefixes);

@@ -18,9 +18,7 @@ Expected<std::shared_ptr<ConnectionGuard>> open_curve_access(const CurveConfig& 
                       "systemd pass the credential curve.secret (drop-in curve.conf)");
   }
   Expected<CurveKeyPair> keys = read_curve_secret(config.secret_file);
-  if (!keys) {
-    return tl::make_unexpected(keys.error());
-  }
+  RAYLOC_TRY(keys);
   log_event({LogLevel::kInfo,
              "publishing encrypted (CURVE); subscribers need our public key",
              {{"public_key", keys->public_key}, {"clients", std::to_string(config.allow.size())}}});

@@ -194,9 +194,7 @@ Expected<void> check_passed_sockets(const PassedSockets& sockets, const DaemonCo
     if (!fd) {
       continue;
     }
-    if (Expected<void> good = check_passed_socket(*fd, demand); !good) {
-      return good;
-    }
+    RAYLOC_TRY(check_passed_socket(*fd, demand));
   }
   return {};
 }

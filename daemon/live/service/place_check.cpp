@@ -45,18 +45,14 @@ Expected<void> check_places(const DaemonConfig& config, const PassedSockets& soc
     if (sockets.find(name)) {
       continue;
     }
-    if (Expected<void> is_free = check_endpoint_is_free(*endpoint); !is_free) {
-      return is_free;
-    }
+    RAYLOC_TRY(check_endpoint_is_free(*endpoint));
   }
   for (const SourceConfig& source : config.sources) {
     if (source.kind == SourceKind::kCluster ||
         (takes_socket(source) && sockets.find("source-" + source.instance))) {
       continue;
     }
-    if (Expected<void> is_free = check_source(source); !is_free) {
-      return is_free;
-    }
+    RAYLOC_TRY(check_source(source));
   }
   return config.http.enabled && !sockets.find("http") ? check_http(config.http) : Expected<void>();
 }

@@ -46,26 +46,18 @@ Expected<std::unique_ptr<Process>> Process::open(
                                      check_passed_sockets(sockets, config),
                                      check_places(config, sockets),
                                      process->check_resources(false)}) {
-    if (!good) {
-      return tl::make_unexpected(good.error());
-    }
+    RAYLOC_TRY(good);
   }
-  if (const Expected<void> cluster = process->open_cluster(); !cluster) {
-    return tl::make_unexpected(cluster.error());
-  }
+  RAYLOC_TRY(process->open_cluster());
   process->sockets_ = &sockets;
   process->path_grids_ = path_grids(config.cache, log);
   std::vector<std::unique_ptr<SiteRuntime>> runtimes;
   for (const SiteSetup& one : process->setup_.sites) {
     auto runtime = SiteRuntime::prepare(one, process->surroundings(log));
-    if (!runtime) {
-      return tl::make_unexpected(runtime.error());
-    }
+    RAYLOC_TRY(runtime);
     runtimes.push_back(std::move(*runtime));
   }
-  if (const Expected<void> opened = process->open_publishing(sockets); !opened) {
-    return tl::make_unexpected(opened.error());
-  }
+  RAYLOC_TRY(process->open_publishing(sockets));
   for (std::unique_ptr<SiteRuntime>& runtime : runtimes) {
     InputFiles files = InputFiles::of(runtime->setup());
     if (process->claims_) {
@@ -74,28 +66,20 @@ Expected<std::unique_ptr<Process>> Process::open(
       continue;
     }
     auto site = process->begin_site(std::move(runtime), std::move(files));
-    if (!site) {
-      return tl::make_unexpected(site.error());
-    }
+    RAYLOC_TRY(site);
     process->publisher_->add(site->output);
     process->sites_.put(std::move(*site));
   }
-  if (const Expected<void> http = process->open_http(sockets); !http) {
-    return tl::make_unexpected(http.error());
-  }
+  RAYLOC_TRY(process->open_http(sockets));
   process->sockets_ = nullptr;
   return process;
 }
 
 Expected<void> Process::open_publishing(PassedSockets& sockets) {
-  if (const Expected<void> enough = check_resources(true); !enough) {
-    return tl::make_unexpected(enough.error());
-  }
+  RAYLOC_TRY(check_resources(true));
   const DaemonConfig& config = setup_.config;
   auto guard = open_curve_access(config.curve, limited_log_, [this] { guard_progress_.beat(); });
-  if (!guard) {
-    return tl::make_unexpected(guard.error());
-  }
+  RAYLOC_TRY(guard);
   guard_ = std::move(*guard);
   PublisherOptions publishing;
   publishing.guard = guard_;
@@ -108,9 +92,7 @@ Expected<void> Process::open_publishing(PassedSockets& sockets) {
   publishing.last = last_messages_;
   publishing.high_water_mark = static_cast<int>(config.publish.send_high_water_mark);
   Expected<Publisher> publisher = Publisher::bind(publishing);
-  if (!publisher) {
-    return tl::make_unexpected(publisher.error());
-  }
+  RAYLOC_TRY(publisher);
   SnapshotServer::Options snapshots;
   snapshots.endpoint = config.publish.snapshot;
   snapshots.adopted_fd = sockets.take("snapshot").value_or(-1);
@@ -119,9 +101,7 @@ Expected<void> Process::open_publishing(PassedSockets& sockets) {
   snapshots.guard = guard_;
   snapshots.on_round = [this] { snapshots_progress_.beat(); };
   auto snapshot_server = SnapshotServer::open(snapshots);
-  if (!snapshot_server) {
-    return tl::make_unexpected(snapshot_server.error());
-  }
+  RAYLOC_TRY(snapshot_server);
   snapshots_ = std::move(*snapshot_server);
   PublisherStage::Options stage;
   stage.heartbeat = config.publish.heartbeat;

@@ -13,18 +13,14 @@ Expected<void> Process::open_cluster() {
     return {};
   }
   auto broker = open_broker(broker_options(config));
-  if (!broker) {
-    return tl::make_unexpected(broker.error());
-  }
+  RAYLOC_TRY(broker);
   broker_ = std::move(*broker);
   if (config.role == ClusterRole::kWorker) {
     return open_claims();
   }
   if (config.role == ClusterRole::kGateway) {
     auto gateway = GatewayRole::open(broker_, output_stream(result_options(config)));
-    if (!gateway) {
-      return tl::make_unexpected(gateway.error());
-    }
+    RAYLOC_TRY(gateway);
     gateway_ = std::move(*gateway);
     return {};
   }
@@ -38,9 +34,7 @@ Expected<void> Process::open_cluster() {
   options.sender.stream = stream_options(config);
   options.sender.clock_synchronised = [] { return clock_state() == ClockState::kSynchronized; };
   auto capture = CaptureRole::open(broker_, std::move(options));
-  if (!capture) {
-    return tl::make_unexpected(capture.error());
-  }
+  RAYLOC_TRY(capture);
   capture_ = std::move(*capture);
   return {};
 }

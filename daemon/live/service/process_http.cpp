@@ -22,9 +22,7 @@ Expected<void> Process::open_http(PassedSockets& sockets) {
   }
   const Expected<std::string> token =
       config.token_file.empty() ? std::string() : read_http_token(config.token_file);
-  if (!token) {
-    return tl::make_unexpected(token.error());
-  }
+  RAYLOC_TRY(token);
   HttpServer::Options options;
   options.limits.connections = affordable_connections(options.limits.connections);
   options.host = config.host;
@@ -34,9 +32,7 @@ Expected<void> Process::open_http(PassedSockets& sockets) {
   options.front = config.front;
   options.on_round = [this] { http_progress_.beat(); };
   Expected<std::unique_ptr<HttpServer>> opened = HttpServer::open(options, routes());
-  if (!opened) {
-    return tl::make_unexpected(opened.error());
-  }
+  RAYLOC_TRY(opened);
   http_ = std::move(*opened);
   for (const SiteSet::Site& site : sites_.all()) {
     fill_shared(site->runtime->status_sources());

@@ -117,9 +117,7 @@ Expected<RunningSite> Process::begin_site(std::unique_ptr<SiteRuntime> runtime, 
       site.runtime->open({[this](const std::string& name) { return passed_socket(name); },
                           [this](const SourceConfig& source) { return handed_.take(source); }},
                          *site.output);
-  if (!opened) {
-    return tl::make_unexpected(opened.error());
-  }
+  RAYLOC_TRY(opened);
   if (gateway_) {
     listen_to_owner(site.runtime->setup().site.name, site.output);
   }

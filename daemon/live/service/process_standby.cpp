@@ -87,13 +87,9 @@ void Process::begin_standby(const std::string& name) {
 
 Expected<SiteSet::Site> Process::computing_along(SitePreparation::Prepared prepared,
                                                  StandbyStart along) {
-  if (const Expected<void> started = prepared.runtime->begin_standby(std::move(along)); !started) {
-    return tl::make_unexpected(started.error());
-  }
+  RAYLOC_TRY(prepared.runtime->begin_standby(std::move(along)));
   auto begun = begin_site(std::move(prepared.runtime), std::move(prepared.files));
-  if (!begun) {
-    return tl::make_unexpected(begun.error());
-  }
+  RAYLOC_TRY(begun);
   begun->runtime->start();
   return std::make_shared<const RunningSite>(*std::move(begun));
 }
@@ -106,9 +102,7 @@ Expected<void> Process::promote(const std::string& name, std::uint64_t generatio
   if (standby && !standby->trouble.empty()) {
     return make_error(ErrorKind::kUnavailable, standby->trouble);
   }
-  if (Expected<void> claimed = site->runtime->claim(generation); !claimed) {
-    return claimed;
-  }
+  RAYLOC_TRY(site->runtime->claim(generation));
   along_.erase(name);
   show(*site);
   note_audit(*site);  // with the comparisons made during the claim

@@ -31,9 +31,7 @@ Expected<void> Process::open_claims() {
   options.stream = claim_stream(result_options(config));
   options.result_age = result_options(config).max_age;
   auto claims = ClaimKeeper::open(broker_, std::move(options));
-  if (!claims) {
-    return tl::make_unexpected(claims.error());
-  }
+  RAYLOC_TRY(claims);
   claims_ = std::move(*claims);
   return {};
 }
@@ -134,13 +132,9 @@ void Process::own(const ClaimKeeper::Change& change) {
 }
 
 Expected<void> Process::begin_owned(SitePreparation::Prepared prepared, std::uint64_t generation) {
-  if (Expected<void> claimed = prepared.runtime->claim(generation); !claimed) {
-    return claimed;
-  }
+  RAYLOC_TRY(prepared.runtime->claim(generation));
   auto begun = begin_site(std::move(prepared.runtime), std::move(prepared.files));
-  if (!begun) {
-    return tl::make_unexpected(begun.error());
-  }
+  RAYLOC_TRY(begun);
   show(std::move(*begun));
   sites_.find(prepared.name)->runtime->start();
   log_line(LogLevel::kInfo,

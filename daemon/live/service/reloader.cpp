@@ -5,9 +5,7 @@ namespace rayloc {
 Expected<Reloader::Reload> Reloader::reload(const RunningSetup& running) {
   // The setup reads the site as well: a configuration whose site is broken would not start.
   Expected<DaemonSetup> setup = reload_daemon_setup(file_, running);
-  if (!setup) {
-    return tl::make_unexpected(setup.error());
-  }
+  RAYLOC_TRY(setup);
   const InputFiles now = InputFiles::of(*setup);
   Reload reload{
       std::move(setup->config), std::move(setup->sites), values_.changes_to(setup->values)};

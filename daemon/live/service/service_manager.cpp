@@ -66,9 +66,7 @@ Expected<PassedSockets> PassedSockets::take() {
     std::free(names[i]);  // NOLINT(cppcoreguidelines-no-malloc): sd_listen_fds(3)
   }
   std::free(names);  // NOLINT(cppcoreguidelines-no-malloc)
-  if (!result) {
-    return tl::make_unexpected(result.error());
-  }
+  RAYLOC_TRY(result);
   return passed;
 }
 

@@ -31,9 +31,7 @@ Expected<void> write_all(const SiteEditor& editor,
                      ": there is a site here already; begin another one in another folder");
   }
   for (const auto& [name, content] : files) {
-    if (auto written = write_file(editor.directory() / name, content); !written) {
-      return written;
-    }
+    RAYLOC_TRY(write_file(editor.directory() / name, content));
   }
   return {};
 }
@@ -44,17 +42,13 @@ Expected<Json> begin_room(const SiteEditor& editor, const std::string& body) {
     return bad_input("send {\"plan\": TOML}");
   }
   const auto plan = parse_room_plan(json["plan"].get<std::string>(), "plan");
-  if (!plan) {
-    return tl::make_unexpected(plan.error());
-  }
+  RAYLOC_TRY(plan);
   if (!room_pattern_files(*plan).empty()) {
     return bad_input("a plan that is sent cannot name files of antennas");
   }
   auto files = scene_files(build_room(*plan));
   files["site.toml"] = room_site(*plan);
-  if (auto written = write_all(editor, files); !written) {
-    return tl::make_unexpected(std::move(written.error()));
-  }
+  RAYLOC_TRY(write_all(editor, files));
   return editor.state();
 }
 
@@ -76,9 +70,7 @@ Expected<Json> begin_import(const SiteEditor& editor,
     return tl::make_unexpected(write_all(editor, {}).error());
   }
   const fs::path file = editor.directory() / ("import" + kind);
-  if (auto written = write_file(file, bytes); !written) {
-    return tl::make_unexpected(std::move(written.error()));
-  }
+  RAYLOC_TRY(write_file(file, bytes));
   const auto table = MaterialTable::parse(kDefaultMaterialTable, "materials");
   auto imported = table ? import_scene(file, *table, {}) : tl::make_unexpected(table.error());
   if (!imported) {
@@ -93,9 +85,7 @@ Expected<Json> begin_import(const SiteEditor& editor,
   plan.carrier = usual_carrier();
   auto files = scene_files(imported->scene);
   files["site.toml"] = room_site(plan);
-  if (auto written = write_all(editor, files); !written) {
-    return tl::make_unexpected(std::move(written.error()));
-  }
+  RAYLOC_TRY(write_all(editor, files));
   auto state = editor.state();
   if (state) {
     (*state)["said"] = imported->remarks;

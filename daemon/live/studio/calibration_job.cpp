@@ -136,9 +136,7 @@ Expected<void> CalibrationJob::start(const std::string& what) {
   arguments.emplace_back("--capture");
   arguments.insert(arguments.end(), recordings->begin(), recordings->end());
   auto process = ChildProcess::start(*program, arguments);
-  if (!process) {
-    return tl::make_unexpected(std::move(process.error()));
-  }
+  RAYLOC_TRY(process);
   process_ = *std::move(process);
   out_ = out;
   begun_ = std::chrono::steady_clock::now();

@@ -226,9 +226,7 @@ class SceneEditing {
     }
     const std::size_t at = last ? line_end(end_of(last)) : xml_.rfind("</scene>");
     for (const DraftObject& one : wanted) {
-      if (auto added = one.was.empty() ? add(one, at) : Expected<void>(); !added) {
-        return tl::make_unexpected(std::move(added.error()));
-      }
+      RAYLOC_TRY(one.was.empty() ? add(one, at) : Expected<void>());
     }
     return error_ ? Expected<std::string>(tl::make_unexpected(*error_)) : edits_.apply(xml_);
   }
@@ -442,9 +440,7 @@ class SceneEditing {
 Expected<std::vector<DraftObject>> read_scene_text(const std::string& xml,
                                                    const std::string& name) {
   SceneEditing scene(xml, name);
-  if (auto opened = scene.open(); !opened) {
-    return tl::make_unexpected(std::move(opened.error()));
-  }
+  RAYLOC_TRY(scene.open());
   std::vector<DraftObject> objects;
   for (const pugi::xml_node& shape : scene.scene().children("shape")) {
     if (shape.attribute("id")) {
@@ -468,9 +464,7 @@ Expected<std::string> edit_scene_text(const std::string& xml,
                                       const std::string& name,
                                       const std::vector<DraftObject>& wanted) {
   SceneEditing scene(xml, name);
-  if (auto opened = scene.open(); !opened) {
-    return tl::make_unexpected(std::move(opened.error()));
-  }
+  RAYLOC_TRY(scene.open());
   return scene.edit(wanted);
 }
 

@@ -82,21 +82,15 @@ Expected<SiteEditor::Files> SiteEditor::read() const {
   }
   Files files;
   auto toml = read_file(site_file());
-  if (!toml) {
-    return tl::make_unexpected(std::move(toml.error()));
-  }
+  RAYLOC_TRY(toml);
   files.toml = *std::move(toml);
   const auto parsed = TomlText::parse(files.toml, site_file());
-  if (!parsed) {
-    return tl::make_unexpected(parsed.error());
-  }
+  RAYLOC_TRY(parsed);
   const std::string stated = parsed->root()["scene"].value_or<std::string>("");
   const fs::path scene = directory_ / stated;
   if (!stated.empty() && fs::is_regular_file(scene, status)) {
     auto xml = read_file(scene);
-    if (!xml) {
-      return tl::make_unexpected(std::move(xml.error()));
-    }
+    RAYLOC_TRY(xml);
     files.scene = scene;
     files.xml = *std::move(xml);
   }
@@ -109,13 +103,9 @@ Expected<SiteEditor::Files> SiteEditor::read() const {
 
 Expected<std::vector<std::string>> SiteEditor::check(const Files& files) const {
   auto site = parse_site(files.toml, site_file());
-  if (!site) {
-    return tl::make_unexpected(std::move(site.error()));
-  }
+  RAYLOC_TRY(site);
   auto scene = scene_of(files.xml, files.scene, scene_options(*site));
-  if (!scene) {
-    return tl::make_unexpected(std::move(scene.error()));
-  }
+  RAYLOC_TRY(scene);
   const auto shared = std::make_shared<const Scene>(*std::move(scene));
   if (const auto room = room_model_of(*site, shared); !room) {
     return make_error(
@@ -148,13 +138,9 @@ Expected<Json> SiteEditor::state() const {
     return Json{{"empty", true}, {"folder", directory_.string()}, {"presets", presets_json()}};
   }
   const auto files = read();
-  if (!files) {
-    return tl::make_unexpected(files.error());
-  }
+  RAYLOC_TRY(files);
   auto draft = read_site_text(files->toml, site_file());
-  if (!draft) {
-    return tl::make_unexpected(std::move(draft.error()));
-  }
+  RAYLOC_TRY(draft);
   const auto parsed = TomlText::parse(files->toml, site_file());
   draft->revision = files->revision;
   Json state = {{"empty", false},
@@ -187,13 +173,9 @@ Expected<Json> SiteEditor::state() const {
 
 Expected<Json> SiteEditor::save(const std::string& text) const {
   const auto draft = parse_draft(text);
-  if (!draft) {
-    return tl::make_unexpected(draft.error());
-  }
+  RAYLOC_TRY(draft);
   const auto was = read();
-  if (!was) {
-    return tl::make_unexpected(was.error());
-  }
+  RAYLOC_TRY(was);
   if (draft->revision != was->revision) {
     return make_error(ErrorKind::kUnavailable,
                       "the files of the site have changed since they were read here; your drawing "
@@ -201,19 +183,13 @@ Expected<Json> SiteEditor::save(const std::string& text) const {
   }
   Files now = *was;
   auto toml = edit_site_text(was->toml, site_file(), *draft);
-  if (!toml) {
-    return tl::make_unexpected(std::move(toml.error()));
-  }
+  RAYLOC_TRY(toml);
   now.toml = *std::move(toml);
   auto xml = edit_scene_text(was->xml, was->scene.string(), draft->objects);
-  if (!xml) {
-    return tl::make_unexpected(std::move(xml.error()));
-  }
+  RAYLOC_TRY(xml);
   now.xml = *std::move(xml);
   const auto warnings = check(now);
-  if (!warnings) {
-    return tl::make_unexpected(warnings.error());
-  }
+  RAYLOC_TRY(warnings);
   const bool changed = now.toml != was->toml || now.xml != was->xml;
   // The check of a large scene takes seconds.
   if (const auto meanwhile = read(); !meanwhile || meanwhile->revision != was->revision) {
@@ -221,9 +197,7 @@ Expected<Json> SiteEditor::save(const std::string& text) const {
                       "the files of the site have changed while this was checked; your drawing is "
                       "kept: read them again");
   }
-  if (auto replaced = replace(*was, now); !replaced) {
-    return tl::make_unexpected(std::move(replaced.error()));
-  }
+  RAYLOC_TRY(replace(*was, now));
   return Json{{"said",
                !changed ? "nothing has changed"
                : saved_ ? saved_()
@@ -248,9 +222,7 @@ Expected<void> SiteEditor::replace(const Files& was, const Files& now) const {
     auto kept = write_file(file.string() + ".bak", old);
     return kept ? write_file(file, text) : kept;
   };
-  if (auto scene = write(was.scene, was.xml, now.xml); !scene) {
-    return scene;
-  }
+  RAYLOC_TRY(write(was.scene, was.xml, now.xml));
   auto toml = write(site_file(), was.toml, now.toml);
   if (!toml && now.xml != was.xml) {
     static_cast<void>(write_file(was.scene, was.xml));

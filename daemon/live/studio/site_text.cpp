@@ -321,13 +321,9 @@ Expected<SiteDraft> read_site_text(const std::string& text, const std::filesyste
 Expected<std::string> edit_site_text(const std::string& text,
                                      const std::filesystem::path& file,
                                      const SiteDraft& draft) {
-  if (auto checked = check_texts(draft); !checked) {
-    return tl::make_unexpected(std::move(checked.error()));
-  }
+  RAYLOC_TRY(check_texts(draft));
   auto parsed = TomlText::parse(text, file);
-  if (!parsed) {
-    return tl::make_unexpected(std::move(parsed.error()));
-  }
+  RAYLOC_TRY(parsed);
   const SiteDraft is = read_root(parsed->root());
   SiteEditing editing(*parsed);
   editing.edit(

@@ -18,9 +18,7 @@ bool is_table_list(const toml::node& node) {
 
 Expected<TomlText> TomlText::parse(std::string text, const std::filesystem::path& file) {
   // Refuses input that toml++ cannot handle, and gives our own messages for invalid TOML.
-  if (const auto checked = TomlDocument::parse(text, file); !checked) {
-    return tl::make_unexpected(checked.error());
-  }
+  RAYLOC_TRY(TomlDocument::parse(text, file));
   toml::parse_result parsed = toml::parse(text);
   return TomlText(std::move(text), std::move(parsed));
 }

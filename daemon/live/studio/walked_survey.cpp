@@ -69,9 +69,7 @@ Expected<void> WalkedSurvey::keep() {
                       "device send? Nothing was written");
   }
   auto file = cli::SurveyFile::open(file_.string());
-  if (!file) {
-    return tl::make_unexpected(std::move(file.error()));
-  }
+  RAYLOC_TRY(file);
   auto written = file->append({stay_->since, std::chrono::system_clock::now(), stay_->position, 0});
   if (written) {
     stay_.reset();

@@ -18,9 +18,7 @@ CalibrationMonitor::Transmitter placed(const SiteTransmitter& fixed) {
 
 Expected<void> ChainSupervisor::prepare(const Site& site, const RoomModel& room) {
   auto references = load_references(site, room);
-  if (!references) {
-    return tl::make_unexpected(std::move(references.error()));
-  }
+  RAYLOC_TRY(references);
   monitor_ = std::make_unique<CalibrationMonitor>(std::make_shared<const RoomModel>(room));
   for (PersonReference& reference : *references) {
     const SiteTransmitter* fixed = find_fixed_transmitter(site, reference.mac);

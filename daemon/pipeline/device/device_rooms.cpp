@@ -37,14 +37,10 @@ Expected<void> DeviceRooms::add(const Method& method,
     input.listed.insert(transmitter.mac);
   }
   auto training = training_of(site_, method, *input.room);
-  if (!training) {
-    return tl::make_unexpected(std::move(training.error()));
-  }
+  RAYLOC_TRY(training);
   input.training = *std::move(training);
   auto made = method.create_device(std::move(input));
-  if (!made) {
-    return tl::make_unexpected(std::move(made.error()));
-  }
+  RAYLOC_TRY(made);
   rooms_.push_back({device, *std::move(made)});
   return {};
 }
@@ -62,9 +58,7 @@ Expected<void> DeviceRooms::prepare(const Method& method,
   for (const DeviceModel& model : models) {
     room.device = model;
     auto added = add(method, settings, std::make_shared<const RoomModel>(room));
-    if (!added) {
-      return tl::make_unexpected(std::move(added.error()));
-    }
+    RAYLOC_TRY(added);
   }
   return {};
 }

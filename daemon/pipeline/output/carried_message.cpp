@@ -278,22 +278,16 @@ Expected<Carried> carried_of(const v1::Carried& message) {
     }
   }
   auto zones = zones_of(message);
-  if (!zones) {
-    return tl::make_unexpected(std::move(zones.error()));
-  }
+  RAYLOC_TRY(zones);
   carried.zones = *std::move(zones);
   for (const v1::CarriedChains& chains : message.chains()) {
     auto state = chains_of(chains);
-    if (!state) {
-      return tl::make_unexpected(std::move(state.error()));
-    }
+    RAYLOC_TRY(state);
     carried.chains.push_back(*std::move(state));
   }
   for (const v1::CarriedCalibration& calibration : message.calibration()) {
     auto state = monitor_state_of(calibration);
-    if (!state) {
-      return tl::make_unexpected(std::move(state.error()));
-    }
+    RAYLOC_TRY(state);
     carried.calibration.push_back(*std::move(state));
   }
   for (const v1::CarriedWatch& watched : message.watched()) {

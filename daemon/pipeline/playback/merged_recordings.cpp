@@ -19,9 +19,7 @@ Expected<MergedRecordings::Next> MergedRecordings::next() {
   }
   Next earliest;
   for (std::size_t i = 0; i < recordings_.size(); ++i) {
-    if (auto filled = fill(recordings_[i]); !filled) {
-      return tl::make_unexpected(std::move(filled.error()));
-    }
+    RAYLOC_TRY(fill(recordings_[i]));
     const Datagram* candidate = recordings_[i].front();
     if (candidate != nullptr &&
         (earliest.datagram == nullptr || candidate->time < earliest.datagram->time)) {
@@ -55,10 +53,7 @@ std::vector<std::string> MergedRecordings::warnings() const {
 // Waits while a pipe has no data.
 Expected<void> MergedRecordings::fill(Recording& recording) const {
   while (recording.front() == nullptr && !recording.batch.ended && !is_stopped_()) {
-    if (auto read = recording.source->read(recording.batch, std::chrono::milliseconds(200));
-        !read) {
-      return read;
-    }
+    RAYLOC_TRY(recording.source->read(recording.batch, std::chrono::milliseconds(200)));
     recording.next = 0;
   }
   return {};

@@ -22,18 +22,14 @@ PlaybackSource::PlaybackSource(Open open,
 Expected<std::unique_ptr<PlaybackSource>> PlaybackSource::open(Open open,
                                                                std::shared_ptr<Playback> playback) {
   auto recording = open();
-  if (!recording) {
-    return tl::make_unexpected(recording.error());
-  }
+  RAYLOC_TRY(recording);
   return std::unique_ptr<PlaybackSource>(
       new PlaybackSource(std::move(open), std::move(*recording), std::move(playback)));
 }
 
 Expected<void> PlaybackSource::go_to(const Playback::Place& place) {
   auto recording = open_();
-  if (!recording) {
-    return tl::make_unexpected(recording.error());
-  }
+  RAYLOC_TRY(recording);
   recording_ = std::move(*recording);
   place_ = place;
   pending_ = {};
@@ -49,9 +45,7 @@ Expected<void> PlaybackSource::go_to(const Playback::Place& place) {
 Expected<void> PlaybackSource::read_on(Duration timeout) {
   for (int i = 0; i < kReadsAtOnce && next_ == pending_.datagrams.size() && !pending_.ended; ++i) {
     next_ = 0;
-    if (Expected<void> read = recording_->read(pending_, timeout); !read) {
-      return read;
-    }
+    RAYLOC_TRY(recording_->read(pending_, timeout));
     std::erase_if(pending_.datagrams,
                   [&](const Datagram& datagram) { return datagram.time < place_.from; });
     passing_ = passing_ && pending_.datagrams.empty();
@@ -81,9 +75,7 @@ Expected<void> PlaybackSource::read(DatagramBatch& batch, Duration timeout) {
     batch.moved = place.number;
     return go_to(place);
   }
-  if (Expected<void> read = read_on(timeout); !read) {
-    return read;
-  }
+  RAYLOC_TRY(read_on(timeout));
   if (next_ < pending_.datagrams.size()) {
     give(playback_->wait_for(pending_.datagrams[next_].time, place_.number, deadline), batch);
   } else if (pending_.ended) {

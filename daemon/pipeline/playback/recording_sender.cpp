@@ -38,9 +38,7 @@ Expected<std::vector<KeptDatagram>> keep_all(MergedRecordings& recordings) {
   std::size_t bytes = 0;
   for (auto next = recordings.next(); !next || next->datagram != nullptr;
        next = recordings.next()) {
-    if (!next) {
-      return tl::make_unexpected(std::move(next.error()));
-    }
+    RAYLOC_TRY(next);
     const auto& payload = next->datagram->payload;
     bytes += payload.size() + sizeof(KeptDatagram);
     if (bytes > kMaxBytes) {
@@ -94,23 +92,16 @@ Expected<SendOutcome> RecordingSender::send_paced(const PacedSending& options) {
       break;
     }
     if (due > monotonic_now()) {
-      if (auto flushed = sinks_.flush(); !flushed) {
-        return tl::make_unexpected(std::move(flushed.error()));
-      }
+      RAYLOC_TRY(sinks_.flush());
       sleep_until(due);
     }
     if (std::isfinite(speed)) {
       outcome.latest = std::max(outcome.latest, monotonic_now() - due);
     }
-    if (auto queued = sinks_.queue(next->recording, sent_now(datagram.address, datagram.payload));
-        !queued) {
-      return tl::make_unexpected(std::move(queued.error()));
-    }
+    RAYLOC_TRY(sinks_.queue(next->recording, sent_now(datagram.address, datagram.payload)));
     next = recordings_.next();
   }
-  if (auto flushed = sinks_.flush(); !flushed) {
-    return tl::make_unexpected(std::move(flushed.error()));
-  }
+  RAYLOC_TRY(sinks_.flush());
   outcome.elapsed = monotonic_now() - begin;
   return next ? Expected<SendOutcome>(outcome) : tl::make_unexpected(std::move(next.error()));
 }
@@ -122,9 +113,7 @@ Expected<SendOutcome> RecordingSender::send_at_rate(double rate, std::optional<d
   // A machine that cannot keep the rate does not send much longer than the requested duration.
   constexpr Duration kGrace = std::chrono::milliseconds(100);
   auto kept = keep_all(recordings_);
-  if (!kept) {
-    return tl::make_unexpected(std::move(kept.error()));
-  }
+  RAYLOC_TRY(kept);
   report_start(std::nullopt);
   const std::uint64_t total = kept->empty() ? 0
                               : duration
@@ -148,13 +137,9 @@ Expected<SendOutcome> RecordingSender::send_at_rate(double rate, std::optional<d
     // Sends in batches, so that a signal or the end of the time is noticed when far behind.
     for (std::size_t i = 0; i < SinkQueue::kBatch && sent < due; ++i, ++sent) {
       const KeptDatagram& one = (*kept)[sent % kept->size()];
-      if (auto queued = sinks_.queue(one.recording, sent_now(one.address, one.payload)); !queued) {
-        return tl::make_unexpected(std::move(queued.error()));
-      }
+      RAYLOC_TRY(sinks_.queue(one.recording, sent_now(one.address, one.payload)));
     }
-    if (auto flushed = sinks_.flush(); !flushed) {
-      return tl::make_unexpected(std::move(flushed.error()));
-    }
+    RAYLOC_TRY(sinks_.flush());
     if (sent == due && sent < total) {
       sleep_until(begin + std::max(time_of(sent), elapsed + kTick));
     }

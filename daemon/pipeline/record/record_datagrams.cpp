@@ -46,9 +46,7 @@ Expected<void> record_datagrams(DatagramSource& source,
       }
       wait = std::min(wait, left);
     }
-    if (auto read = source.read(batch, wait); !read) {
-      return read;
-    }
+    RAYLOC_TRY(source.read(batch, wait));
     const std::uint64_t room = limit - sink.counters().given;
     const auto taken = std::min<std::uint64_t>(room, batch.datagrams.size());
     batch.datagrams.resize(taken);

@@ -127,9 +127,7 @@ Expected<std::uint64_t> RingSnapshots::write_file(const File& file,
   for (const auto& piece : file.pieces) {
     bytes += piece->bytes();
   }
-  if (const Expected<void> made = make_recording_folder(folder_); !made) {
-    return tl::make_unexpected(made.error());
-  }
+  RAYLOC_TRY(make_recording_folder(folder_));
   const std::uint64_t free = free_disk_bytes(folder_);
   if (free < min_free_bytes || free - min_free_bytes < bytes) {
     return cannot_write(file.path, "less than min_free_mb would be left");

@@ -40,22 +40,16 @@ RotatingRecorder::~RotatingRecorder() { close(); }
 
 // Opens the next file for writing; the one before is closed and gets its name.
 Expected<void> RotatingRecorder::open_file() {
-  if (Expected<void> made = make_recording_folder(options_.folder); !made) {
-    return made;
-  }
+  RAYLOC_TRY(make_recording_folder(options_.folder));
   const std::string path =
       free_recording_name(options_.folder, options_.name, options_.now()).string() + kPartSuffix;
   if (recorder_) {
     const std::string before = recorder_->path();
-    if (Expected<void> next = recorder_->continue_in(path); !next) {
-      return next;
-    }
+    RAYLOC_TRY(recorder_->continue_in(path));
     name_finished(before);
   } else {
     Expected<PcapRecorder> created = PcapRecorder::create(path);
-    if (!created) {
-      return tl::make_unexpected(created.error());
-    }
+    RAYLOC_TRY(created);
     recorder_.emplace(std::move(*created));
   }
   // Until it is closed: a daemon that starts meanwhile must not treat it as a leftover.

@@ -312,9 +312,7 @@ Expected<Model> drawn_plan(const Drawing& drawing,
     for (FloorPoint& p : line.points) {
       p = {metres * p[0], metres * p[1]};
     }
-    if (auto added = maker.add(line); !added) {
-      return tl::make_unexpected(std::move(added.error()));
-    }
+    RAYLOC_TRY(maker.add(line));
   }
   return maker.finish(layers, drawing);
 }

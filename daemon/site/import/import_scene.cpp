@@ -195,9 +195,7 @@ Expected<Model> model_of_drawing(const std::filesystem::path& file,
                                  const MaterialTable& table,
                                  const ModelUnits& units) {
   const auto drawing = format == ModelFormat::kSvg ? read_svg(file, units) : read_dxf(file);
-  if (!drawing) {
-    return tl::make_unexpected(drawing.error());
-  }
+  RAYLOC_TRY(drawing);
   auto model = drawn_plan(*drawing, table, {units.metres, units.height});
   return model ? std::move(model) : bad_input(file.string() + ": " + model.error().message);
 }
@@ -222,9 +220,7 @@ Expected<ImportedScene> import_scene(const std::filesystem::path& file,
                                      const MaterialTable& table,
                                      const ImportOptions& options) {
   const auto format = recognise(file);
-  if (!format) {
-    return tl::make_unexpected(format.error());
-  }
+  RAYLOC_TRY(format);
   if (options.units.scale > 0.0 && *format != ModelFormat::kSvg) {
     return bad_input(file.string() + ": is " + name_of(*format) +
                      ", which is as large as it was drawn; --scale is of SVG, --unit of this");
@@ -233,9 +229,7 @@ Expected<ImportedScene> import_scene(const std::filesystem::path& file,
   auto model = is_flat ? model_of_drawing(file, *format, table, options.units)
                : *format == ModelFormat::kRoomScan ? read_room_scan(file)
                                                    : read_model(file, *format, options.units);
-  if (!model) {
-    return tl::make_unexpected(std::move(model.error()));
-  }
+  RAYLOC_TRY(model);
   const Vec3d size = bounds_of(*model).size();
   if (const double largest = std::max({size.x, size.y, size.z}); !(largest <= kLargestRead)) {
     return bad_input(fmt::format(

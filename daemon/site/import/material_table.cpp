@@ -193,9 +193,7 @@ Expected<MaterialTable> MaterialTable::of(TomlDocument& document) {
       table.layers_.emplace_back(std::string(kind), read_words(*layers, kind));
     }
   }
-  if (auto finished = document.finish(); !finished) {
-    return tl::make_unexpected(std::move(finished.error()));
-  }
+  RAYLOC_TRY(document.finish());
   return table;
 }
 

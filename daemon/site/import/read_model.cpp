@@ -234,9 +234,7 @@ Expected<Model> read_model(const std::filesystem::path& file,
                            const ModelUnits& units) {
   Model model;
   if (format == ModelFormat::kPly) {
-    if (auto checked = check_counts(file, model); !checked) {
-      return tl::make_unexpected(checked.error());
-    }
+    RAYLOC_TRY(check_counts(file, model));
   }
   Assimp::Importer importer;
   importer.SetIOHandler(new FilesBeside(file));  // owned by the importer

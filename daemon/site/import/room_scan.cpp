@@ -82,9 +82,7 @@ class RoomScanReader {
     }
     for (const std::string_view list : kLists) {
       if (const auto found = json.find(list); found != json.end()) {
-        if (auto read = read_list(list, *found); !read) {
-          return tl::make_unexpected(std::move(read.error()));
-        }
+        RAYLOC_TRY(read_list(list, *found));
       }
     }
     add_remarks(json);
@@ -109,9 +107,7 @@ class RoomScanReader {
       const Json& item = items[i];
       const std::string place = fmt::format("{}[{}]", list, i);
       auto box = read_box(item, place);
-      if (!box) {
-        return tl::make_unexpected(std::move(box.error()));
-      }
+      RAYLOC_TRY(box);
       if (is_low(item)) {
         low_.push_back(place);
       }
@@ -264,9 +260,7 @@ class RoomScanReader {
 
 Expected<Model> read_room_scan(const std::filesystem::path& file) {
   const auto text = read_file(file);
-  if (!text) {
-    return tl::make_unexpected(text.error());
-  }
+  RAYLOC_TRY(text);
   const Json json = Json::parse(*text, nullptr, false);
   if (json.is_discarded()) {
     return bad_input(file.string() + ": is cut off, or no JSON; export it again");

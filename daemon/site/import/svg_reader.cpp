@@ -72,15 +72,11 @@ class SvgReader {
 
   Expected<Drawing> read() {
     const auto root = xml_.parse("svg");
-    if (!root) {
-      return tl::make_unexpected(root.error());
-    }
+    RAYLOC_TRY(root);
     collect(*root);
     // On paper y points down.
     walk(*root, {1.0, 0.0, 0.0, -1.0}, "", 0);
-    if (auto read = xml_.check(); !read) {
-      return tl::make_unexpected(std::move(read.error()));
-    }
+    RAYLOC_TRY(xml_.check());
     if (points_ > kMaxDrawnPoints) {
       return refuse("has more points than a plan of rooms; export one storey");
     }
@@ -401,9 +397,7 @@ class SvgReader {
 
 Expected<Drawing> read_svg(const std::filesystem::path& file, const ModelUnits& units) {
   const auto text = read_file(file);
-  if (!text) {
-    return tl::make_unexpected(text.error());
-  }
+  RAYLOC_TRY(text);
   return SvgReader(*text, file, units).read();
 }
 

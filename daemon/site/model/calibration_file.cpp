@@ -240,9 +240,7 @@ Expected<CalibrationFile> read_calibration_document(TomlDocument& document) {
   for (const TomlTable& table : root.tables("parameter")) {
     calibration.parameters.push_back(read_parameter(table));
   }
-  if (auto finished = document.finish(); !finished) {
-    return tl::make_unexpected(std::move(finished.error()));
-  }
+  RAYLOC_TRY(document.finish());
   return calibration;
 }
 
@@ -307,18 +305,14 @@ std::string to_toml(const CalibrationFile& calibration) {
 
 Expected<CalibrationFile> load_calibration_file(const std::filesystem::path& file) {
   auto document = TomlDocument::read(file);
-  if (!document) {
-    return tl::make_unexpected(std::move(document.error()));
-  }
+  RAYLOC_TRY(document);
   return read_calibration_document(**document);
 }
 
 Expected<CalibrationFile> parse_calibration_file(std::string_view text,
                                                  const std::filesystem::path& file) {
   auto document = TomlDocument::parse(text, file);
-  if (!document) {
-    return tl::make_unexpected(std::move(document.error()));
-  }
+  RAYLOC_TRY(document);
   return read_calibration_document(**document);
 }
 

@@ -177,9 +177,7 @@ Expected<std::vector<PersonReference>> read_references(TomlDocument& document,
       references.push_back(*std::move(reference));
     }
   }
-  if (auto finished = document.finish(); !finished) {
-    return tl::make_unexpected(std::move(finished.error()));
-  }
+  RAYLOC_TRY(document.finish());
   return references;
 }
 
@@ -236,9 +234,7 @@ Expected<std::vector<PersonReference>> load_references(const Site& site, const R
     return std::vector<PersonReference>();
   }
   auto document = TomlDocument::read(*site.reference_file);
-  if (!document) {
-    return tl::make_unexpected(std::move(document.error()));
-  }
+  RAYLOC_TRY(document);
   return read_references(**document, site, room);
 }
 

@@ -58,9 +58,7 @@ void apply_to(RoomAccessPoint& ap, CalibratedAccessPoint&& found, const Site& si
 Expected<void> apply_calibration(const Site& site, RoomModel& room) {
   const std::filesystem::path& file = *site.calibration_file;
   auto calibration = load_calibration_file(file);
-  if (!calibration) {
-    return tl::make_unexpected(std::move(calibration.error()));
-  }
+  RAYLOC_TRY(calibration);
   if (calibration->scene_hash != room.scene_hash) {
     return make_error(ErrorKind::kConfiguration,
                       file.string() + ": made for another scene (" + calibration->scene_hash +
@@ -140,9 +138,7 @@ SceneOptions scene_options(const Site& site) {
 
 Expected<RoomModel> load_room_model(const Site& site) {
   auto scene = load_scene(site.scene_file, scene_options(site));
-  if (!scene) {
-    return tl::make_unexpected(std::move(scene.error()));
-  }
+  RAYLOC_TRY(scene);
   return room_model_of(site, std::make_shared<const Scene>(*std::move(scene)));
 }
 
@@ -150,9 +146,7 @@ Expected<RoomModel> room_on_channel(const Site& site, const RoomModel& room, dou
   SceneOptions options = scene_options(site);
   options.carrier_hz = centre_hz;
   auto scene = load_scene(site.scene_file, options);
-  if (!scene) {
-    return tl::make_unexpected(std::move(scene.error()));
-  }
+  RAYLOC_TRY(scene);
   RoomModel other = room;
   other.scene = std::make_shared<const Scene>(*std::move(scene));
   other.grid.centre_hz = centre_hz;
@@ -160,9 +154,7 @@ Expected<RoomModel> room_on_channel(const Site& site, const RoomModel& room, dou
 }
 
 Expected<RoomModel> room_model_of(const Site& site, std::shared_ptr<const Scene> scene) {
-  if (auto checked = check_room(*scene, site); !checked) {
-    return tl::make_unexpected(std::move(checked.error()));
-  }
+  RAYLOC_TRY(check_room(*scene, site));
   RoomModel room;
   room.name = site.name;
   room.scene = std::move(scene);
@@ -175,9 +167,7 @@ Expected<RoomModel> room_model_of(const Site& site, std::shared_ptr<const Scene>
     room.access_points.push_back({ap.id, ap.array, ap.cores, {}, {}});
   }
   if (site.calibration_file) {
-    if (auto applied = apply_calibration(site, room); !applied) {
-      return tl::make_unexpected(std::move(applied.error()));
-    }
+    RAYLOC_TRY(apply_calibration(site, room));
   }
   return room;
 }

@@ -67,9 +67,7 @@ Expected<Site> read_document(TomlDocument& document) {
   read_root({document.root(), ""}, site);
   site.files = document.named_paths();
   site.files.push_back(document.file());
-  if (const Expected<void> result = document.finish(); !result) {
-    return tl::make_unexpected(result.error());
-  }
+  RAYLOC_TRY(document.finish());
   return site;
 }
 

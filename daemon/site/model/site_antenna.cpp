@@ -31,13 +31,9 @@ Expected<std::string> read_table(const fs::path& file) {
 
 Expected<AntennaPattern> load_pattern(const fs::path& file) {
   const auto text = read_table(file);
-  if (!text) {
-    return tl::make_unexpected(text.error());
-  }
+  RAYLOC_TRY(text);
   auto table = AntennaGainTable::parse(*text, file.string());
-  if (!table) {
-    return tl::make_unexpected(std::move(table.error()));
-  }
+  RAYLOC_TRY(table);
   return AntennaPattern(std::make_shared<const AntennaGainTable>(*std::move(table)));
 }
 

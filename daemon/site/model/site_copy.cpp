@@ -33,9 +33,7 @@ Expected<std::map<std::string, std::string>> take_patterns(toml::table& root,
       const auto stated = root[kind][i]["pattern_file"];
       if (const auto file = stated.value<std::string>()) {
         auto content = read_file(directory / *file);
-        if (!content) {
-          return tl::make_unexpected(std::move(content.error()));
-        }
+        RAYLOC_TRY(content);
         const std::string name = "patterns/" + kind + "-" + std::to_string(i + 1) + ".csv";
         *stated.as_string() = name;
         patterns[name] = *std::move(content);
@@ -58,18 +56,14 @@ Expected<std::map<std::string, std::string>> take_trainings(const Site& site,
   toml::array tables;
   for (const auto& [method, file] : site.training_files) {
     auto content = read_file(file);
-    if (!content) {
-      return tl::make_unexpected(std::move(content.error()));
-    }
+    RAYLOC_TRY(content);
     const auto made_with = toml::parse(*content, file.string())["calibration"].value<std::string>();
     if (made_with && made_with == toml::parse(calibration)["id"].value<std::string>()) {
       const std::string name = "training/" + method + ".toml";
       if (const auto weights =
               toml::parse(*content, file.string())["network"]["weights"].value<std::string>()) {
         auto bytes = read_file(file.parent_path() / *weights);
-        if (!bytes) {
-          return tl::make_unexpected(std::move(bytes.error()));
-        }
+        RAYLOC_TRY(bytes);
         files["training/" + *weights] = *std::move(bytes);
       }
       tables.push_back(toml::table{{"method", method}, {"file", name}});
@@ -89,9 +83,7 @@ Expected<SiteFiles> read_site(const Site& site,
                               bool own_materials) {
   const fs::path file = site.directory / "site.toml";
   auto text = read_file(file);
-  if (!text) {
-    return tl::make_unexpected(std::move(text.error()));
-  }
+  RAYLOC_TRY(text);
   try {
     toml::table root = toml::parse(*text, file.string());
     root.insert_or_assign("scene", "scene.xml");
@@ -105,13 +97,9 @@ Expected<SiteFiles> read_site(const Site& site,
       root.erase("reference");
     }
     auto patterns = take_patterns(root, site.directory);
-    if (!patterns) {
-      return tl::make_unexpected(std::move(patterns.error()));
-    }
+    RAYLOC_TRY(patterns);
     auto others = take_trainings(site, calibration, root);
-    if (!others) {
-      return tl::make_unexpected(std::move(others.error()));
-    }
+    RAYLOC_TRY(others);
     others->merge(*patterns);
     std::ostringstream out;
     out << "# A calibrated copy of " << file.string() << "\n" << root << "\n";
@@ -152,9 +140,7 @@ bool rename_mesh(std::string& xml, const std::string& name, const std::string& o
 // The scene as text, with every mesh it names; names that leave the folder are changed.
 Expected<SceneFiles> read_scene(const Site& site) {
   auto xml = read_file(site.scene_file);
-  if (!xml) {
-    return tl::make_unexpected(std::move(xml.error()));
-  }
+  RAYLOC_TRY(xml);
   SceneFiles files;
   std::map<std::string, std::string> renamed;
   const auto parsed = parse_scene(
@@ -178,9 +164,7 @@ Expected<SceneFiles> read_scene(const Site& site) {
         }
         return content;
       });
-  if (!parsed) {
-    return tl::make_unexpected(parsed.error());
-  }
+  RAYLOC_TRY(parsed);
   for (const auto& [name, own] : renamed) {
     if (!rename_mesh(*xml, name, own) && is_outside(name)) {
       return bad_input(
@@ -237,9 +221,7 @@ Expected<Site> load_calibrated_site(const std::string& directory,
   if (!site->calibration_file) {
     return make_error(ErrorKind::kConfiguration, directory + ": is not calibrated" + why);
   }
-  if (auto checked = check_output(output, site->directory, force); !checked) {
-    return tl::make_unexpected(std::move(checked.error()));
-  }
+  RAYLOC_TRY(check_output(output, site->directory, force));
   return site;
 }
 
@@ -253,16 +235,12 @@ Expected<Site> load_uncalibrated_site(const std::string& directory,
   if (site->calibration_file) {
     return make_error(ErrorKind::kConfiguration, directory + ": is calibrated already");
   }
-  if (auto checked = check_output(output, site->directory, force); !checked) {
-    return tl::make_unexpected(std::move(checked.error()));
-  }
+  RAYLOC_TRY(check_output(output, site->directory, force));
   return site;
 }
 
 Expected<void> prepare_output(const fs::path& directory, bool force) {
-  if (auto checked = check_output(directory, {}, force); !checked) {
-    return checked;
-  }
+  RAYLOC_TRY(check_output(directory, {}, force));
   std::error_code status;
   fs::create_directories(directory, status);
   if (status) {
@@ -303,15 +281,11 @@ Expected<void> write_site(const Site& site,
                           const fs::path& directory,
                           const std::map<std::string, std::string>& refined) {
   auto stated = read_site(site, calibration, refined.empty());
-  if (!stated) {
-    return tl::make_unexpected(std::move(stated.error()));
-  }
+  RAYLOC_TRY(stated);
   std::map<std::string, std::string> files = refined;
   if (refined.empty()) {
     auto scene = read_scene(site);
-    if (!scene) {
-      return tl::make_unexpected(scene.error());
-    }
+    RAYLOC_TRY(scene);
     files = std::move(scene->meshes);
     files["scene.xml"] = std::move(scene->xml);
   }
@@ -320,15 +294,11 @@ Expected<void> write_site(const Site& site,
   files.merge(stated->others);
   if (site.reference_file) {
     auto reference = read_file(*site.reference_file);
-    if (!reference) {
-      return tl::make_unexpected(std::move(reference.error()));
-    }
+    RAYLOC_TRY(reference);
     files["reference.toml"] = *std::move(reference);
   }
   for (const auto& [name, content] : files) {
-    if (auto written = write_file(directory / name, content); !written) {
-      return written;
-    }
+    RAYLOC_TRY(write_file(directory / name, content));
   }
   return {};
 }

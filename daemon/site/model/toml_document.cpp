@@ -119,9 +119,7 @@ TomlDocument::TomlDocument(std::filesystem::path file, toml::table root)
 
 Expected<std::unique_ptr<TomlDocument>> TomlDocument::read(const std::filesystem::path& file) {
   const Expected<std::string> text = read_text_file(file);
-  if (!text) {
-    return tl::make_unexpected(text.error());
-  }
+  RAYLOC_TRY(text);
   return parse(*text, file);
 }
 

@@ -229,9 +229,7 @@ Expected<std::shared_ptr<const Training>> read_training_table(
       training->constant_power.push_back(*mac);
     }
   }
-  if (auto finished = document.finish(); !finished) {
-    return tl::make_unexpected(std::move(finished.error()));
-  }
+  RAYLOC_TRY(document.finish());
   return training;
 }
 
@@ -283,9 +281,7 @@ Expected<std::shared_ptr<const Training>> load_training(const Site& site,
     return nullptr;
   }
   const auto document = TomlDocument::read(file->second);
-  if (!document) {
-    return tl::make_unexpected(document.error());
-  }
+  RAYLOC_TRY(document);
   return read_training_table(**document, site, method, room, settings);
 }
 

@@ -391,9 +391,7 @@ class PlanReader {
 Expected<RoomPlan> read_document(TomlDocument& document) {
   const TomlTable root = document.root();
   RoomPlan plan = PlanReader(root).read();
-  if (const Expected<void> result = document.finish(); !result) {
-    return tl::make_unexpected(result.error());
-  }
+  RAYLOC_TRY(document.finish());
   return plan;
 }
 

@@ -16,9 +16,7 @@ Expected<SceneSource> load_scene_source(const std::filesystem::path& path,
   std::error_code status;
   if (std::filesystem::is_directory(path, status) || path.extension() == ".toml") {
     auto site = load_site(path);
-    if (!site) {
-      return tl::make_unexpected(std::move(site.error()));
-    }
+    RAYLOC_TRY(site);
     options = scene_options(*site);
     source.name = site->name;
     source.file = site->scene_file;
@@ -30,9 +28,7 @@ Expected<SceneSource> load_scene_source(const std::filesystem::path& path,
   }
   options.carrier_hz = frequency_hz.value_or(options.carrier_hz);
   auto scene = load_scene(source.file, options);
-  if (!scene) {
-    return tl::make_unexpected(std::move(scene.error()));
-  }
+  RAYLOC_TRY(scene);
   source.scene = std::make_shared<const Scene>(*std::move(scene));
   return source;
 }

@@ -108,18 +108,14 @@ Expected<CsvTable> CsvTable::parse(std::string_view text, std::string name) {
   CsvReader::Record record;
   while (true) {
     const auto more = reader.next(record);
-    if (!more) {
-      return tl::make_unexpected(more.error());
-    }
+    RAYLOC_TRY(more);
     if (!*more) {
       break;
     }
     if (filled(record) == 0) {
       continue;
     }
-    if (auto added = table.add_row(record); !added) {
-      return tl::make_unexpected(std::move(added.error()));
-    }
+    RAYLOC_TRY(table.add_row(record));
   }
   if (table.columns_.empty()) {
     return bad_input(table.name_ + ":1:1: empty; the first line names the columns");

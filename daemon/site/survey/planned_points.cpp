@@ -12,13 +12,9 @@ namespace rayloc {
 
 Expected<std::vector<PlannedPoint>> load_planned_points(const std::filesystem::path& file) {
   const auto table = CsvTable::load(file);
-  if (!table) {
-    return tl::make_unexpected(table.error());
-  }
+  RAYLOC_TRY(table);
   const auto columns = table->require({"x", "y", "z"});
-  if (!columns) {
-    return tl::make_unexpected(columns.error());
-  }
+  RAYLOC_TRY(columns);
   const auto names = table->require({"name"});
   std::vector<PlannedPoint> points;
   std::set<std::string> taken;
@@ -26,9 +22,7 @@ Expected<std::vector<PlannedPoint>> load_planned_points(const std::filesystem::p
     PlannedPoint point;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const auto number = table->number(row, (*columns)[axis]);
-      if (!number) {
-        return tl::make_unexpected(number.error());
-      }
+      RAYLOC_TRY(number);
       (axis == 0 ? point.position.x : axis == 1 ? point.position.y : point.position.z) = *number;
     }
     point.name = names ? printable(std::string(table->text(row, names->front())))

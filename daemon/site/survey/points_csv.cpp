@@ -6,9 +6,7 @@ namespace rayloc {
 
 Expected<std::vector<SurveyPoint>> load_points_csv(const std::filesystem::path& path) {
   const auto table = CsvTable::load(path);
-  if (!table) {
-    return tl::make_unexpected(table.error());
-  }
+  RAYLOC_TRY(table);
   auto points = read_points(*table);
   if (points && points->empty()) {
     return bad_input(path.string() + ": no spots, only a header");
@@ -24,9 +22,7 @@ Expected<std::vector<SurveyPoint>> load_points_csv(const std::filesystem::path& 
 
 Expected<std::vector<SurveyPoint>> read_points(const CsvTable& table) {
   const auto columns = table.require({"t_start", "t_end", "x", "y", "z"});
-  if (!columns) {
-    return tl::make_unexpected(columns.error());
-  }
+  RAYLOC_TRY(columns);
   std::vector<SurveyPoint> points;
   for (std::size_t row = 0; row < table.rows(); ++row) {
     const auto start = table.time(row, (*columns)[0]);
@@ -59,22 +55,16 @@ bool has_instants(const CsvTable& table) {
 
 Expected<std::vector<SurveyPoint>> read_instants(const CsvTable& table) {
   const auto columns = table.require({"t", "x", "y", "z"});
-  if (!columns) {
-    return tl::make_unexpected(columns.error());
-  }
+  RAYLOC_TRY(columns);
   std::vector<SurveyPoint> points;
   for (std::size_t row = 0; row < table.rows(); ++row) {
     const auto time = table.time(row, (*columns)[0]);
-    if (!time) {
-      return tl::make_unexpected(time.error());
-    }
+    RAYLOC_TRY(time);
     SurveyPoint point{*time, *time, {}, table.line(row)};
     std::size_t column = 1;
     for (double* coordinate : {&point.position.x, &point.position.y, &point.position.z}) {
       const auto value = table.number(row, (*columns)[column++]);
-      if (!value) {
-        return tl::make_unexpected(value.error());
-      }
+      RAYLOC_TRY(value);
       *coordinate = *value;
     }
     points.push_back(point);

@@ -62,19 +62,13 @@ bool ends_with_a_line(const std::string& path) {
 Expected<SurveyFile> SurveyFile::open(const std::string& path) {
   std::error_code ignored;  // the later read or write reports the error
   if (!std::filesystem::exists(path, ignored) || std::filesystem::file_size(path, ignored) == 0) {
-    if (auto written = append_text(path, kHeader); !written) {
-      return tl::make_unexpected(std::move(written.error()));
-    }
+    RAYLOC_TRY(append_text(path, kHeader));
     return SurveyFile(path, {});
   }
   const auto table = CsvTable::load(path);
-  if (!table) {
-    return tl::make_unexpected(table.error());
-  }
+  RAYLOC_TRY(table);
   auto points = read_points(*table);
-  if (!points) {
-    return tl::make_unexpected(std::move(points.error()));
-  }
+  RAYLOC_TRY(points);
   const auto first = table->require({"t_start", "t_end", "x", "y", "z"});
   if (!ends_with_a_line(path) || table->separator() != ',' ||
       *first != std::vector<std::size_t>{0, 1, 2, 3, 4}) {

@@ -20,9 +20,7 @@ Expected<SurveyListener> SurveyListener::open(const Site& site,
                             transport_syntax(transport_schemes(), TransportUse::kLiveSource));
     }
     auto source = open_datagram_source(transport_schemes(), wanted.address, "udp");
-    if (!source) {
-      return tl::make_unexpected(std::move(source.error()));
-    }
+    RAYLOC_TRY(source);
     Port port{ap.id,
               ap.cores,
               std::move(*source),
@@ -31,9 +29,7 @@ Expected<SurveyListener> SurveyListener::open(const Site& site,
               0};
     if (!wanted.recording.empty()) {
       auto recorder = open_datagram_sink(transport_schemes(), wanted.recording, "pcap");
-      if (!recorder) {
-        return tl::make_unexpected(std::move(recorder.error()));
-      }
+      RAYLOC_TRY(recorder);
       port.recorder = *std::move(recorder);
     }
     listener.ports_.push_back(std::move(port));
@@ -65,18 +61,14 @@ bool SurveyListener::counts_as_whole(const Port& port, const CsiFrame& frame) co
 Expected<void> SurveyListener::listen(Duration timeout) {
   for (Port& port : ports_) {
     DatagramBatch batch;
-    if (auto read = port.source->read(batch, timeout); !read) {
-      return read;
-    }
+    RAYLOC_TRY(port.source->read(batch, timeout));
     std::vector<CsiFrame> frames;
     for (const Datagram& datagram : batch.datagrams) {
       port.receiver.push(datagram, frames);
     }
     port.receiver.advance(batch.watermark, frames);
     if (port.recorder && !batch.datagrams.empty()) {
-      if (auto written = port.recorder->write(batch); !written) {
-        return written;
-      }
+      RAYLOC_TRY(port.recorder->write(batch));
     }
     for (const CsiFrame& frame : frames) {
       if (frame.time >= start_ && counts_as_whole(port, frame)) {

@@ -72,9 +72,7 @@ Expected<SurveyAnswer> SurveySession::parse_answer(std::string_view line) const 
   if (!answer || answer->quit) {
     return answer;
   }
-  if (auto checked = check_survey_point(room_, answer->point.position); !checked) {
-    return tl::make_unexpected(std::move(checked.error()));
-  }
+  RAYLOC_TRY(check_survey_point(room_, answer->point.position));
   return answer;
 }
 
@@ -85,9 +83,7 @@ Expected<CountedPoint> SurveySession::count_frames(const CountLimits& limits,
   const auto deadline = std::chrono::steady_clock::now() + limits.timeout;
   listener_.start_counting(counted.start);
   do {
-    if (auto received = listener_.listen(kListenTick); !received) {
-      return tl::make_unexpected(std::move(received.error()));
-    }
+    RAYLOC_TRY(listener_.listen(kListenTick));
     counted.counts = listener_.counts();
     control.on_counts(counted.counts);
     if (control.is_interrupted()) {

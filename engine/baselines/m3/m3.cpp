@@ -109,9 +109,7 @@ M3::M3(std::shared_ptr<const RoomModel> room, const M3Options& options)
 }
 
 Expected<M3> M3::create(std::shared_ptr<const RoomModel> room, const M3Options& options) {
-  if (auto valid = check_room(room.get()); !valid) {
-    return tl::make_unexpected(std::move(valid.error()));
-  }
+  RAYLOC_TRY(check_room(room.get()));
   M3 made(std::move(room), options);
   const auto& mirrors = made.reflectors_.front();
   if (std::none_of(mirrors.begin(), mirrors.end(), is_vertical)) {

@@ -29,9 +29,7 @@ PlaceClassifier::PlaceClassifier(std::shared_ptr<const RoomModel> room,
 Expected<PlaceClassifier> PlaceClassifier::create(std::shared_ptr<const RoomModel> room,
                                                   const PlaceClassifierOptions& options,
                                                   std::shared_ptr<const Training> training) {
-  if (auto valid = check_room(room.get()); !valid) {
-    return tl::make_unexpected(std::move(valid.error()));
-  }
+  RAYLOC_TRY(check_room(room.get()));
   const auto refuse = [&](const std::string& why) {
     return make_error(ErrorKind::kConfiguration,
                       why + ": run rayloc train SITE --method " + options.method);

@@ -57,9 +57,7 @@ Expected<PlaceClassifier> make_classifier(const PlaceMethod& method,
                                           double accuracy_confidence,
                                           std::shared_ptr<const Training> training) {
   auto all = with_learned_value(method, values, training.get());
-  if (!all) {
-    return tl::make_unexpected(std::move(all.error()));
-  }
+  RAYLOC_TRY(all);
   PlaceClassifierOptions options = options_of(method, *all, seed);
   options.answer.accuracy_confidence = accuracy_confidence;
   return PlaceClassifier::create(std::move(room), options, std::move(training));

@@ -231,9 +231,7 @@ PlaceCertainty Trainer::first_stage() {
 }
 
 Expected<std::shared_ptr<const Training>> Trainer::run() {
-  if (auto done = see(); !done) {
-    return tl::make_unexpected(std::move(done.error()));
-  }
+  RAYLOC_TRY(see());
   std::vector<const Seen*> all;
   for (const Seen& one : seen_) {
     learned_.places.push_back(one.place);
@@ -274,9 +272,7 @@ Expected<std::shared_ptr<const Training>> Trainer::run() {
 
 Expected<std::shared_ptr<const Training>> train_places(const TrainingInput& input,
                                                        const PlaceTrainingOptions& options) {
-  if (auto valid = check_room(input.room.get()); !valid) {
-    return tl::make_unexpected(std::move(valid.error()));
-  }
+  RAYLOC_TRY(check_room(input.room.get()));
   return Trainer(input, options).run();
 }
 

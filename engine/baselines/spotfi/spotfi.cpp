@@ -48,9 +48,7 @@ Spotfi::Spotfi(std::shared_ptr<const RoomModel> room,
 Expected<Spotfi> Spotfi::create(std::shared_ptr<const RoomModel> room,
                                 const SpotfiOptions& options,
                                 std::shared_ptr<const Training> training) {
-  if (auto valid = check_room(room.get()); !valid) {
-    return tl::make_unexpected(std::move(valid.error()));
-  }
+  RAYLOC_TRY(check_room(room.get()));
   if (tone_comb(room->grid).tone.empty()) {
     return make_error(ErrorKind::kConfiguration,
                       "spotfi needs tones in equal steps on both sides of the channel's centre; "

@@ -62,9 +62,7 @@ AccessPointTraining train_access_point(const TrainingInput& input,
 
 Expected<std::shared_ptr<const Training>> train_spotfi(const TrainingInput& input) {
   const SpotfiOptions options = spotfi_options(input.values);
-  if (auto made = Spotfi::create(input.room, options, nullptr); !made) {
-    return tl::make_unexpected(std::move(made.error()));
-  }
+  RAYLOC_TRY(Spotfi::create(input.room, options, nullptr));
   auto training = std::make_shared<Training>();
   training->method = "spotfi";
   training->calibration_id = input.room->calibration_id;

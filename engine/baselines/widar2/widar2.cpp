@@ -54,9 +54,7 @@ Widar2::Widar2(std::shared_ptr<const RoomModel> room, Widar2Link link, const Wid
 Expected<Widar2> Widar2::create(std::shared_ptr<const RoomModel> room,
                                 Widar2Link link,
                                 const Widar2Options& options) {
-  if (auto valid = check_room(room.get()); !valid) {
-    return tl::make_unexpected(std::move(valid.error()));
-  }
+  RAYLOC_TRY(check_room(room.get()));
   const auto comb = tone_comb(room->grid);
   if (comb.tone.empty()) {
     return make_error(ErrorKind::kConfiguration,

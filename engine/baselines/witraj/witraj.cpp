@@ -86,9 +86,7 @@ Expected<Witraj> Witraj::create(std::shared_ptr<const RoomModel> room,
                                 WitrajLink link,
                                 std::optional<Vec3d> start,
                                 const WitrajOptions& options) {
-  if (auto valid = check_room(room.get()); !valid) {
-    return tl::make_unexpected(std::move(valid.error()));
-  }
+  RAYLOC_TRY(check_room(room.get()));
   if (!start) {
     return make_error(ErrorKind::kUsage,
                       "--method witraj adds steps to a known start: give --start X,Y");

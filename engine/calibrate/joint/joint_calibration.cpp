@@ -65,13 +65,9 @@ JointCalibration::JointCalibration(const RoomModel& room,
 
 Expected<void> JointCalibration::retrace() {
   auto room = changed_room(original_, unknowns_, state_.values);
-  if (!room) {
-    return tl::make_unexpected(std::move(room.error()));
-  }
+  RAYLOC_TRY(room);
   auto traced = trace_samples(*room, unknowns_, sites_, options_.trace);
-  if (!traced) {
-    return tl::make_unexpected(std::move(traced.error()));
-  }
+  RAYLOC_TRY(traced);
   traced_ = *std::move(traced);
   power_ = surface_power(traced_, *room->scene);
   traced_at_ = state_.values;
@@ -281,9 +277,7 @@ Expected<double> JointCalibration::go_from(const JointState& before,
   const JointState solved = state_;
   for (double share = 1.0; share > kMinStep; share *= 0.5) {
     state_ = between(before, solved, share);
-    if (auto traced = retrace(); !traced) {
-      return tl::make_unexpected(std::move(traced.error()));
-    }
+    RAYLOC_TRY(retrace());
     if (met(round, uses) >= met_before - kTolerance) {
       fold_chains();
       return share;
@@ -308,9 +302,7 @@ Expected<bool> JointCalibration::run_round(std::size_t index) {
       return go_back_to(at_first).map([] { return false; });  // the last good state
     }
     const auto gone = go_from(before, met_before, round, deciders(use_));
-    if (!gone) {
-      return tl::make_unexpected(gone.error());
-    }
+    RAYLOC_TRY(gone);
     share = *gone;
     has_moved = has_moved || share > 0.0;
     if (share == 0.0) {
@@ -398,9 +390,7 @@ Expected<double> JointCalibration::finish(const JointRound& round) {
 }
 
 Expected<RoomCalibration> JointCalibration::run() {
-  if (auto traced = retrace(); !traced) {
-    return tl::make_unexpected(std::move(traced.error()));
-  }
+  RAYLOC_TRY(retrace());
   RoomCalibration result;
   const std::vector<double> at_first = change();
   for (std::size_t i = 0; i < sites_.size(); ++i) {
@@ -411,17 +401,13 @@ Expected<RoomCalibration> JointCalibration::run() {
   if (options_.resume != nullptr) {
     reached = *options_.resume;
     progress_.continue_from(reached.history);
-    if (auto back = go_back_to(reached); !back) {
-      return tl::make_unexpected(std::move(back.error()));
-    }
+    RAYLOC_TRY(go_back_to(reached));
   }
   progress_.set_heldout(median_correlation(kHeldOut, {}));
   checkpoint(reached);  // lets a run that is interrupted in the first round resume, too
   while (reached.rounds < kJointRounds && !progress_.is_stopped()) {
     const auto kept = run_round(static_cast<std::size_t>(reached.rounds));
-    if (!kept) {
-      return tl::make_unexpected(kept.error());
-    }
+    RAYLOC_TRY(kept);
     if (!progress_.is_stopped()) {
       reached.last_kept = *kept ? reached.rounds : reached.last_kept;
       ++reached.rounds;
@@ -429,9 +415,7 @@ Expected<RoomCalibration> JointCalibration::run() {
     }
   }
   const JointRound& last = joint_round(static_cast<std::size_t>(reached.last_kept));
-  if (auto finished = finish(last); !finished) {
-    return tl::make_unexpected(std::move(finished.error()));
-  }
+  RAYLOC_TRY(finish(last));
   const std::vector<double> at_last = change();
   parallel_for(sites_.size(), 1, [&](std::size_t i) {
     result.points[i].after = correlation(i, {at_last, {}});
@@ -446,9 +430,7 @@ Expected<RoomCalibration> JointCalibration::run() {
   });
   result.parameters = parameters(last);
   auto calibrated = changed_room(original_, unknowns_, state_.values);
-  if (!calibrated) {
-    return tl::make_unexpected(std::move(calibrated.error()));
-  }
+  RAYLOC_TRY(calibrated);
   result.room = *std::move(calibrated);
   result.room.trace = options_.use;
   result.history = progress_.history();
@@ -462,9 +444,7 @@ Expected<RoomCalibration> calibrate_jointly(const RoomModel& room,
                                             const JointCalibrationOptions& options,
                                             const CalibrationObserver& observer) {
   JointCalibration calibration(room, points, options, observer);
-  if (auto checked = calibration.check(); !checked) {
-    return tl::make_unexpected(std::move(checked.error()));
-  }
+  RAYLOC_TRY(calibration.check());
   return calibration.run();
 }
 

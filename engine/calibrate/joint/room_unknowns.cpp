@@ -162,9 +162,7 @@ Expected<RoomModel> changed_room(const RoomModel& original,
                                  const std::vector<double>& values) {
   auto moved =
       move_surfaces(*original.scene, std::span(values).first(original.scene->surfaces().size()));
-  if (!moved) {
-    return tl::make_unexpected(std::move(moved.error()));
-  }
+  RAYLOC_TRY(moved);
   Scene::Input input{moved->objects(), moved->materials(), moved->carrier_hz()};
   for (std::uint32_t m = 0; m < input.materials.size(); ++m) {
     RadioMaterial& material = input.materials[m];
@@ -175,9 +173,7 @@ Expected<RoomModel> changed_room(const RoomModel& original,
     material.thickness *= std::exp(value[2]);
   }
   auto scene = Scene::create(std::move(input));
-  if (!scene) {
-    return tl::make_unexpected(std::move(scene.error()));
-  }
+  RAYLOC_TRY(scene);
   RoomModel room = original;
   room.scene = std::make_shared<const Scene>(*std::move(scene));
   room.surface_correction.resize(room.scene->surfaces().size());

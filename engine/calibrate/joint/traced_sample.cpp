@@ -213,9 +213,7 @@ Expected<std::vector<TracedSample>> trace_samples(const RoomModel& room,
     samples[i] = builder.take();
   });
   for (auto& one : outcome) {
-    if (!one) {
-      return tl::make_unexpected(std::move(one.error()));
-    }
+    RAYLOC_TRY(one);
   }
   return samples;
 }

@@ -52,13 +52,9 @@ Expected<PersonCertainty> fit_person_certainty(const RoomModel& room,
       }
     }
     auto fitted = fit_person(room, fit.reference, others, same_body);
-    if (!fitted) {
-      return tl::make_unexpected(std::move(fitted.error()));
-    }
+    RAYLOC_TRY(fitted);
     const auto localizer = PersonLocalizer::create(shared, std::move(fitted->reference), {});
-    if (!localizer) {
-      return tl::make_unexpected(localizer.error());
-    }
+    RAYLOC_TRY(localizer);
     for (std::size_t s = part; s < spots.size(); s += kFolds) {
       const PersonObservation observation = localizer->receive(frames[s]);
       if (observation.arrays.empty()) {

@@ -99,9 +99,7 @@ Expected<std::vector<FitLink>> PersonFitter::listen(const PersonModel& person) c
     const RoomAccessPoint& ap = room_.access_points[link.access_point];
     const auto scattering = PersonScattering::create(
         room_, link.access_point, reference_.transmitter, person.body, options_.depth);
-    if (!scattering) {
-      return tl::make_unexpected(scattering.error());
-    }
+    RAYLOC_TRY(scattering);
     FitLink fit{PersonLikelihood(room_.grid,
                                  ap.cores.size(),
                                  link,
@@ -250,9 +248,7 @@ Expected<PersonFit> fit_body(const RoomModel& room,
   PersonModel& person = fit.reference.person;
   const PersonFitter fitter(room, fit.reference, spots, options);
   const auto links = fitter.listen(person);
-  if (!links) {
-    return tl::make_unexpected(links.error());
-  }
+  RAYLOC_TRY(links);
   std::vector<Value> scales;
   for (const FitLink& link : *links) {
     fit.spots = std::max(fit.spots, link.received.size());
@@ -281,9 +277,7 @@ Expected<PersonFit> fit_person(const RoomModel& room,
     return fit_body(room, reference, spots, options);
   }
   const auto geometry = fit_person_geometry(room, reference, spots, options);
-  if (!geometry) {
-    return tl::make_unexpected(geometry.error());
-  }
+  RAYLOC_TRY(geometry);
   PersonReference tried = reference;
   tried.person.body.semi_axes = {geometry->radius, geometry->radius};
   tried.transmitter.position = reference.transmitter.position + geometry->shift;

@@ -66,9 +66,7 @@ class GeometryLink {
                        int depth) {
     const auto scattering =
         PersonScattering::create(room, link_.access_point, reference.transmitter, body, depth);
-    if (!scattering) {
-      return tl::make_unexpected(scattering.error());
-    }
+    RAYLOC_TRY(scattering);
     PersonModel model = reference.person;
     model.strength_variance = kVariance;
     model.diffuse = kGeometryDiffuse;
@@ -251,9 +249,7 @@ Expected<PersonGeometry> fit_person_geometry(const RoomModel& room,
     }
     body.semi_axes = {radius, radius};
     for (GeometryLink& link : links) {
-      if (auto traced = link.trace(room, reference, spots, body, options.depth); !traced) {
-        return tl::make_unexpected(traced.error());
-      }
+      RAYLOC_TRY(link.trace(room, reference, spots, body, options.depth));
     }
     // The transmitter's place does not depend on the radius: it is scanned only once.
     auto here = std::isfinite(best.value)

@@ -78,9 +78,7 @@ Expected<std::vector<DayChange>> changes_of(const RoomModel& room,
     }
     for (std::size_t i = 0; i < days.today.size(); ++i) {
       auto chains = compare(room, days.people[i], days.today[i]);
-      if (!chains) {
-        return tl::make_unexpected(std::move(chains.error()));
-      }
+      RAYLOC_TRY(chains);
       const std::size_t ap = days.today[i].access_point;
       DayChange change{ap, *std::move(chains), false, fit_of(*today, ap) < fit_of(*people, ap)};
       change.is_turned = change.chains.is_turned();
@@ -105,9 +103,7 @@ Expected<TwoDays> separate_days(const RoomModel& room, std::span<const ReceivedD
     days.received.push_back(on_both(one));
   }
   auto changes = changes_of(room, days.received);
-  if (!changes) {
-    return tl::make_unexpected(std::move(changes.error()));
-  }
+  RAYLOC_TRY(changes);
   days.changes = *std::move(changes);
   if (days.changes.empty()) {
     return bad_input(

@@ -41,9 +41,7 @@ Expected<Scene> parse_scene(std::string_view xml,
                             const SceneOptions& options,
                             const ReadFile& read_mesh_file) {
   auto description = read_scene_xml(xml, xml_name, options);
-  if (!description) {
-    return tl::make_unexpected(description.error());
-  }
+  RAYLOC_TRY(description);
   Scene::Input input;
   input.carrier_hz = options.carrier_hz;
   input.materials = std::move(description->materials);
@@ -82,9 +80,7 @@ Expected<Scene> parse_scene(std::string_view xml,
 
 Expected<Scene> load_scene(const fs::path& file, const SceneOptions& options) {
   const auto xml = read_file(file);
-  if (!xml) {
-    return tl::make_unexpected(xml.error());
-  }
+  RAYLOC_TRY(xml);
   return parse_scene(*xml, file.string(), options, [&](const std::string& name) {
     return read_file(file.parent_path() / name);
   });

@@ -46,9 +46,7 @@ class ObjReader {
 
   Expected<Mesh> read(std::vector<SceneNote>& notes) {
     while (!bytes_.empty()) {
-      if (auto statement = read_statement(next_statement()); !statement) {
-        return tl::make_unexpected(statement.error());
-      }
+      RAYLOC_TRY(read_statement(next_statement()));
     }
     if (faces_.size() == 0) {
       return bad_input(name_ + ": the mesh has no face");
@@ -56,9 +54,7 @@ class ObjReader {
     mesh_.rounding = precision_.rounding();
     auto cut = faces_.append_to(
         mesh_, [&](std::size_t i) { return name_ + ":" + std::to_string(line_of_face_[i]); });
-    if (!cut) {
-      return tl::make_unexpected(cut.error());
-    }
+    RAYLOC_TRY(cut);
     note_materials(materials_, name_, notes);
     return std::move(mesh_);
   }

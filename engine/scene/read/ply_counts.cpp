@@ -155,9 +155,7 @@ Expected<void> check_ply(std::string_view bytes,
                          const std::string& name,
                          std::vector<SceneNote>& notes) {
   const auto header = read_ply_header(bytes, name);
-  if (!header) {
-    return tl::make_unexpected(header.error());
-  }
+  RAYLOC_TRY(header);
   if (has_regular_body(bytes, *header)) {
     return {};
   }

@@ -73,15 +73,11 @@ class HeaderReader {
         if (!has_format) {
           return refuse("the header states no format");
         }
-        if (auto complete = check_elements(); !complete) {
-          return tl::make_unexpected(complete.error());
-        }
+        RAYLOC_TRY(check_elements());
         return header_;
       }
       has_format = has_format || words[0] == "format";
-      if (auto line = read_line(words); !line) {
-        return tl::make_unexpected(line.error());
-      }
+      RAYLOC_TRY(read_line(words));
     }
   }
 

@@ -31,9 +31,7 @@ class MeshReader {
 
   Expected<Mesh> read(std::vector<SceneNote>& notes) {
     const Expected<void> elements = read_elements();
-    if (auto counts = check_counts(elements, notes); !counts) {
-      return tl::make_unexpected(counts.error());
-    }
+    RAYLOC_TRY(check_counts(elements, notes));
     if (mesh_.vertices.empty() || faces_.size() == 0) {
       return bad_input(name_ + ": the mesh has no " + (mesh_.vertices.empty() ? "vertex" : "face"));
     }
@@ -65,9 +63,7 @@ class MeshReader {
       }
       for (std::size_t i = 0; i < element.count; ++i) {
         is_entry_begun_ = false;
-        if (auto entry = read_entry(element, uses); !entry) {
-          return entry;
-        }
+        RAYLOC_TRY(read_entry(element, uses));
       }
     }
     return {};
@@ -112,9 +108,7 @@ class MeshReader {
     for (std::size_t i = 0; i < uses.size(); ++i) {
       const PlyProperty& property = element.properties[i];
       if (property.count_type) {
-        if (auto list = read_list(property, uses[i]); !list) {
-          return list;
-        }
+        RAYLOC_TRY(read_list(property, uses[i]));
         continue;
       }
       const auto value = next(property.type);
@@ -250,9 +244,7 @@ Expected<Mesh> read_ply(std::string_view bytes,
                         const std::string& name,
                         std::vector<SceneNote>& notes) {
   const auto header = read_ply_header(bytes, name);
-  if (!header) {
-    return tl::make_unexpected(header.error());
-  }
+  RAYLOC_TRY(header);
   return MeshReader(bytes, name, *header).read(notes);
 }
 

@@ -67,12 +67,8 @@ class SceneReader {
                          : "every <shape> of the scene is a lamp or has a null material; a room "
                            "needs at least one that waves meet");
     }
-    if (auto good = file_.check(); !good) {
-      return tl::make_unexpected(good.error());
-    }
-    if (auto used = check_overrides(); !used) {
-      return tl::make_unexpected(used.error());
-    }
+    RAYLOC_TRY(file_.check());
+    RAYLOC_TRY(check_overrides());
     add_notes();
     return std::move(scene_);
   }
@@ -400,9 +396,7 @@ Expected<SceneDescription> read_scene_xml(std::string_view xml,
                                           const SceneOptions& options) {
   XmlFile file(xml, xml_name);
   const auto root = file.parse();
-  if (!root) {
-    return tl::make_unexpected(root.error());
-  }
+  RAYLOC_TRY(root);
   return SceneReader(file, options).read(*root);
 }
 

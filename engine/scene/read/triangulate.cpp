@@ -268,9 +268,7 @@ Expected<void> append_triangles(std::span<const std::uint32_t> corners, Mesh& me
     append_fan(corners, mesh);
     return {};
   }
-  if (auto valid = check_outline(points); !valid) {
-    return valid;
-  }
+  RAYLOC_TRY(check_outline(points));
   std::vector<std::array<std::uint32_t, 3>> triangles;
   if (!EarClipper(points).clip(triangles)) {
     return bad_input("its edges cross or touch each other so that it has no inside" + kAdvice);

@@ -265,9 +265,7 @@ Expected<DiffuseDerivatives> DiffuseTracer::differentiate(
     const Receiver& receiver,
     std::span<const Parameter> parameters) const {
   for (const Parameter& parameter : parameters) {
-    if (auto valid = check_parameter(*context_, parameter); !valid) {
-      return tl::make_unexpected(valid.error());
-    }
+    RAYLOC_TRY(check_parameter(*context_, parameter));
     if (moves_faces(parameter)) {
       return bad_input(
           "no derivative of scattered power by where a face is: its points would move; trace anew");

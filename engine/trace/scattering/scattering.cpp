@@ -176,9 +176,7 @@ ScatteredCoefficient<PlaceDual> TargetLink::Impl::differentiate(const Pair& pair
 
 Expected<TargetPaths> TargetLink::Impl::trace(const TargetPosition& position,
                                               bool with_derivatives) const {
-  if (auto usable = check(position); !usable) {
-    return tl::make_unexpected(usable.error());
-  }
+  RAYLOC_TRY(check(position));
   std::vector<Pair> pairs = find(position);
   TargetPaths result;
   if (with_derivatives) {
@@ -202,9 +200,7 @@ Expected<TargetPaths> TargetLink::Impl::trace(const TargetPosition& position,
 
 Expected<Paths> TargetLink::trace(const TargetPosition& position) const {
   auto traced = impl_->trace(position, false);
-  if (!traced) {
-    return tl::make_unexpected(traced.error());
-  }
+  RAYLOC_TRY(traced);
   return std::move(traced->paths);
 }
 
@@ -233,9 +229,7 @@ Expected<TargetTracer> TargetTracer::create(std::shared_ptr<const Scene> scene,
         not_usable("scattering: height_step", options.height_step, "more than 0 [m]"));
   }
   auto scatterer = make_scatterer(body, scene->carrier_hz());
-  if (!scatterer) {
-    return tl::make_unexpected(scatterer.error());
-  }
+  RAYLOC_TRY(scatterer);
   auto context = std::make_shared<const TraceContext>(std::move(scene), options.trace);
   auto heights = sample_heights(scatterer->body(), options.height_step);
   return TargetTracer(std::make_shared<const ScatteringContext>(

@@ -28,9 +28,7 @@ std::string file_of(int index) {
 
 Expected<std::unique_ptr<DatagramSource>> open_recording(const std::string& file) {
   auto opened = RecordedSource::open({file});
-  if (!opened) {
-    return tl::make_unexpected(opened.error());
-  }
+  RAYLOC_TRY(opened);
   return std::unique_ptr<DatagramSource>(std::move(*opened));
 }
 

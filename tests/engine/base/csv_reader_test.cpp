@@ -18,9 +18,7 @@ Expected<Rows> read(std::string_view text) {
   CsvReader::Record record;
   while (true) {
     const auto more = reader.next(record);
-    if (!more) {
-      return tl::make_unexpected(more.error());
-    }
+    RAYLOC_TRY(more);
     if (!*more) {
       return rows;
     }

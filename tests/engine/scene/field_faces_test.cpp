@@ -28,9 +28,7 @@ std::vector<std::uint32_t> numbers(std::size_t count) {
 
 Expected<Mesh> cut(const Ring& ring) {
   Mesh mesh{ring, {}};
-  if (auto done = append_triangles(numbers(ring.size()), mesh); !done) {
-    return tl::make_unexpected(done.error());
-  }
+  RAYLOC_TRY(append_triangles(numbers(ring.size()), mesh));
   return mesh;
 }
 

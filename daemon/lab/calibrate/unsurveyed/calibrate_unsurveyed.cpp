@@ -51,17 +51,11 @@ class WorkFolder {
 Expected<LocatedPlaces> places_in(const std::string& site_folder,
                                   const std::vector<std::string>& stated) {
   const auto site = load_site(site_folder);
-  if (!site) {
-    return tl::make_unexpected(site.error());
-  }
+  RAYLOC_TRY(site);
   const auto room = load_room_model(*site);
-  if (!room) {
-    return tl::make_unexpected(room.error());
-  }
+  RAYLOC_TRY(room);
   const auto captures = resolve_captures(stated, access_point_ids(*site), PerAccessPoint::kSeveral);
-  if (!captures) {
-    return tl::make_unexpected(captures.error());
-  }
+  RAYLOC_TRY(captures);
   std::vector<std::string> repeated_notices;
   return located_places(*site, *room, *captures, repeated_notices);
 }
@@ -78,25 +72,17 @@ bool is_one_alone(const std::vector<std::string>& captures) {
 // Writes the plan unchanged, with unknown chains.
 Expected<void> write_plan(const UnsurveyedArguments& arguments) {
   const auto site = load_uncalibrated_site(arguments.site, arguments.out, arguments.force);
-  if (!site) {
-    return tl::make_unexpected(site.error());
-  }
+  RAYLOC_TRY(site);
   const auto room = load_room_model(*site);
-  if (!room) {
-    return tl::make_unexpected(room.error());
-  }
-  if (auto prepared = prepare_output(arguments.out, arguments.force); !prepared) {
-    return prepared;
-  }
+  RAYLOC_TRY(room);
+  RAYLOC_TRY(prepare_output(arguments.out, arguments.force));
   return write_site(*site, to_toml(plan_calibration(*room)), arguments.out);
 }
 
 // Writes the site of the plan with its learned chains. The report of a failed calibration stays;
 // that of the chains is beside it.
 Expected<void> keep_plan(const std::string& learned, const UnsurveyedArguments& arguments) {
-  if (auto prepared = prepare_output(arguments.out, true); !prepared) {
-    return prepared;
-  }
+  RAYLOC_TRY(prepare_output(arguments.out, true));
   std::error_code failed;
   fs::rename(fs::path(learned) / "report.json", fs::path(learned) / "chains.json", failed);
   fs::copy(learned,
@@ -115,9 +101,7 @@ Expected<UnsurveyedOutcome> fit_room(const std::string& learned,
                                      const LocatedPlaces& places,
                                      const UnsurveyedArguments& arguments,
                                      const UnsurveyedObserver& observer) {
-  if (auto written = write_file(points, to_csv(places.points)); !written) {
-    return tl::make_unexpected(std::move(written.error()));
-  }
+  RAYLOC_TRY(write_file(points, to_csv(places.points)));
   CalibrateArguments calibrate;
   calibrate.site = arguments.site;
   calibrate.captures = arguments.captures;
@@ -128,9 +112,7 @@ Expected<UnsurveyedOutcome> fit_room(const std::string& learned,
   calibrate.force = arguments.force;
   calibrate.control = arguments.control;
   const auto calibrated = run_calibration(calibrate, observer);
-  if (!calibrated) {
-    return tl::make_unexpected(calibrated.error());
-  }
+  RAYLOC_TRY(calibrated);
   if (observer.on_calibration) {
     observer.on_calibration(*calibrated);
   }
@@ -139,9 +121,7 @@ Expected<UnsurveyedOutcome> fit_room(const std::string& learned,
     outcome = UnsurveyedOutcome::kChains;
     observer.note(arguments.out +
                   " has the walls of the plan, and the chains that were learned with them");
-    if (auto kept = keep_plan(learned, arguments); !kept) {
-      return tl::make_unexpected(std::move(kept.error()));
-    }
+    RAYLOC_TRY(keep_plan(learned, arguments));
   }
   return write_file(fs::path(arguments.out) / "places.csv", to_csv(places.points)).map([&] {
     return outcome;
@@ -160,15 +140,11 @@ Expected<UnsurveyedOutcome> run_unsurveyed(const UnsurveyedArguments& arguments,
     return make_error(ErrorKind::kUnavailable,
                       fs::temp_directory_path().string() + ": cannot be written");
   }
-  if (auto checked = check_output(arguments.out, arguments.site, arguments.force); !checked) {
-    return tl::make_unexpected(std::move(checked.error()));
-  }
+  RAYLOC_TRY(check_output(arguments.out, arguments.site, arguments.force));
   const std::string learned = work.file("learned");
   const auto chains =
       run_rechain({arguments.site, arguments.captures, "", {}, learned, true, true}, observer);
-  if (!chains) {
-    return tl::make_unexpected(chains.error());
-  }
+  RAYLOC_TRY(chains);
   if (observer.on_chains) {
     observer.on_chains(*chains);
   }
@@ -178,9 +154,7 @@ Expected<UnsurveyedOutcome> run_unsurveyed(const UnsurveyedArguments& arguments,
         "regions are wide; verify them with more access points or a survey");
   }
   const auto places = places_in(learned, arguments.captures);
-  if (!places) {
-    return tl::make_unexpected(places.error());
-  }
+  RAYLOC_TRY(places);
   if (places->points.size() < kFewestPoints) {
     observer.note(
         fmt::format("{} of {} bursts have a reliable position, and walls need {}: walls stay as "

@@ -36,13 +36,9 @@ Expected<LocatedPlaces> located_places(const Site& site,
                                        const std::vector<CaptureArgument>& captures,
                                        std::vector<std::string>& notes) {
   const auto received = read_device_bursts(site, captures, notes);
-  if (!received) {
-    return tl::make_unexpected(received.error());
-  }
+  RAYLOC_TRY(received);
   const auto localizer = device_localizer(site, room);
-  if (!localizer) {
-    return tl::make_unexpected(localizer.error());
-  }
+  RAYLOC_TRY(localizer);
   std::vector<SurveyPoint> points;
   std::vector<double> sigmas;
   LocatedPlaces found;

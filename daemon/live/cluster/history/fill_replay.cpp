@@ -73,17 +73,13 @@ class FilledSink final : public LocationSink {
 Expected<Parts> read_parts(Broker& broker, const StreamReplay& replay, FillReport& report) {
   const std::string stream(kFillStream);
   const Expected<StreamState> state = broker.stream_state(stream);
-  if (!state) {
-    return tl::make_unexpected(state.error());
-  }
+  RAYLOC_TRY(state);
   const std::string subjects = fill_prefix(replay.site);
   std::set<std::tuple<std::string, std::uint64_t, std::uint64_t>> known;
   Parts parts;
   for (std::uint64_t sequence = state->first; sequence <= state->last; ++sequence) {
     auto message = broker.get(stream, sequence);
-    if (!message) {
-      return tl::make_unexpected(message.error());
-    }
+    RAYLOC_TRY(message);
     if (!*message || (*message)->subject.rfind(subjects, 0) != 0) {
       continue;
     }
@@ -109,9 +105,7 @@ Expected<Parts> read_parts(Broker& broker, const StreamReplay& replay, FillRepor
 Expected<FillReport> replay_fill(Broker& broker, const StreamReplay& replay) {
   FillReport report;
   auto parts = read_parts(broker, replay, report);
-  if (!parts) {
-    return tl::make_unexpected(parts.error());
-  }
+  RAYLOC_TRY(parts);
   std::vector<std::unique_ptr<DatagramSource>> sources;
   sources.reserve(replay.access_points.size());
   for (const std::string& access_point : replay.access_points) {
@@ -122,9 +116,7 @@ Expected<FillReport> replay_fill(Broker& broker, const StreamReplay& replay) {
     sources.push_back(std::make_unique<FilledSource>(std::move(some)));
   }
   FilledSink sink(replay);
-  if (Expected<void> run = replay.run({}, std::move(sources), sink); !run) {
-    return tl::make_unexpected(run.error());
-  }
+  RAYLOC_TRY(replay.run({}, std::move(sources), sink));
   sink.advance(Timestamp::max());
   report.items = sink.results();
   return report;

@@ -11,9 +11,7 @@ namespace {
 
 Expected<Chapter> begun(const v1::OutputRecord& record) {
   auto start = start_of(record.begin());
-  if (!start) {
-    return tl::make_unexpected(start.error());
-  }
+  RAYLOC_TRY(start);
   Chapter chapter;
   chapter.start = *std::move(start);
   chapter.start.generation = record.generation();
@@ -27,16 +25,12 @@ Expected<Chapter> begun(const v1::OutputRecord& record) {
 Expected<std::vector<Chapter>> read_story(Broker& broker, const std::string& site) {
   const std::string stream(kOutputStream);
   const Expected<StreamState> state = broker.stream_state(stream);
-  if (!state) {
-    return tl::make_unexpected(state.error());
-  }
+  RAYLOC_TRY(state);
   std::vector<Chapter> story;
   OutputOrder order;
   for (std::uint64_t sequence = state->first; sequence <= state->last; ++sequence) {
     auto message = broker.get(stream, sequence);
-    if (!message) {
-      return tl::make_unexpected(message.error());
-    }
+    RAYLOC_TRY(message);
     v1::OutputRecord record;
     if (!*message || (*message)->subject != output_subject(site) ||
         !unseal((*message)->data, record) || !order.is_next(record)) {
@@ -44,9 +38,7 @@ Expected<std::vector<Chapter>> read_story(Broker& broker, const std::string& sit
     }
     if (record.has_begin()) {
       auto chapter = begun(record);
-      if (!chapter) {
-        return tl::make_unexpected(chapter.error());
-      }
+      RAYLOC_TRY(chapter);
       story.push_back(*std::move(chapter));
     } else if (!story.empty() && story.back().start.generation == record.generation()) {
       Chapter& chapter = story.back();

@@ -121,9 +121,7 @@ Expected<void> replay_chapter(const std::shared_ptr<Broker>& broker,
   options.resume = chapter.start.resume;
   options.until = until;
   auto feed = SiteFeed::open(broker, std::move(options));
-  if (!feed) {
-    return tl::make_unexpected(feed.error());
-  }
+  RAYLOC_TRY(feed);
   std::vector<std::unique_ptr<DatagramSource>> sources;
   sources.reserve(replay.access_points.size());
   for (std::size_t i = 0; i < replay.access_points.size(); ++i) {
@@ -131,9 +129,7 @@ Expected<void> replay_chapter(const std::shared_ptr<Broker>& broker,
   }
   ChapterSink sink(chapter, replay, **feed);
   (*feed)->start();
-  if (Expected<void> run = replay.run(chapter.start, std::move(sources), sink); !run) {
-    return run;
-  }
+  RAYLOC_TRY(replay.run(chapter.start, std::move(sources), sink));
   (*feed)->finish();
   sink.finish(report);
   ++report.owners;
@@ -145,18 +141,14 @@ Expected<void> replay_chapter(const std::shared_ptr<Broker>& broker,
 Expected<StreamReplayReport> replay_stream(const std::shared_ptr<Broker>& broker,
                                            const StreamReplay& replay) {
   auto story = read_story(*broker, replay.site);
-  if (!story) {
-    return tl::make_unexpected(story.error());
-  }
+  RAYLOC_TRY(story);
   auto chapters = *std::move(story);
   if (replay.uninterrupted && !chapters.empty()) {
     Chapter whole = in_one(std::move(chapters));
     chapters = {std::move(whole)};
   }
   const Expected<StreamState> stream = broker->stream_state(csi_stream(replay.site));
-  if (!stream) {
-    return tl::make_unexpected(stream.error());
-  }
+  RAYLOC_TRY(stream);
   StreamReplayReport report;
   for (const Chapter& chapter : chapters) {
     if (const std::string why = obstacle(chapter, *stream); !why.empty()) {
@@ -166,10 +158,7 @@ Expected<StreamReplayReport> replay_stream(const std::shared_ptr<Broker>& broker
                                          why));
       continue;
     }
-    if (const Expected<void> done = replay_chapter(broker, replay, chapter, stream->last, report);
-        !done) {
-      return tl::make_unexpected(done.error());
-    }
+    RAYLOC_TRY(replay_chapter(broker, replay, chapter, stream->last, report));
   }
   if (report.owners == 0) {
     return make_error(ErrorKind::kUnavailable,

@@ -293,9 +293,7 @@ Expected<std::unique_ptr<Broker::AckedPublisher>> NatsBroker::acked_publisher(Ac
         handler(number_of(std::string_view(natsMsg_GetSubject(message)).substr(size)),
                 trouble_in(message));
       });
-  if (!acknowledgements) {
-    return tl::make_unexpected(acknowledgements.error());
-  }
+  RAYLOC_TRY(acknowledgements);
   return std::make_unique<NatsAckedPublisher>(*this, inbox, *std::move(acknowledgements));
 }
 

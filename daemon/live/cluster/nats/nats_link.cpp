@@ -34,9 +34,7 @@ Expected<std::shared_ptr<NatsLink>> NatsLink::connect(const BrokerOptions& optio
                                                       const NatsIdentity& identity,
                                                       Callbacks callbacks) {
   std::shared_ptr<NatsLink> link(new NatsLink(std::move(callbacks)));
-  if (Expected<void> opened = link->open(options, identity); !opened) {
-    return tl::make_unexpected(opened.error());
-  }
+  RAYLOC_TRY(link->open(options, identity));
   return link;
 }
 
@@ -98,9 +96,7 @@ Expected<void> NatsLink::open(const BrokerOptions& options, const NatsIdentity& 
     return tl::make_unexpected(error_of("NATS", status));
   }
   const std::unique_ptr<natsOptions, DestroyOptions> all(made);
-  if (Expected<void> prepared = prepare(made, options, identity); !prepared) {
-    return prepared;
-  }
+  RAYLOC_TRY(prepare(made, options, identity));
   const natsStatus status = natsConnection_Connect(&connection_, made);
   if (status != NATS_OK) {
     connection_ = nullptr;

@@ -20,9 +20,7 @@ Expected<std::unique_ptr<BundleNotices>> BundleNotices::subscribe(Broker& broker
         target.is_notified_ = true;
         target.wake_.notify_one();
       });
-  if (!subscription) {
-    return tl::make_unexpected(subscription.error());
-  }
+  RAYLOC_TRY(subscription);
   notices->subscription_ = std::move(*subscription);
   return notices;
 }

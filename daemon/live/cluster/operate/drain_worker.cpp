@@ -22,17 +22,13 @@ Expected<void> request_drain(Broker& broker, const std::string& worker) {
     has_left =
         has_left || (unseal(message.data, state) && state.leaving() && state.sites().empty());
   });
-  if (!states) {
-    return tl::make_unexpected(states.error());
-  }
+  RAYLOC_TRY(states);
   v1::DrainRequest request;
   request.set_worker(worker);
   const std::string bytes = seal(request);
   const auto deadline = std::chrono::steady_clock::now() + kDrainPatience;
   while (!has_left) {
-    if (Expected<void> asked = broker.publish(drain_subject(worker), bytes); !asked) {
-      return asked;
-    }
+    RAYLOC_TRY(broker.publish(drain_subject(worker), bytes));
     std::this_thread::sleep_for(kDrainStep);
     if (std::chrono::steady_clock::now() > deadline) {
       return make_error(ErrorKind::kUnavailable, "worker '" + worker + "' keeps its sites");
@@ -45,9 +41,7 @@ Expected<void> request_drain(Broker& broker, const std::string& worker) {
 
 Expected<void> drain_worker(Broker& broker, const std::string& worker) {
   const auto view = inspect_cluster(broker);
-  if (!view) {
-    return tl::make_unexpected(view.error());
-  }
+  RAYLOC_TRY(view);
   if (view->workers.count(worker) == 0) {
     return make_error(
         ErrorKind::kUnavailable,

@@ -21,9 +21,7 @@ constexpr std::chrono::seconds kRemovalTimeout{30};  // fetching processes poll 
 // Returns true if the site had been applied.
 Expected<bool> retract(Broker& broker, const std::string& site) {
   const auto bundles = stored_bundles(broker);
-  if (!bundles) {
-    return tl::make_unexpected(bundles.error());
-  }
+  RAYLOC_TRY(bundles);
   const auto bundle = bundles->find(site);
   if (bundle == bundles->end() || bundle->second.empty()) {
     return false;
@@ -37,9 +35,7 @@ Expected<std::optional<v1::SiteClaim>> last_claim(Broker& broker, const std::str
   const auto deadline = std::chrono::steady_clock::now() + kRemovalTimeout;
   for (;;) {
     const auto view = inspect_cluster(broker);
-    if (!view) {
-      return tl::make_unexpected(view.error());
-    }
+    RAYLOC_TRY(view);
     const auto found = view->sites.find(site);
     if (found == view->sites.end()) {
       return std::nullopt;
@@ -59,9 +55,7 @@ Expected<std::optional<v1::SiteClaim>> last_claim(Broker& broker, const std::str
 // Returns false if a worker has claimed the site meanwhile.
 Expected<bool> close_claim(Broker& broker, const std::string& site, std::uint64_t generation) {
   const auto last = broker.last_of(std::string(kClaimStream), claim_subject(site));
-  if (!last) {
-    return tl::make_unexpected(last.error());
-  }
+  RAYLOC_TRY(last);
   v1::SiteClaim now;
   if (!*last || !unseal((*last)->data, now) || now.generation() != generation) {
     return false;
@@ -92,13 +86,9 @@ Expected<void> reopen_claim(Broker& broker, const std::string& site) {
 
 Expected<void> remove_site(Broker& broker, const std::string& site) {
   const auto retracted = retract(broker, site);
-  if (!retracted) {
-    return tl::make_unexpected(retracted.error());
-  }
+  RAYLOC_TRY(retracted);
   const auto claim = last_claim(broker, site);
-  if (!claim) {
-    return tl::make_unexpected(claim.error());
-  }
+  RAYLOC_TRY(claim);
   // A stream without a claim is left over from an earlier attempt that failed to delete it.
   if (!*claim && !*retracted && !broker.stream_state(csi_stream(site))) {
     return make_error(ErrorKind::kUnavailable,

@@ -69,9 +69,7 @@ Expected<std::string> line_of(const std::string& server, std::chrono::millisecon
 Expected<ServerGreeting> greeting_of(const std::string& server,
                                      std::chrono::milliseconds patience) {
   const Expected<std::string> line = line_of(server, patience);
-  if (!line) {
-    return tl::make_unexpected(line.error());
-  }
+  RAYLOC_TRY(line);
   const auto json = line->rfind(kBegin, 0) == 0
                         ? nlohmann::json::parse(line->substr(kBegin.size()), nullptr, false)
                         : nlohmann::json();

@@ -78,9 +78,7 @@ bool is_manifest(const json& manifest) {
 
 Expected<std::optional<json>> current_of(Broker& broker, const std::string& site) {
   const auto entry = broker.last_of(std::string(kBundleStream), subject_of(site, kCurrent));
-  if (!entry) {
-    return tl::make_unexpected(entry.error());
-  }
+  RAYLOC_TRY(entry);
   if (!*entry) {
     return std::nullopt;
   }
@@ -96,14 +94,10 @@ Expected<std::optional<json>> current_of(Broker& broker, const std::string& site
 Expected<void> enter(Broker& broker, const std::string& site, const json& manifest) {
   const std::string entry = subject_of(site, kCurrent);
   const auto before = broker.last_of(std::string(kBundleStream), entry);
-  if (!before) {
-    return tl::make_unexpected(before.error());
-  }
+  RAYLOC_TRY(before);
   const auto sent =
       broker.publish_behind(entry, manifest.dump(), *before ? (*before)->sequence : 0);
-  if (!sent) {
-    return tl::make_unexpected(sent.error());
-  }
+  RAYLOC_TRY(sent);
   if (!sent->is_last) {
     return make_error(
         ErrorKind::kUnavailable,
@@ -179,9 +173,7 @@ Expected<SiteBundle> read_bundle(const fs::path& folder) {
       continue;
     }
     Expected<std::string> content = content_of(entry.path());
-    if (!content) {
-      return tl::make_unexpected(content.error());
-    }
+    RAYLOC_TRY(content);
     bytes += content->size();
     if (bytes > kMaxBundleBytes) {
       return refuse(folder.string() +
@@ -224,9 +216,7 @@ Expected<void> store_bundle(Broker& broker,
   stream.replicas = replicas;
   stream.max_age = std::chrono::seconds(0);
   stream.max_messages_per_subject = 1;
-  if (Expected<void> made = broker.ensure_stream(stream); !made) {
-    return made;
-  }
+  RAYLOC_TRY(broker.ensure_stream(stream));
   const std::string hash = bundle.hash();
   const std::string all = joined(bundle);
   const std::size_t pieces = (all.size() + kPiece - 1) / kPiece;
@@ -235,9 +225,7 @@ Expected<void> store_bundle(Broker& broker,
     // An existing piece is the same.
     const auto sent =
         broker.publish_behind(subject, std::string_view(all).substr(i * kPiece, kPiece), 0);
-    if (!sent) {
-      return tl::make_unexpected(sent.error());
-    }
+    RAYLOC_TRY(sent);
   }
   return enter(broker, site, manifest_of(bundle, hash, pieces));
 }
@@ -249,18 +237,14 @@ Expected<void> retract_bundle(Broker& broker, const std::string& site) {
 Expected<std::map<std::string, std::string>> stored_bundles(Broker& broker) {
   std::map<std::string, std::string> hashes;
   const auto streams = streams_of(broker);
-  if (!streams) {
-    return tl::make_unexpected(streams.error());
-  }
+  RAYLOC_TRY(streams);
   if (std::none_of(streams->begin(), streams->end(), [](const StreamReport& stream) {
         return stream.options.name == kBundleStream;
       })) {
     return hashes;
   }
   const auto subjects = subjects_of(broker, std::string(kBundleStream));
-  if (!subjects) {
-    return tl::make_unexpected(subjects.error());
-  }
+  RAYLOC_TRY(subjects);
   for (const std::string& subject : *subjects) {
     if (last_token(subject) != kCurrent) {
       continue;
@@ -269,9 +253,7 @@ Expected<std::map<std::string, std::string>> stored_bundles(Broker& broker) {
         last_token(std::string_view(subject).substr(0, subject.size() - kCurrent.size() - 1));
     const std::string site = token_name(token);
     const auto manifest = current_of(broker, site);
-    if (!manifest) {
-      return tl::make_unexpected(manifest.error());
-    }
+    RAYLOC_TRY(manifest);
     if (*manifest) {
       hashes[site] = (**manifest).value("hash", "");
     }
@@ -283,9 +265,7 @@ Expected<SiteBundle> fetch_bundle(Broker& broker,
                                   const std::string& site,
                                   const std::string& hash) {
   const auto manifest = current_of(broker, site);
-  if (!manifest) {
-    return tl::make_unexpected(manifest.error());
-  }
+  RAYLOC_TRY(manifest);
   if (!*manifest || (**manifest).value("hash", "") != hash) {
     return refuse("site '" + site + "' has another bundle by now");
   }
@@ -293,9 +273,7 @@ Expected<SiteBundle> fetch_bundle(Broker& broker,
   for (std::size_t i = 0; i < (**manifest).value("pieces", std::size_t{0}); ++i) {
     const auto piece = broker.last_of(std::string(kBundleStream),
                                       subject_of(site, hash + "." + std::to_string(i)));
-    if (!piece) {
-      return tl::make_unexpected(piece.error());
-    }
+    RAYLOC_TRY(piece);
     if (!*piece) {
       return refuse("site '" + site + "': a piece of its bundle is missing; apply it again");
     }

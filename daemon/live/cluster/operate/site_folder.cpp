@@ -24,9 +24,7 @@ std::string first_line_of(const std::filesystem::path& file) {
 Expected<std::string> check_bundle(const SiteBundle& bundle,
                                    const std::filesystem::path& folder,
                                    const CheckSite& check) {
-  if (const Expected<void> written = write_bundle(bundle, folder); !written) {
-    return tl::make_unexpected(written.error());
-  }
+  RAYLOC_TRY(write_bundle(bundle, folder));
   return check(folder);
 }
 
@@ -93,13 +91,9 @@ Expected<void> SiteFolder::replace(Broker& broker,
     return bad_input("its name has a quotation mark, a backslash or what cannot be printed");
   }
   const auto bundle = fetch_bundle(broker, site, hash);
-  if (!bundle) {
-    return tl::make_unexpected(bundle.error());
-  }
+  RAYLOC_TRY(bundle);
   const ScratchFolder fresh(path(site, ".new"));
-  if (const auto checked = check_bundle(*bundle, fresh.path(), check_); !checked) {
-    return tl::make_unexpected(checked.error());
-  }
+  RAYLOC_TRY(check_bundle(*bundle, fresh.path(), check_));
   const ScratchFolder old(path(site, ".old"));
   std::error_code failed;
   std::filesystem::rename(path(site, ""), old.path(), failed);  // fails if there was none

@@ -17,9 +17,7 @@ using nlohmann::json;
 // Returns the reply of JetStream, or its error message.
 Expected<json> answer_of(Broker& broker, const std::string& subject, const json& question) {
   const auto reply = broker.ask("$JS.API." + subject, question.dump());
-  if (!reply) {
-    return tl::make_unexpected(reply.error());
-  }
+  RAYLOC_TRY(reply);
   json answer = json::parse(*reply, nullptr, false);
   if (!answer.is_object()) {
     return make_error(ErrorKind::kUnavailable, subject + ": the server's answer is no JSON");
@@ -85,9 +83,7 @@ Expected<std::vector<std::string>> subjects_of(Broker& broker, const std::string
   for (;;) {
     const auto answer = answer_of(
         broker, "STREAM.INFO." + stream, {{"subjects_filter", ">"}, {"offset", subjects.size()}});
-    if (!answer) {
-      return tl::make_unexpected(answer.error());
-    }
+    RAYLOC_TRY(answer);
     const json state = answer->value("state", json::object());
     const json page = state.value("subjects", json::object());
     for (const auto& [subject, messages] : page.items()) {
@@ -108,9 +104,7 @@ Expected<void> forget_subjects(Broker& broker,
 
 Expected<void> forget_stream(Broker& broker, const std::string& stream) {
   const auto streams = streams_of(broker);
-  if (!streams) {
-    return tl::make_unexpected(streams.error());
-  }
+  RAYLOC_TRY(streams);
   if (std::none_of(streams->begin(), streams->end(), [&](const StreamReport& one) {
         return one.options.name == stream;
       })) {
@@ -124,9 +118,7 @@ Expected<std::vector<StreamReport>> streams_of(Broker& broker) {
   std::vector<StreamReport> streams;
   for (;;) {
     const auto answer = answer_of(broker, "STREAM.LIST", {{"offset", streams.size()}});
-    if (!answer) {
-      return tl::make_unexpected(answer.error());
-    }
+    RAYLOC_TRY(answer);
     const json page = answer->value("streams", json::array());
     if (!page.is_array()) {  // null: no streams
       return streams;
@@ -142,9 +134,7 @@ Expected<std::vector<StreamReport>> streams_of(Broker& broker) {
 
 Expected<StoreReport> store_of(Broker& broker) {
   const auto answer = answer_of(broker, "INFO", json::object());
-  if (!answer) {
-    return tl::make_unexpected(answer.error());
-  }
+  RAYLOC_TRY(answer);
   const json limits = answer->value("limits", json::object());
   return StoreReport{answer->value("memory", std::uint64_t{0}),
                      answer->value("storage", std::uint64_t{0}),
@@ -156,9 +146,7 @@ Expected<std::optional<Timestamp>> last_stored(Broker& broker,
                                                const std::string& stream,
                                                const std::string& subject) {
   const auto answer = answer_of(broker, "STREAM.MSG.GET." + stream, {{"last_by_subj", subject}});
-  if (!answer) {
-    return tl::make_unexpected(answer.error());
-  }
+  RAYLOC_TRY(answer);
   return time_of(answer->value("message", json::object()).value("time", ""));
 }
 

@@ -60,9 +60,7 @@ Expected<std::unique_ptr<ClaimKeeper>> ClaimKeeper::open(std::shared_ptr<Broker>
                                        self->drains_}}};
   for (const Wanted& one : all) {
     auto made = self->broker_->subscribe(one.subject, one.handler);
-    if (!made) {
-      return tl::make_unexpected(made.error());
-    }
+    RAYLOC_TRY(made);
     one.to = std::move(*made);
   }
   return keeper;

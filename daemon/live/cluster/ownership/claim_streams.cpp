@@ -30,9 +30,7 @@ Expected<StreamState> make_worker_streams(Broker& broker,
   results.max_messages_per_subject = 0;
   results.max_age = std::max<std::chrono::seconds>(result_age, kKeepResults);
   for (const StreamOptions& stream : {claims, output_stream(results), fill_stream(results)}) {
-    if (const Expected<void> made = broker.ensure_stream(stream); !made) {
-      return tl::make_unexpected(made.error());
-    }
+    RAYLOC_TRY(broker.ensure_stream(stream));
   }
   return broker.stream_state(claims.name);
 }

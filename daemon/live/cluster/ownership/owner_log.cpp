@@ -60,15 +60,11 @@ std::string OwnerLog::output_subject_of(const Options& options) {
 
 Expected<std::unique_ptr<OwnerLog>> OwnerLog::begin(std::shared_ptr<Broker> broker,
                                                     Options options) {
-  if (const Expected<void> made = broker->ensure_stream(options.stream); !made) {
-    return tl::make_unexpected(made.error());
-  }
+  RAYLOC_TRY(broker->ensure_stream(options.stream));
   std::unique_ptr<OwnerLog> log(new OwnerLog(std::move(broker), std::move(options)));
   for (int i = 0; i < kTries; ++i) {
     const auto last = log->broker_->last_of(std::string(kOutputStream), log->subject_);
-    if (!last) {
-      return tl::make_unexpected(last.error());
-    }
+    RAYLOC_TRY(last);
     v1::OutputRecord record;
     if (*last && !unseal((*last)->data, record)) {
       record.Clear();  // an invalid record: the site starts anew
@@ -153,9 +149,7 @@ OwnerLog::Outcome OwnerLog::confirm(const std::string& bytes) {
 // Claims never expire: an owner suspended beyond the retention of results finds its successor here.
 Expected<std::uint64_t> OwnerLog::claimed_generation() {
   const auto last = broker_->last_of(std::string(kClaimStream), claim_subject(options_.site));
-  if (!last) {
-    return tl::make_unexpected(last.error());
-  }
+  RAYLOC_TRY(last);
   v1::SiteClaim claim;
   return *last && unseal((*last)->data, claim) ? claim.generation() : 0;
 }

@@ -69,17 +69,13 @@ bool is_near(Broker& broker,
 
 Expected<StandbyStart> standby_start(Broker& broker, const std::string& site) {
   const auto message = broker.last_of(std::string(kOutputStream), output_subject(site));
-  if (!message) {
-    return tl::make_unexpected(message.error());
-  }
+  RAYLOC_TRY(message);
   v1::OutputRecord last;
   if (!*message || !unseal((*message)->data, last) || last.output().released()) {
     return no_owner(site);
   }
   const Expected<StreamState> stream = broker.stream_state(csi_stream(site));
-  if (!stream) {
-    return tl::make_unexpected(stream.error());
-  }
+  RAYLOC_TRY(stream);
   StandbyStart found;
   if (const std::optional<v1::Begin> begin = begin_of(broker, output_subject(site), last);
       begin && begin->arithmetic() == arithmetic()) {  // others differ in the last digits
@@ -91,9 +87,7 @@ Expected<StandbyStart> standby_start(Broker& broker, const std::string& site) {
     }
   }
   auto start = start_after(last);
-  if (!start) {
-    return tl::make_unexpected(start.error());
-  }
+  RAYLOC_TRY(start);
   found.start = *std::move(start);
   found.start.generation = last.generation();
   found.is_late = true;

@@ -11,9 +11,7 @@ namespace rayloc {
 Expected<std::string> bind_socket(zmq::socket_t& socket,
                                   const std::string& endpoint,
                                   int adopted_fd) {
-  if (const auto ok = check_endpoint(endpoint, ErrorKind::kConfiguration); !ok) {
-    return tl::make_unexpected(ok.error());
-  }
+  RAYLOC_TRY(check_endpoint(endpoint, ErrorKind::kConfiguration));
   if (adopted_fd < 0 && ipc_in_use(endpoint)) {
     return tl::make_unexpected(endpoint_error(endpoint, "bind", EADDRINUSE));
   }

@@ -55,9 +55,7 @@ std::string curve_public_key(const std::string& secret_key) {
 Expected<CurveKeyPair> read_curve_secret(const std::filesystem::path& file) {
   Expected<std::string> line = read_secret(file, kSecretKey);
   Expected<std::string> secret = line ? checked_key(file, kSecretKey, *line) : std::move(line);
-  if (!secret) {
-    return tl::make_unexpected(secret.error());
-  }
+  RAYLOC_TRY(secret);
   std::string public_key = curve_public_key(*secret);
   return CurveKeyPair{std::move(public_key), std::move(*secret)};
 }

@@ -50,9 +50,7 @@ Expected<std::unique_ptr<SiteEstimators>> SiteEstimators::create(const SiteSetup
   const EngineConfig& engine = setup.config.engine;
   if (const Method* method = engine.method; method != nullptr) {
     auto both = made->make_both(*method);
-    if (!both) {
-      return tl::make_unexpected(std::move(both.error()));
-    }
+    RAYLOC_TRY(both);
     made->devices_ = std::move(both->devices);
     made->people_ = std::move(both->people);
   }
@@ -108,16 +106,12 @@ Expected<SiteEstimators::Both> SiteEstimators::make_both(const Method& method) c
   Both both;
   if (method.create_device != nullptr) {
     auto devices = make_devices(method);
-    if (!devices) {
-      return tl::make_unexpected(std::move(devices.error()));
-    }
+    RAYLOC_TRY(devices);
     both.devices = std::move(*devices);
   }
   if (method.create_person != nullptr && setup_.site.reference_file) {
     auto people = make_people(method, nullptr);
-    if (!people) {
-      return tl::make_unexpected(std::move(people.error()));
-    }
+    RAYLOC_TRY(people);
     both.people = std::move(*people);
   }
   return both;
@@ -126,9 +120,7 @@ Expected<SiteEstimators::Both> SiteEstimators::make_both(const Method& method) c
 Expected<std::unique_ptr<ComparedMethod>> SiteEstimators::make_compared(
     const Method& method) const {
   auto both = make_both(method);
-  if (!both) {
-    return tl::make_unexpected(std::move(both.error()));
-  }
+  RAYLOC_TRY(both);
   std::vector<std::unique_ptr<Estimator>> estimators;
   if (both->devices) {
     estimators.push_back(std::move(both->devices));
@@ -159,9 +151,7 @@ Expected<void> SiteEstimators::go_on(const std::shared_ptr<const Carried>& befor
   }
   if (people_) {
     auto people = make_people(*setup_.config.engine.method, before);
-    if (!people) {
-      return tl::make_unexpected(std::move(people.error()));
-    }
+    RAYLOC_TRY(people);
     people_ = std::move(*people);
   }
   assemble(before.get());

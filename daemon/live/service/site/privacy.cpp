@@ -12,9 +12,7 @@ Expected<std::shared_ptr<TargetNames>> open_target_names(const DaemonConfig& con
   options.period = config.privacy.rotate;
   if (options.hashed && !config.privacy.key_file.empty()) {
     Expected<std::string> key = TargetNames::read_key(config.privacy.key_file);
-    if (!key) {
-      return tl::make_unexpected(key.error());
-    }
+    RAYLOC_TRY(key);
     options.key = std::move(*key);
   }
   if (options.hashed && !config.record.directory.empty()) {

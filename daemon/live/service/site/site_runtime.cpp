@@ -119,9 +119,7 @@ Expected<std::unique_ptr<SiteRuntime>> SiteRuntime::prepare(SiteSetup setup,
                                                             const Surroundings& surroundings) {
   std::unique_ptr<SiteRuntime> runtime(new SiteRuntime(std::move(setup), surroundings));
   surroundings.log("preparing the room of site '" + runtime->setup_.site.name + "'");
-  if (const Expected<void> opened = runtime->open_estimators(); !opened) {
-    return tl::make_unexpected(opened.error());
-  }
+  RAYLOC_TRY(runtime->open_estimators());
   runtime->describe_room();
   runtime->check_site();
   return runtime;
@@ -130,9 +128,7 @@ Expected<std::unique_ptr<SiteRuntime>> SiteRuntime::prepare(SiteSetup setup,
 Expected<void> SiteRuntime::open_estimators() {
   make_folders(setup_);
   auto names = open_target_names(setup_.config);
-  if (!names) {
-    return tl::make_unexpected(names.error());
-  }
+  RAYLOC_TRY(names);
   names_ = std::move(*names);
   SiteEstimators::Options options{surroundings_.path_grids, names_, {}};
   // A worker uses the state of the stream alone: other workers must compute the same.
@@ -141,9 +137,7 @@ Expected<void> SiteRuntime::open_estimators() {
     options.chain_file = (folder / kChainFile).string();
   }
   auto estimators = SiteEstimators::create(setup_, std::move(options));
-  if (!estimators) {
-    return tl::make_unexpected(std::move(estimators.error()));
-  }
+  RAYLOC_TRY(estimators);
   estimators_ = std::move(*estimators);
   return {};
 }
@@ -207,9 +201,7 @@ Expected<void> SiteRuntime::open(const Opened& before, SiteOutput& output) {
   }
   status_.output = &output;
   std::vector<SourceWorker::Input> inputs;
-  if (const Expected<void> opened = open_sources(before, output, inputs); !opened) {
-    return tl::make_unexpected(opened.error());
-  }
+  RAYLOC_TRY(open_sources(before, output, inputs));
   const bool playback = recording_clock_.playback != nullptr;
   PipelineOptions options = pipeline_options(setup_.config, playback);
   LocationSink& sink = results_ ? go_on(options) : output;
@@ -228,13 +220,9 @@ Expected<void> SiteRuntime::open_sources(const Opened& before,
                                          std::vector<SourceWorker::Input>& inputs) {
   const DaemonConfig& config = setup_.config;
   auto clock = recording_clock(config);
-  if (!clock) {
-    return tl::make_unexpected(clock.error());
-  }
+  RAYLOC_TRY(clock);
   recording_clock_ = std::move(*clock);
-  if (const Expected<void> cluster = open_cluster(output); !cluster) {
-    return tl::make_unexpected(cluster.error());
-  }
+  RAYLOC_TRY(open_cluster(output));
   status_.playback = recording_clock_.playback;
   const Method* const method = config.engine.method;
   for (const SourceConfig& source : config.sources) {
@@ -246,9 +234,7 @@ Expected<void> SiteRuntime::open_sources(const Opened& before,
         known   ? source_input(source, setup_.site, method, std::move(known))
         : feed_ ? source_input(source, setup_.site, method, feed_->source(inputs.size()))
                 : open_source(source, setup_.site, method, socket, recording_clock_);
-    if (!input) {
-      return tl::make_unexpected(input.error());
-    }
+    RAYLOC_TRY(input);
     if (!config.record.directory.empty()) {
       recorders_.push_back(open_recorder(config.record, source.access_point));
       input->taps.push_back(recorders_.back().get());

@@ -26,9 +26,7 @@ Expected<void> SiteRuntime::claim(std::uint64_t generation) {
     options.along = along_->start;
   }
   auto log = OwnerLog::begin(surroundings_.broker, std::move(options));
-  if (!log) {
-    return tl::make_unexpected(log.error());
-  }
+  RAYLOC_TRY(log);
   log_ = std::move(*log);
   if (along_) {
     if (log_->start().from < results_->gone_before()) {
@@ -79,9 +77,7 @@ Expected<void> SiteRuntime::restore_estimators(const std::shared_ptr<const Carri
 Expected<void> SiteRuntime::open_cluster(SiteOutput& output) {
   if (surroundings_.capture != nullptr) {
     auto sender = surroundings_.capture->add_site(setup_.site.name);
-    if (!sender) {
-      return tl::make_unexpected(sender.error());
-    }
+    RAYLOC_TRY(sender);
     sender_ = std::move(*sender);
   }
   return log_ || along_ ? open_feed(output) : Expected<void>();
@@ -101,9 +97,7 @@ Expected<void> SiteRuntime::open_feed(SiteOutput& output) {
     options.access_points.push_back(source.access_point);
   }
   auto feed = SiteFeed::open(surroundings_.broker, std::move(options));
-  if (!feed) {
-    return tl::make_unexpected(feed.error());
-  }
+  RAYLOC_TRY(feed);
   feed_ = std::move(*feed);
   later_frames_ = std::make_unique<LaterFrames>(output, along_ ? Timestamp::max() : start_.from);
   OutStage::Options results;
@@ -129,9 +123,7 @@ Expected<void> SiteRuntime::subscribe_to_owner(SiteOutput& output, OutStage::Opt
                                                    results->receive(std::move(record));
                                                  }
                                                });
-  if (!words) {
-    return tl::make_unexpected(words.error());
-  }
+  RAYLOC_TRY(words);
   owner_records_ = std::move(*words);
   return {};
 }

@@ -73,9 +73,7 @@ void log_buffer(const ReceiveBuffer& buffer, const std::string& name) {
 Expected<std::unique_ptr<DatagramSource>> open_transport(const SourceConfig& source,
                                                          int passed_socket) {
   auto options = source_options(source);
-  if (!options) {
-    return tl::make_unexpected(std::move(options.error()));
-  }
+  RAYLOC_TRY(options);
   options->adopted_fd = passed_socket;
   return open_datagram_source(transport_schemes(), source_url(source), {}, *options);
 }

@@ -17,9 +17,7 @@ const std::string kRecording = kSite + "/device_los-ap1.pcap.gz";
 
 Expected<PreparedReplay> prepared(const std::string& capture, const ReplayOptions& options = {}) {
   const auto site = load_site(kSite);
-  if (!site) {
-    return tl::make_unexpected(site.error());
-  }
+  RAYLOC_TRY(site);
   ReplayRecordings recordings;
   recordings.captures = {capture};
   return prepare_replay(*site, options, recordings, {}, {});

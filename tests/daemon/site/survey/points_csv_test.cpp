@@ -19,9 +19,7 @@ using namespace std::chrono_literals;
 
 Expected<std::vector<SurveyPoint>> read(const std::string& text) {
   const auto table = CsvTable::parse(text, "p.csv");
-  if (!table) {
-    return tl::make_unexpected(table.error());
-  }
+  RAYLOC_TRY(table);
   return read_points(*table);
 }
 
