@@ -75,7 +75,7 @@ RowSelection select_rows(const AssembledFrame& assembled) {
 }
 
 // h -> h * j^-quarter_turns.
-std::complex<float> turned_back(std::complex<float> h, unsigned quarter_turns) {
+std::complex<float> derotated(std::complex<float> h, unsigned quarter_turns) {
   switch (quarter_turns) {
     case 1:
       return {h.imag(), -h.real()};
@@ -266,7 +266,7 @@ CsiFrame FrameNormalizer::normalize(const AssembledFrame& assembled) {
     for (const Run& run : selection.runs) {
       const auto wire = from.subspan(run.wire_begin, run.count);
       to = std::transform(wire.begin(), wire.end(), to, [&run](std::complex<float> h) {
-        return turned_back(h, run.quarter_turns);
+        return derotated(h, run.quarter_turns);
       });
     }
   }

@@ -144,10 +144,10 @@ void AccessPointCalibrator::fit_yaw(AccessPointFit& fit) const {
   }
   const ModelError error = fit.error.value();
   fit.yaw_offset = maximise(scan, 0.0, [&](double yaw) {
-    const auto turned = offsets(yaw);
-    const auto gains = principal_gains(turned, error, nullptr, {});
+    const auto rotated = offsets(yaw);
+    const auto gains = principal_gains(rotated, error, nullptr, {});
     const double prior = yaw / kYawPrior;
-    return kAccessPointEvidence * log_likelihood(observe(gains), turned, error) -
+    return kAccessPointEvidence * log_likelihood(observe(gains), rotated, error) -
            0.5 * prior * prior;
   });
   fit.gain_sigma.clear();
@@ -155,11 +155,11 @@ void AccessPointCalibrator::fit_yaw(AccessPointFit& fit) const {
 }
 
 void AccessPointCalibrator::fit_error(AccessPointFit& fit) const {
-  const auto turned = offsets(fit.yaw_offset.value);
+  const auto rotated = offsets(fit.yaw_offset.value);
   const auto observed = observe(fit.gains);
   fit.error = fit_model_error(
       [&](const ModelError& error) {
-        return kAccessPointEvidence * log_likelihood(observed, turned, error);
+        return kAccessPointEvidence * log_likelihood(observed, rotated, error);
       },
       fit.error);
 }
@@ -206,7 +206,7 @@ Expected<AccessPointFit> AccessPointCalibrator::fit_gains() const {
 std::vector<std::optional<double>> AccessPointCalibrator::correlations(
     const AccessPointFit* fit) const {
   const Aligner aligner(grid_);
-  const auto turned = offsets(fit != nullptr ? fit->yaw_offset.value : 0.0);
+  const auto rotated = offsets(fit != nullptr ? fit->yaw_offset.value : 0.0);
   const ModelError error = fit != nullptr ? fit->error.value() : ModelError{};
   std::vector<std::optional<double>> each(given_);
   parallel_for(samples_.size(), 4, [&](std::size_t i) {
@@ -215,7 +215,7 @@ std::vector<std::optional<double>> AccessPointCalibrator::correlations(
       remove_gains(fit->gains, h);
     }
     each[samples_[i].index] =
-        aligner.align(model_.expected(place(samples_[i], turned), error), h).correlation;
+        aligner.align(model_.expected(place(samples_[i], rotated), error), h).correlation;
   });
   return each;
 }

@@ -197,11 +197,11 @@ class FactorFit {
     if (!(own > 0.0) || !(std::abs(sum) > 0.0)) {
       return;
     }
-    const Value turned = std::conj(sum) / std::abs(sum);
+    const Value rotated = std::conj(sum) / std::abs(sum);
     double slope = 0.0;
     double curvature = 0.0;
     for (std::size_t k = 0; k < tones_; ++k) {
-      slope += angular_[k] * (turned * now.cross[k]).imag();
+      slope += angular_[k] * (rotated * now.cross[k]).imag();
       curvature += angular_[k] * angular_[k] * now.power[k] * std::abs(sum) / own;
     }
     const double sharp = sharpness(now.correlation());

@@ -13,10 +13,10 @@ constexpr double kNear = 0.6;     // [rad], chosen: states nearer than this are 
 
 }  // namespace
 
-ChainBelief::ChainBelief(std::size_t chains, double turned)
+ChainBelief::ChainBelief(std::size_t chains, double rotated)
     : grid_(chains), probability_(grid_.size()) {
   probability_[0] = 1.0;
-  suspect(turned);
+  suspect(rotated);
 }
 
 void ChainBelief::suspect(double probability) {

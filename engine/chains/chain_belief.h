@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-#include "engine/likelihood/turned_likelihood.h"
+#include "engine/likelihood/rotated_likelihood.h"
 
 namespace rayloc {
 
@@ -18,10 +18,10 @@ class ChainBelief {
  public:
   static constexpr double kMaxOfBurst = 4.0;  // [nat], per burst: the burst may match no place
 
-  // turned: prior probability that the chains differ from the accepted state.
-  ChainBelief(std::size_t chains, double turned);
+  // rotated: prior probability that the chains differ from the accepted state.
+  ChainBelief(std::size_t chains, double rotated);
 
-  const TurnGrid& grid() const { return grid_; }
+  const RotationGrid& grid() const { return grid_; }
 
   // log_evidence: [state], from turn_evidence().
   void receive(std::span<const double> log_evidence);
@@ -40,7 +40,7 @@ class ChainBelief {
  private:
   bool is_near(std::size_t a, std::size_t b) const;
 
-  TurnGrid grid_;
+  RotationGrid grid_;
   std::vector<double> probability_;
 };
 

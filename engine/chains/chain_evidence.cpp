@@ -20,7 +20,7 @@ constexpr std::size_t kFewTurns = 8;
 constexpr std::size_t kKeptCells = 48;  // a count, chosen
 
 // A grid of fewer states, for the coarse evaluation.
-std::vector<std::complex<float>> few_turns(const TurnGrid& grid) {
+std::vector<std::complex<float>> few_turns(const RotationGrid& grid) {
   const auto all = grid.undoing();
   const std::size_t every = std::max<std::size_t>(1, all.size() / kFewTurns);
   std::vector<std::complex<float>> few;
@@ -39,7 +39,7 @@ struct CoarseScan {
 
 CoarseScan coarse_scan(const AccessPointMap& map,
                        const ObservedBurst& observed,
-                       const TurnGrid& grid) {
+                       const RotationGrid& grid) {
   const auto few = few_turns(grid);
   CoarseScan scan;
   scan.turns = few.size();
@@ -103,7 +103,7 @@ std::vector<std::size_t> TurnEvidence::cells_near(std::span<const double> phase)
 
 TurnEvidence turn_evidence(const AccessPointMap& map,
                            const ObservedBurst& observed,
-                           const TurnGrid& grid,
+                           const RotationGrid& grid,
                            double likelihood_exponent,
                            std::span<const double> log_weight) {
   RAYLOC_CHECK(grid.chains() == map.antennas());
@@ -146,11 +146,11 @@ TurnEvidence turn_evidence(const AccessPointMap& map,
   return evidence;
 }
 
-std::vector<double> places_whatever_turned(const AccessPointMap& map,
-                                           const ObservedBurst& observed,
-                                           const TurnGrid& grid,
-                                           double likelihood_exponent,
-                                           std::span<const double> probability) {
+std::vector<double> places_for_any_rotation(const AccessPointMap& map,
+                                            const ObservedBurst& observed,
+                                            const RotationGrid& grid,
+                                            double likelihood_exponent,
+                                            std::span<const double> probability) {
   RAYLOC_CHECK(grid.chains() == map.antennas() && grid.size() == probability.size());
   const double null_model = map.null_model(observed);
   const CoarseScan scan = coarse_scan(map, observed, grid);
@@ -174,7 +174,7 @@ std::vector<double> places_whatever_turned(const AccessPointMap& map,
 
 TurnEvidence turn_evidence_at(const PlaceModel& place,
                               const ObservedArray& observed,
-                              const TurnGrid& grid,
+                              const RotationGrid& grid,
                               double likelihood_exponent,
                               double null_model) {
   std::vector<float> values(grid.size());

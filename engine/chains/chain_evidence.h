@@ -1,5 +1,5 @@
 // Evidence of one burst, from a device at an unknown place, on the receive chains: the likelihood
-// of the burst for every state of a TurnGrid, averaged over the places where the device may be.
+// of the burst for every state of a RotationGrid, averaged over the places where the device may be.
 #pragma once
 
 #include <cstddef>
@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "engine/likelihood/turned_likelihood.h"
+#include "engine/likelihood/rotated_likelihood.h"
 #include "engine/localize/access_point_map.h"
 
 namespace rayloc {
@@ -28,21 +28,21 @@ struct TurnEvidence {
 // REQUIRES: the map has models (a Gaussian likelihood) and grid.chains() antennas.
 TurnEvidence turn_evidence(const AccessPointMap& map,
                            const ObservedBurst& observed,
-                           const TurnGrid& grid,
+                           const RotationGrid& grid,
                            double likelihood_exponent,
                            std::span<const double> log_weight);
 // [cell]: evidence of an access point with unknown chains on the place: ln of the mean of
 // exp(likelihood_exponent l) over the states, weighted by `probability`, [state].
-std::vector<double> places_whatever_turned(const AccessPointMap& map,
-                                           const ObservedBurst& observed,
-                                           const TurnGrid& grid,
-                                           double likelihood_exponent,
-                                           std::span<const double> probability);
+std::vector<double> places_for_any_rotation(const AccessPointMap& map,
+                                            const ObservedBurst& observed,
+                                            const RotationGrid& grid,
+                                            double likelihood_exponent,
+                                            std::span<const double> probability);
 // As turn_evidence(), for a device at a known place. `null_model`: log-likelihood of the null
 // model, the reference of the comparison.
 TurnEvidence turn_evidence_at(const PlaceModel& place,
                               const ObservedArray& observed,
-                              const TurnGrid& grid,
+                              const RotationGrid& grid,
                               double likelihood_exponent,
                               double null_model);
 

@@ -15,9 +15,9 @@ namespace {
 
 using Value = std::complex<double>;
 
-constexpr double kTurnedAtStart = 0.1;       // a probability: the age of the calibration is unknown
-constexpr double kTurnedAfterCycle = 0.98;   // a probability: each chip starts in a new state
-constexpr double kTurnedAfterSilence = 0.3;  // a probability: it may have been off, or only silent
+constexpr double kRotatedAtStart = 0.1;      // a probability: the age of the calibration is unknown
+constexpr double kRotatedAfterCycle = 0.98;  // a probability: each chip starts in a new state
+constexpr double kRotatedAfterSilence = 0.3;  // a probability: it may have been off, or only silent
 constexpr auto kSilence = std::chrono::seconds(20);  // chosen: access points start in a minute
 constexpr double kUncertain = 0.2;  // probability of the accepted state; below: states are compared
 constexpr double kShaken = 0.9;     // the same; below: no refinement
@@ -86,14 +86,14 @@ ChainMemory& ChainLearner::of(std::size_t access_point) {
   if (found != aps_.end()) {
     return found->second;
   }
-  ChainMemory ap(localizer_->room().access_points[access_point].cores.size(), kTurnedAtStart);
+  ChainMemory ap(localizer_->room().access_points[access_point].cores.size(), kRotatedAtStart);
   ap.state.access_point = access_point;
   ChainMemory& kept = aps_.emplace(access_point, std::move(ap)).first->second;
   ++changes_;
   if (const auto before = restored_.find(access_point); before != restored_.end()) {
     adopt(before->second);
   } else if (!localizer_->room().access_points[access_point].are_chains_known) {
-    kept.belief.suspect(kTurnedAfterCycle);
+    kept.belief.suspect(kRotatedAfterCycle);
     kept.set_knowledge(ChainKnowledge::kLearning, {});
   }
   return kept;
@@ -164,7 +164,7 @@ void ChainLearner::receive(std::span<const CsiFrame> frames) {
       })) {
     close_.add(*localizer_, known_of(fresh.observation));
   }
-  const CellsOfEach unknown = whatever_turned(fresh);
+  const CellsOfEach unknown = for_any_rotation(fresh);
   for (const ArrayObservation* received : fresh.arrays) {
     const std::size_t a = received->map->number();
     weigh(*received, by_others(fresh.observation, unknown, a), fresh.time, of(a));
@@ -197,7 +197,7 @@ bool ChainLearner::is_new(const ArrayObservation& received, const ChainMemory& a
          });
 }
 
-ChainLearner::CellsOfEach ChainLearner::whatever_turned(const NewArrays& fresh) {
+ChainLearner::CellsOfEach ChainLearner::for_any_rotation(const NewArrays& fresh) {
   CellsOfEach unknown;
   if (fresh.arrays.empty()) {
     return unknown;
@@ -208,11 +208,11 @@ ChainLearner::CellsOfEach ChainLearner::whatever_turned(const NewArrays& fresh) 
     if (is_alone || !has_all_antennas(received) || of(a).is_known()) {
       continue;
     }
-    unknown[a] = places_whatever_turned(*received.map,
-                                        level_undone(received, of(a)),
-                                        of(a).belief.grid(),
-                                        localizer_->room().likelihood_exponent,
-                                        of(a).belief.probability());
+    unknown[a] = places_for_any_rotation(*received.map,
+                                         level_undone(received, of(a)),
+                                         of(a).belief.grid(),
+                                         localizer_->room().likelihood_exponent,
+                                         of(a).belief.probability());
   }
   return unknown;
 }
@@ -409,7 +409,7 @@ void ChainLearner::notice_silence(const CsiFrame& frame) {
   const auto [last, is_first] = received_.emplace(a, frame.time);
   if (!is_first && frame.time - last->second > kSilence) {
     if (const auto found = aps_.find(a); found != aps_.end()) {
-      found->second.belief.suspect(kTurnedAfterSilence);
+      found->second.belief.suspect(kRotatedAfterSilence);
     }
   }
   last->second = frame.time;
@@ -428,7 +428,7 @@ FrameFault ChainLearner::fault_of(std::span<const CsiFrame> accepted) const {
     if (received.insert(frame.access_point).second) {
       const auto found = aps_.find(static_cast<std::size_t>(frame.access_point));
       suspect.probability *=
-          found == aps_.end() ? kTurnedAtStart : 1.0 - found->second.belief.as_accepted();
+          found == aps_.end() ? kRotatedAtStart : 1.0 - found->second.belief.as_accepted();
     }
   }
   return received.empty() ? FrameFault() : suspect;
@@ -453,7 +453,7 @@ void ChainLearner::adopt(const ChainState& state) {
   withdrawals_ += !before && are_all_learning() ? 1U : 0U;
   ap.last_sure = state.since;
   if (state.knowledge == ChainKnowledge::kLearning) {
-    ap.belief.suspect(kTurnedAfterCycle);
+    ap.belief.suspect(kRotatedAfterCycle);
   }
 }
 
@@ -466,7 +466,7 @@ void ChainLearner::restore(const ChainState& state) {
 void ChainLearner::power_cycled(std::size_t access_point, Timestamp time) {
   ChainMemory& ap = of(access_point);
   ++changes_;
-  ap.belief.suspect(kTurnedAfterCycle);
+  ap.belief.suspect(kRotatedAfterCycle);
   ap.received.clear();
   ap.last_sure = time;
   withdraw(time, ap);

@@ -86,7 +86,7 @@ class ChainLearner {
   // By access point with unknown chains, where others are learned from the same burst: its evidence
   // on every cell, averaged over its states.
   using CellsOfEach = std::map<std::size_t, std::vector<double>>;
-  CellsOfEach whatever_turned(const NewArrays& fresh);
+  CellsOfEach for_any_rotation(const NewArrays& fresh);
   // ln of the probability that the device is in each cell, from the other access points of a burst;
   // the array of access point `left_out` is not used.
   std::vector<double> by_others(const RoomObservation& observation,

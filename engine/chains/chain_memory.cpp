@@ -12,8 +12,8 @@ constexpr double kFineSigma = 0.035;  // [rad], 2 degrees: accurate enough for i
 
 }  // namespace
 
-ChainMemory::ChainMemory(std::size_t chains, double turned)
-    : belief(chains, turned), level(chains, 1.0) {
+ChainMemory::ChainMemory(std::size_t chains, double rotated)
+    : belief(chains, rotated), level(chains, 1.0) {
   state.factors = ChainFactors::unity(chains);
 }
 

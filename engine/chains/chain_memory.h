@@ -19,8 +19,8 @@ struct ChainMemory {
   static constexpr std::size_t kMinBursts = 5;  // before the accepted state is given up
   static constexpr double kSure = 0.999;  // probability of the accepted state: nothing against it
 
-  // turned: the probability that the chains are not as calibrated, before the first burst.
-  ChainMemory(std::size_t chains, double turned);
+  // rotated: the probability that the chains are not as calibrated, before the first burst.
+  ChainMemory(std::size_t chains, double rotated);
 
   ChainState state;
   ChainBelief belief;

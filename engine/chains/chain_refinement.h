@@ -11,7 +11,7 @@
 #include <span>
 #include <vector>
 
-#include "engine/likelihood/turned_likelihood.h"
+#include "engine/likelihood/rotated_likelihood.h"
 
 namespace rayloc {
 

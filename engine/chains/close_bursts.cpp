@@ -70,7 +70,7 @@ bool CloseBursts::sample(const Localizer& localizer, Burst& burst) const {
   const std::vector<SampledPlace> places = sample_places(localizer, observation, evidence, kSample);
   burst.log_weight.clear();
   burst.received.clear();
-  burst.turned = 0.0;
+  burst.rotated = 0.0;
   for (const SampledPlace& place : places) {
     burst.log_weight.push_back(std::log(place.share));
   }
@@ -98,23 +98,23 @@ bool CloseBursts::sample(const Localizer& localizer, Burst& burst) const {
 void CloseBursts::sample_again(const Localizer& localizer) {
   const auto most =
       std::max_element(bursts_.begin(), bursts_.end(), [](const auto& a, const auto& b) {
-        return a.turned < b.turned;
+        return a.rotated < b.rotated;
       });
-  if (most != bursts_.end() && most->turned > kStale && !sample(localizer, *most)) {
+  if (most != bursts_.end() && most->rotated > kStale && !sample(localizer, *most)) {
     bursts_.erase(most);
   }
 }
 
 void CloseBursts::accept(std::size_t access_point, std::span<const Value> factor) {
   const std::vector<Value> undoing = inverses({factor.begin(), factor.end()});
-  const double turned =
+  const double rotated =
       distance({factor.begin(), factor.end()}, std::vector<Value>(factor.size(), 1.0));
   for (Burst& burst : bursts_) {
     const auto found = burst.received.find(access_point);
     if (found == burst.received.end()) {
       continue;
     }
-    burst.turned += turned;
+    burst.rotated += rotated;
     for (ChainMoments& moments : found->second) {
       moments = moments.multiplied(undoing);
     }
@@ -177,10 +177,10 @@ ChainFactors CloseBursts::refined(std::size_t access_point) const {
   const std::size_t chains = bursts.front().places.front().chains;
   ChainFactors refined =
       refine_chains(bursts, std::vector<Value>(chains, 1.0), likelihood_exponent_);
-  const double turned = distance(refined.factor, std::vector<Value>(chains, 1.0));
-  if (turned > kMaxTurn) {
+  const double rotated = distance(refined.factor, std::vector<Value>(chains, 1.0));
+  if (rotated > kMaxTurn) {
     for (Value& factor : refined.factor) {
-      factor = std::polar(std::abs(factor), std::arg(factor) * kMaxTurn / turned);
+      factor = std::polar(std::abs(factor), std::arg(factor) * kMaxTurn / rotated);
     }
   }
   return refined;

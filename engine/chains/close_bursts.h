@@ -48,7 +48,7 @@ class CloseBursts {
     // so that the mean of the likelihood over the places is that over the whole room.
     std::vector<double> log_weight;
     std::map<std::size_t, std::vector<ChainMoments>> received;  // by access point, [place]
-    double turned = 0.0;  // [rad], change of the accepted states since it was sampled
+    double rotated = 0.0;  // [rad], change of the accepted states since it was sampled
   };
   bool sample(const Localizer& localizer, Burst& burst) const;
   void sample_again(const Localizer& localizer);

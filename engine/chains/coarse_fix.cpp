@@ -18,10 +18,10 @@ constexpr double kOutlier = 0.03;  // a probability, chosen: none of them has an
 
 // [cell]: the access point's evidence on the place, received power included.
 std::vector<double> cells_of(const ArrayObservation& received, double likelihood_exponent) {
-  const TurnGrid grid(received.map->antennas());
+  const RotationGrid grid(received.map->antennas());
   const std::vector<double> any(grid.size(), 1.0 / static_cast<double>(grid.size()));
   std::vector<double> cells =
-      places_whatever_turned(*received.map, received.observed, grid, likelihood_exponent, any);
+      places_for_any_rotation(*received.map, received.observed, grid, likelihood_exponent, any);
   for (std::size_t cell = 0; cell < cells.size() && !received.level.empty(); ++cell) {
     cells[cell] += received.level[cell];
   }

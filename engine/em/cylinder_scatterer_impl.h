@@ -82,12 +82,12 @@ CylinderRoute<T> CylinderScatterer::route(const Vec3<T>& source, const Vec3<T>& 
   using std::atan2;
   using std::sqrt;
   CylinderRoute<T> route;
-  const auto turned = [&](const Vec3<T>& p) {
+  const auto rotated = [&](const Vec3<T>& p) {
     return Vec3<T>{
         T(cos_yaw_) * p.x + T(sin_yaw_) * p.y, T(cos_yaw_) * p.y - T(sin_yaw_) * p.x, p.z};
   };
-  const Vec3<T> in = turned(source);
-  const Vec3<T> out = turned(observer);
+  const Vec3<T> in = rotated(source);
+  const Vec3<T> out = rotated(observer);
   route.rho_in = sqrt(in.x * in.x + in.y * in.y);
   route.rho_out = sqrt(out.x * out.x + out.y * out.y);
   route.phi_in = atan2(in.y, in.x);

@@ -179,8 +179,8 @@ Jumps<T> jumps(const WedgeRay<T>& ray,
   const WedgeDyad<T> whole{one, {}, {}, one};
   const WedgeDyad<T> stopped =
       whole + Complex<T>{T(-1), T(0)} * passed(face_0, face_n, body, rising, ends);
-  const WedgeDyad<T> turned_twice = rising ? r_n * r_0 : r_0 * r_n;
-  return {stopped, is_sheet ? stopped : turned_twice, r_0, r_n};
+  const WedgeDyad<T> rotated_twice = rising ? r_n * r_0 : r_0 * r_n;
+  return {stopped, is_sheet ? stopped : rotated_twice, r_0, r_n};
 }
 
 // The terms of the uniform theory by the boundaries at which they restore continuity, each with its

@@ -101,15 +101,18 @@ void whiten(const std::complex<float>* whitener,
 
 // Processes `kCount` coordinates from the first on, with the sums held in registers.
 template <std::size_t kCount>
-HWY_INLINE void add_turned_to(
-    std::span<const TurnedMean> terms, std::size_t first, std::size_t t, LaneRow* re, LaneRow* im) {
+HWY_INLINE void add_rotated_to(std::span<const RotatedMean> terms,
+                               std::size_t first,
+                               std::size_t t,
+                               LaneRow* re,
+                               LaneRow* im) {
   std::array<Vector, kCount> sum_re;
   std::array<Vector, kCount> sum_im;
   for (std::size_t i = 0; i < kCount; ++i) {
     sum_re[i] = hn::LoadU(kLanes, re[first + i].data() + t);
     sum_im[i] = hn::LoadU(kLanes, im[first + i].data() + t);
   }
-  for (const TurnedMean& term : terms) {
+  for (const RotatedMean& term : terms) {
     const Vector a = hn::Set(kLanes, term.turn.real());
     const Vector b = hn::Set(kLanes, term.turn.imag());
     const Vector y_re = hn::LoadU(kLanes, term.turns->re.data() + t);
@@ -129,17 +132,17 @@ HWY_INLINE void add_turned_to(
   }
 }
 
-void add_turned(std::span<const TurnedMean> terms, std::span<LaneRow> re, std::span<LaneRow> im) {
+void add_rotated(std::span<const RotatedMean> terms, std::span<LaneRow> re, std::span<LaneRow> im) {
   for (std::size_t t = 0; t < kLaneCount; t += hn::Lanes(kLanes)) {
     std::size_t first = 0;
     for (; first + 6 <= re.size(); first += 6) {
-      add_turned_to<6>(terms, first, t, re.data(), im.data());
+      add_rotated_to<6>(terms, first, t, re.data(), im.data());
     }
     for (; first + 2 <= re.size(); first += 2) {
-      add_turned_to<2>(terms, first, t, re.data(), im.data());
+      add_rotated_to<2>(terms, first, t, re.data(), im.data());
     }
     if (first < re.size()) {
-      add_turned_to<1>(terms, first, t, re.data(), im.data());
+      add_rotated_to<1>(terms, first, t, re.data(), im.data());
     }
   }
 }
@@ -160,7 +163,7 @@ namespace rayloc {
 namespace {
 
 HWY_EXPORT(whiten);
-HWY_EXPORT(add_turned);
+HWY_EXPORT(add_rotated);
 HWY_EXPORT(at_best_gain);
 
 }  // namespace
@@ -197,12 +200,12 @@ LaneRow at_best_gain(const LaneRow& power, const LaneSums& along, std::size_t di
   return values;
 }
 
-void add_turned(std::span<const TurnedMean> terms, std::span<LaneRow> re, std::span<LaneRow> im) {
+void add_rotated(std::span<const RotatedMean> terms, std::span<LaneRow> re, std::span<LaneRow> im) {
   RAYLOC_CHECK(re.size() == im.size());
   WorkDone::add(kLaneCount * terms.size() * (6 + 8 * re.size()),
                 terms.size() * (sizeof(LaneSums) + re.size() * sizeof(*terms.front().mean)) +
                     2 * (re.size_bytes() + im.size_bytes()));
-  HWY_DYNAMIC_DISPATCH(add_turned)(terms, re, im);
+  HWY_DYNAMIC_DISPATCH(add_rotated)(terms, re, im);
 }
 
 }  // namespace rayloc

@@ -34,14 +34,14 @@ void fetch(std::span<const std::complex<float>> whitener);
 // 2 D ln r - r^2 a + 2 r |b| per lane at its maximum over r, with a = power > 0 and b = along.
 LaneRow at_best_gain(const LaneRow& power, const LaneSums& along, std::size_t dimension);
 
-// A term of add_turned(): `mean`, rotated by a phasor of its own in each lane.
-struct TurnedMean {
+// A term of add_rotated(): `mean`, rotated by a phasor of its own in each lane.
+struct RotatedMean {
   std::complex<float> turn;                   // common factor ...
   const LaneSums* turns = nullptr;            // ... of these phasors
   const std::complex<float>* mean = nullptr;  // [coordinate]
 };
 
 // [coordinate] += the sum of the terms. REQUIRES: re.size() == im.size().
-void add_turned(std::span<const TurnedMean> terms, std::span<LaneRow> re, std::span<LaneRow> im);
+void add_rotated(std::span<const RotatedMean> terms, std::span<LaneRow> re, std::span<LaneRow> im);
 
 }  // namespace rayloc

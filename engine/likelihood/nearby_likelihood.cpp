@@ -25,7 +25,7 @@ Value times(const Value& a, const Value& b) {
   return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
 }
 
-LaneSums turned(const LaneSums& row, std::complex<float> turn) {
+LaneSums rotated(const LaneSums& row, std::complex<float> turn) {
   LaneSums result;
   for (std::size_t t = 0; t < kLaneCount; ++t) {
     result.re[t] = row.re[t] * turn.real() - row.im[t] * turn.imag();
@@ -243,7 +243,7 @@ void NearbyLikelihood::values_on(const Lattice& lattice,
   const std::size_t rows = (lattice.count_y + kLaneCount - 1) / kLaneCount;
   std::vector<LaneRow> re(size_);
   std::vector<LaneRow> im(size_);
-  std::vector<TurnedMean> terms(sources_.size());
+  std::vector<RotatedMean> terms(sources_.size());
   const std::size_t antennas = size_ / coordinates_;
   const std::size_t of_antenna = sources_.size() / antennas;
   std::vector<LaneSums> direct(direct_.of.size());
@@ -257,13 +257,13 @@ void NearbyLikelihood::values_on(const Lattice& lattice,
                     single_means_.data() + sources_[s].mean};
       }
       for (std::size_t m = 0; m < antennas; ++m) {
-        add_turned(std::span(terms).subspan(m * of_antenna, of_antenna),
-                   std::span(re).subspan(m * coordinates_, coordinates_),
-                   std::span(im).subspan(m * coordinates_, coordinates_));
+        add_rotated(std::span(terms).subspan(m * of_antenna, of_antenna),
+                    std::span(re).subspan(m * coordinates_, coordinates_),
+                    std::span(im).subspan(m * coordinates_, coordinates_));
       }
       for (std::size_t m = 0; m < direct.size(); ++m) {
-        const TurnedMean& term = terms[m * of_antenna + direct_source_];
-        direct[m] = turned(*term.turns, term.turn);
+        const RotatedMean& term = terms[m * of_antenna + direct_source_];
+        direct[m] = rotated(*term.turns, term.turn);
       }
       const LaneRow chunk = log_likelihoods(re, im, direct);
       for (std::size_t t = 0; t < kLaneCount && row * kLaneCount + t < lattice.count_y; ++t) {

@@ -295,7 +295,7 @@ double ObservationModel::first_delay(std::span<const Value> h) const {
   const double band = grid_.spacing_hz * (grid_.tone_index.back() - grid_.tone_index.front());
   const auto steps = static_cast<std::size_t>(std::ceil(2.0 * band / grid_.spacing_hz));
   const double step = 1.0 / (grid_.spacing_hz * static_cast<double>(steps));
-  std::vector<Value> turned(h.begin(), h.end());
+  std::vector<Value> rotated(h.begin(), h.end());
   std::vector<Value> turn(tones);
   for (std::size_t k = 0; k < tones; ++k) {
     turn[k] = std::polar(1.0, 2.0 * std::numbers::pi * grid_.offset_hz(k) * step);
@@ -307,7 +307,7 @@ double ObservationModel::first_delay(std::span<const Value> h) const {
     for (std::size_t m = 0; m < antennas_; ++m) {
       Value sum;
       for (std::size_t k = 0; k < tones; ++k) {
-        Value& v = turned[m * tones + k];
+        Value& v = rotated[m * tones + k];
         sum += v;
         v = Value(v.real() * turn[k].real() - v.imag() * turn[k].imag(),
                   v.real() * turn[k].imag() + v.imag() * turn[k].real());

@@ -416,7 +416,7 @@ void CalibrationMonitor::AccessPoint::append_warnings(std::vector<CalibrationWar
     one.motion = state_.motion;
     one.text = "access_point_moved: access point " + ap_.id + ": as if shifted by " +
                rounded(100.0 * state_.motion.shift.x) + " cm in x and " +
-               rounded(100.0 * state_.motion.shift.y) + " cm in y and turned by " +
+               rounded(100.0 * state_.motion.shift.y) + " cm in y and rotated by " +
                rounded(state_.motion.yaw / kDegree) + " degrees, which explains " +
                percent(state_.moved_fit) + fits + "; put it back, or calibrate anew";
     out.push_back(std::move(one));

@@ -108,7 +108,7 @@ PersonLikelihood::PersonLikelihood(const OfdmGrid& grid,
   std::vector<Value> row(grid_.size());
   std::vector<Value> slope(grid_.size());
   empty_.resize(antennas_ * basis_.size());
-  turned_.resize(empty_.size());
+  rotated_.resize(empty_.size());
   for (std::size_t m = 0; m < antennas_; ++m) {
     for (std::size_t k = 0; k < grid_.size(); ++k) {
       const double w = 2.0 * std::numbers::pi * grid_.offset_hz(k);
@@ -116,7 +116,7 @@ PersonLikelihood::PersonLikelihood(const OfdmGrid& grid,
       slope[k] = Value(0.0, w) * row[k];
     }
     basis_.project(row, {empty_.data() + m * basis_.size(), basis_.size()});
-    basis_.project(slope, {turned_.data() + m * basis_.size(), basis_.size()});
+    basis_.project(slope, {rotated_.data() + m * basis_.size(), basis_.size()});
   }
 }
 
@@ -199,7 +199,7 @@ ScatteredPatch PersonLikelihood::patch(const ScatteredRays& rays,
 WhitenedGaussian PersonLikelihood::gaussian_of(std::vector<Value> sigma,
                                                const PersonModel& model) const {
   const std::size_t size = dimension();
-  add_outer(kDelayDeviation * kDelayDeviation, turned_, 0, sigma);
+  add_outer(kDelayDeviation * kDelayDeviation, rotated_, 0, sigma);
   Eigen::MatrixXcd matrix(static_cast<Index>(size), static_cast<Index>(size));
   for (std::size_t i = 0; i < size; ++i) {
     for (std::size_t j = 0; j <= i; ++j) {
@@ -299,9 +299,9 @@ OtherPeople PersonLikelihood::co_occupants(std::span<const PersonCandidate> peop
   const auto n = static_cast<Index>(size);
   co_occupants.added.resize(size);
   Eigen::MatrixXcd sum = Eigen::MatrixXcd::Zero(n, n);
-  Eigen::VectorXcd turned(n);
+  Eigen::VectorXcd rotated(n);
   for (std::size_t i = 0; i < size; ++i) {
-    turned(static_cast<Index>(i)) = kDelayDeviation * turned_[i];
+    rotated(static_cast<Index>(i)) = kDelayDeviation * rotated_[i];
   }
   const double noise = model.noise / static_cast<double>(size);
   for (const PersonCandidate& person : people) {
@@ -312,7 +312,7 @@ OtherPeople PersonLikelihood::co_occupants(std::span<const PersonCandidate> peop
     const Eigen::MatrixXcd lower = whitener_of(*person.place)
                                        .triangularView<Eigen::Lower>()
                                        .solve(Eigen::MatrixXcd::Identity(n, n));
-    sum += lower * lower.adjoint() - turned * turned.adjoint() -
+    sum += lower * lower.adjoint() - rotated * rotated.adjoint() -
            noise * Eigen::MatrixXcd::Identity(n, n);
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXcd> eigen(sum);

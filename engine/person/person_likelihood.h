@@ -169,7 +169,7 @@ class PersonLikelihood {
   Aligner aligner_;
   std::vector<std::complex<double>> reference_;  // H0, [core][tone]
   std::vector<std::complex<double>> empty_;      // x0
-  std::vector<std::complex<double>> turned_;     // x0' [1/s]
+  std::vector<std::complex<double>> rotated_;    // x0' [1/s]
   std::vector<std::complex<double>> diffuse_;    // R of one antenna, [q][q]
 };
 

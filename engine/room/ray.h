@@ -37,10 +37,10 @@ inline Vec3d image_of(const Ray& ray, const Vec3d& element_offset) {
   const Vec3<float> offset{static_cast<float>(element_offset.x),
                            static_cast<float>(element_offset.y),
                            static_cast<float>(element_offset.z)};
-  const Vec3<float> turned = ray.mirror * offset;
-  return ray.length * ray.at_device + Vec3d{static_cast<double>(turned.x),
-                                            static_cast<double>(turned.y),
-                                            static_cast<double>(turned.z)};
+  const Vec3<float> rotated = ray.mirror * offset;
+  return ray.length * ray.at_device + Vec3d{static_cast<double>(rotated.x),
+                                            static_cast<double>(rotated.y),
+                                            static_cast<double>(rotated.z)};
 }
 
 // Largest number of rays per position in a likelihood.

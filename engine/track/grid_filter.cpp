@@ -72,7 +72,7 @@ void GridFilter::normalise() {
 void GridFilter::change_modes(double seconds) {
   const auto switched =
       static_cast<float>(-0.5 * std::expm1(-2.0 * motion_.switching_rate * seconds));
-  const auto turned = static_cast<float>(-std::expm1(-seconds / motion_.direction_time));
+  const auto rotated = static_cast<float>(-std::expm1(-seconds / motion_.direction_time));
   const auto walks = static_cast<float>(modes_.size() - 1);
   std::vector<float>& still = modes_.front().mass;
   for (std::size_t cell = 0; cell < still.size(); ++cell) {
@@ -80,8 +80,8 @@ void GridFilter::change_modes(double seconds) {
     for (std::size_t k = 1; k < modes_.size(); ++k) {
       walking += modes_[k].mass[cell];
     }
-    const float keep = (1.0F - switched) * (1.0F - turned);
-    const float share = ((1.0F - switched) * turned * walking + switched * still[cell]) / walks;
+    const float keep = (1.0F - switched) * (1.0F - rotated);
+    const float share = ((1.0F - switched) * rotated * walking + switched * still[cell]) / walks;
     for (std::size_t k = 1; k < modes_.size(); ++k) {
       modes_[k].mass[cell] = keep * modes_[k].mass[cell] + share;
     }

@@ -171,7 +171,7 @@ void cycle(const std::shared_ptr<const Localizer>& localizer,
 
 // The use of an access point's chains from the second power cycle on.
 struct Withdrawal {
-  bool accepted = false;               // in use when the chains turned
+  bool accepted = false;               // in use when the chains rotated
   std::vector<Value> factor;           // those in use then
   std::optional<std::size_t> bursts;   // since then, until they were withdrawn
   std::optional<std::size_t> learned;  // since then, until others were learned
@@ -210,13 +210,13 @@ void again(const std::shared_ptr<const Localizer>& localizer,
       Withdrawal& one = of[state.access_point];
       const bool same = state.knowledge != ChainKnowledge::kLearning && !one.bursts;
       // A burst that refines factors does not withdraw them.
-      double turned = 0.0;
+      double rotated = 0.0;
       for (std::size_t m = 1; same && m < one.factor.size(); ++m) {
-        turned = std::max(turned,
-                          std::abs(std::arg(state.factors.factor[m] / state.factors.factor[0] /
-                                            (one.factor[m] / one.factor[0]))));
+        rotated = std::max(rotated,
+                           std::abs(std::arg(state.factors.factor[m] / state.factors.factor[0] /
+                                             (one.factor[m] / one.factor[0]))));
       }
-      if (!one.bursts && (!same || turned * kDegrees > 45.0)) {
+      if (!one.bursts && (!same || rotated * kDegrees > 45.0)) {
         one.bursts = n - half + 1;
       }
       if (one.bursts && !one.learned && state.knowledge == ChainKnowledge::kLearned) {

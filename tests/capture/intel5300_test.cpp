@@ -430,8 +430,8 @@ class RealIntel5300 : public ::testing::Test {
     for (const CsiFrame& frame : read.frames) {
       if (frame.bandwidth_mhz == bandwidth) {
         const auto row = frame.csi.row(1, 0);
-        const std::complex<double> turned(row[k] * std::conj(row[k - 1]));
-        sum += turned / std::max(std::abs(turned), 1e-9);
+        const std::complex<double> rotated(row[k] * std::conj(row[k - 1]));
+        sum += rotated / std::max(std::abs(rotated), 1e-9);
       }
     }
     return std::arg(sum);

@@ -40,8 +40,8 @@ class ExactWedge {
       const double order = static_cast<double>(m) / n_;
       const double there = wall == Wall::kHard ? std::cos(order * to) : std::sin(order * to);
       const double here = wall == Wall::kHard ? std::cos(order * from) : std::sin(order * from);
-      const double turned = wall == Wall::kHard ? -std::sin(order * from) : std::cos(order * from);
-      sum += (m == 0 ? 1.0 : 2.0) * (there * (slope ? order * turned : here)) * radial_[m];
+      const double rotated = wall == Wall::kHard ? -std::sin(order * from) : std::cos(order * from);
+      sum += (m == 0 ? 1.0 : 2.0) * (there * (slope ? order * rotated : here)) * radial_[m];
     }
     return 2.0 / n_ * sum;
   }
@@ -75,15 +75,15 @@ class ExactWedge {
     return {std::cyl_bessel_j(order, x), -std::cyl_neumann(order, x)};
   }
 
-  // The wave of a source at this azimuth; with `turned` != 0 the slope of a plane wave.
-  std::complex<double> wave(double angle, double turned) const {
+  // The wave of a source at this azimuth; with `rotated` != 0 the slope of a plane wave.
+  std::complex<double> wave(double angle, double rotated) const {
     if (std::abs(angle) > std::numbers::pi) {
       return 0.0;
     }
     if (kr_source_ == 0.0) {
       const std::complex<double> value = std::polar(1.0, kr_ * std::cos(angle));
-      return turned == 0.0 ? value
-                           : std::complex<double>(0.0, -kr_ * std::sin(angle) * turned) * value;
+      return rotated == 0.0 ? value
+                            : std::complex<double>(0.0, -kr_ * std::sin(angle) * rotated) * value;
     }
     return hankel(
         0.0,

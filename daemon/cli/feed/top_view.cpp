@@ -36,11 +36,11 @@ void append(const TextTable& table, std::size_t width, Lines& lines) {
   }
 }
 
-// "core 0 turned by 173 degrees +- 5, core 3 turned by 113 degrees +- 6"
+// "core 0 rotated by 173 degrees +- 5, core 3 rotated by 113 degrees +- 6"
 std::string turns_text(const v1::ChainReport& chains) {
   std::string text;
   for (const v1::ChainTurn& turn : chains.turns()) {
-    text += fmt::format("{}core {} turned by {:.0f} degrees +- {:.0f}",
+    text += fmt::format("{}core {} rotated by {:.0f} degrees +- {:.0f}",
                         text.empty() ? "" : ", ",
                         turn.core(),
                         turn.phase_deg(),

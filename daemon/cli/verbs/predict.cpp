@@ -87,9 +87,10 @@ RunVerb declare_predict(OptionParser& app) {
       ->capture_default_str();
   app.add_flag(
       "--propose", arguments->propose, "also compare other distances of antennas, the best first");
-  app.add_flag("--moves",
-               arguments->moves,
-               "and access points half a metre aside or turned by 45 degrees, which takes minutes");
+  app.add_flag(
+      "--moves",
+      arguments->moves,
+      "and access points half a metre aside or rotated by 45 degrees, which takes minutes");
   app.add_option("--out", arguments->out, "files to write: .png, .svg, .csv, .npz");
   app.add_flag("--quiet", arguments->quiet, "no progress on stderr");
   return [arguments] { return run_predict(*arguments); };

@@ -50,7 +50,7 @@ RunVerb declare_reference(OptionParser& app) {
   app.add_option("--people-empty",
                  reference.people_empty,
                  "recordings of the empty room of the day of --people, where that is another day: "
-                 "[AP=]FILE; chains may have turned since, and chairs moved");
+                 "[AP=]FILE; chain phases may have changed since, and chairs moved");
   app.add_option("--points", reference.points, "where and when: csv t_start,t_end,x,y,z");
   app.add_option("--time-offset", reference.time_offset, kTimeOffsetHelp);
   app.add_option("--out", options->out, "folder to create: the site with its reference")

@@ -26,9 +26,9 @@ void print_change(const RoomAccessPoint& ap, const DayChange& change) {
                "%s: since people were recorded:%s%s; %.1f %% of the empty room is another\n",
                ap.id.c_str(),
                turns.c_str(),
-               !change.is_turned        ? " (as they were)"
-               : change.is_today_turned ? "; today's gains are written"
-                                        : "; the calibration's gains are today's",
+               !change.is_rotated        ? " (as they were)"
+               : change.is_today_rotated ? "; today's gains are written"
+                                         : "; the calibration's gains are today's",
                100.0 * change.chains.changed);
 }
 

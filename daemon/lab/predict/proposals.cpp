@@ -116,7 +116,7 @@ void add_moves(const RoomModel& room, std::vector<Change>& changes) {
       }
     }
     for (const double by : {kTurn, -kTurn}) {
-      Change change{fmt::format("{} turned by {:+.0f} degrees", id, by / kDegree), room};
+      Change change{fmt::format("{} rotated by {:+.0f} degrees", id, by / kDegree), room};
       change.room.access_points[i].array.pose.orientation.yaw += by;
       changes.push_back(std::move(change));
     }

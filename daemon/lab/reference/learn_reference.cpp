@@ -174,7 +174,7 @@ Expected<LearnedReference> ReferenceLearner::run() {
 
 bool has_turned_chains(const std::vector<DayChange>& changes) {
   return std::any_of(changes.begin(), changes.end(), [](const DayChange& one) {
-    return one.is_turned && one.is_today_turned;
+    return one.is_rotated && one.is_today_rotated;
   });
 }
 

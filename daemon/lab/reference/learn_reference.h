@@ -17,7 +17,8 @@
 namespace rayloc {
 
 struct LearnedReference {
-  // Today's room. If today's chains are turned it has their gains, and the id of a new calibration.
+  // Today's room. If today's chains are rotated it has their gains, and the id of a new
+  // calibration.
   RoomModel room;
   std::vector<PersonReference> references;  // one per fixed transmitter
   std::vector<DayChange> changes;           // since the other day on which people were recorded

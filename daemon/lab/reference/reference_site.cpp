@@ -23,7 +23,7 @@ Expected<std::string> calibration_text(const Site& site, const LearnedReference&
   for (const DayChange& change : learned.changes) {
     const RoomAccessPoint& ap = learned.room.access_points[change.access_point];
     for (CalibratedAccessPoint& stated : calibration->access_points) {
-      if (stated.id == ap.id && change.is_turned && change.is_today_turned) {
+      if (stated.id == ap.id && change.is_rotated && change.is_today_rotated) {
         stated.gains = ap.gains;
         for (std::size_t m = 0; m < stated.gain_sigma.size(); ++m) {
           stated.gain_sigma[m] = std::hypot(stated.gain_sigma[m], change.chains.sigma[m]);

@@ -10,7 +10,7 @@
 namespace rayloc {
 
 // Creates `out` with a copy of `site`, reference.toml, and the reports of the calibration. The
-// calibration is unchanged, or has today's gains of the chains that are turned. An Error if `out`
+// calibration is unchanged, or has today's gains of the chains that are rotated. An Error if `out`
 // is not empty (unless `force`), or a file cannot be read or written.
 Expected<void> write_reference_site(const Site& site,
                                     const LearnedReference& learned,

@@ -80,7 +80,7 @@ struct Heights {
   }
   bool contain(double height) const { return lower <= height && height <= upper; }
   // Reflects a height at the bounds.
-  double turned_back(double height) const {
+  double reflected(double height) const {
     const double range = upper - lower;
     return lower + std::abs(std::remainder(height - lower, 2.0 * range));
   }
@@ -100,7 +100,7 @@ Expected<void> raise(std::vector<SimulatedSpot>& spots,
   if (is_walk) {
     const std::vector<double> normals = draw(spots, true, seed, "height");
     for (std::size_t i = 0; i < spots.size(); ++i) {
-      spots[i].position.z = heights.turned_back(mean + handling.height_sigma * normals[i]);
+      spots[i].position.z = heights.reflected(mean + handling.height_sigma * normals[i]);
     }
     return {};
   }

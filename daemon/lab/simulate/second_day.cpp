@@ -68,9 +68,9 @@ BumpedAccessPoint bump(Pose& pose, const SecondDay& day, RandomStream random) {
     const auto less = [](double after, double earlier) {
       return std::remainder(after - earlier, 2.0 * std::numbers::pi);
     };
-    bumped.turned = {less(pose.orientation.yaw, before.yaw),
-                     less(pose.orientation.pitch, before.pitch),
-                     less(pose.orientation.roll, before.roll)};
+    bumped.rotated = {less(pose.orientation.yaw, before.yaw),
+                      less(pose.orientation.pitch, before.pitch),
+                      less(pose.orientation.roll, before.roll)};
   }
   return bumped;
 }

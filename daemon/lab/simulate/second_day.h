@@ -62,7 +62,7 @@ struct MovedThing {
 
 struct BumpedAccessPoint {
   Vec3d moved;                                      // [m]
-  Orientation turned;                               // change of its pose's angles
+  Orientation rotated;                              // change of its pose's angles
   std::vector<std::complex<double>> chain_changes;  // factor by chain; empty: none
 };
 

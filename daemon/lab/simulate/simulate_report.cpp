@@ -94,9 +94,9 @@ Json second_day_json(const SecondDay& day, const LivedInRoom& lived) {
     const BumpedAccessPoint& ap = lived.access_points[i];
     access_points.push_back({{"id", lived.room.access_points[i].id},
                              {"moved_m", vector_json(ap.moved)},
-                             {"yaw_deg", ap.turned.yaw / kDegree},
-                             {"pitch_deg", ap.turned.pitch / kDegree},
-                             {"roll_deg", ap.turned.roll / kDegree}});
+                             {"yaw_deg", ap.rotated.yaw / kDegree},
+                             {"pitch_deg", ap.rotated.pitch / kDegree},
+                             {"roll_deg", ap.rotated.roll / kDegree}});
   }
   return json;
 }

@@ -128,7 +128,8 @@ void add_chains(const v1::ChainReport& chains, const Labels& site, Families& fam
   const Labels labels = with(site, {"access_point", chains.access_point()});
   const bool is_learning = chains.knowledge() == v1::CHAIN_KNOWLEDGE_LEARNING;
   families.add("rayloc_chains_learning",
-               "1 while the receive chains of an access point have turned and are not known again",
+               "1 while the phases of the receive chains of an access point have changed and are "
+               "not learned again",
                false,
                labels,
                is_learning ? 1.0 : 0.0);
@@ -136,7 +137,7 @@ void add_chains(const v1::ChainReport& chains, const Labels& site, Families& fam
     Labels of_core = labels;
     of_core.push_back({"core", std::to_string(turn.core())});
     families.add("rayloc_chain_phase_degrees",
-                 "By how much a receive chain has turned since the calibration, as learned",
+                 "Phase offset of a receive chain since the calibration, as learned",
                  false,
                  of_core,
                  turn.phase_deg());

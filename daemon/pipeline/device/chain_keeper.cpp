@@ -123,10 +123,10 @@ void ChainKeeper::spread(const ChainCapability& learner,
     }
     const RoomAccessPoint& ap = room.access_points[state.access_point];
     notify(state.knowledge == ChainKnowledge::kLearned
-               ? "access point " + ap.id + ": its chains are learned, turned " +
+               ? "access point " + ap.id + ": its chains are learned, rotated " +
                      (ap.are_chains_known ? "since the calibration: " : "by: ") + turns(state, ap)
                : "access point " + ap.id +
-                     (ap.are_chains_known ? ": its chains have turned; "
+                     (ap.are_chains_known ? ": its chain phases have changed; "
                                           : ": its chains are not known yet; ") +
                      learning(state, room));
   }
@@ -146,11 +146,11 @@ std::vector<CalibrationWarning> ChainKeeper::warnings(const RoomModel& room) con
       warning.problem = CalibrationProblem::kChainPhaseJump;
       warning.access_point = state.access_point;
       const RoomAccessPoint& ap = room.access_points[state.access_point];
-      warning.text =
-          "chain_phase_jump: access point " + ap.id + ": " +
-          (ap.are_chains_known ? "its chains have turned since the calibration (a power cycle?)"
-                               : "its chains are not known yet, as the site was not surveyed") +
-          "; its CSI is not used; " + learning(state, room);
+      warning.text = "chain_phase_jump: access point " + ap.id + ": " +
+                     (ap.are_chains_known
+                          ? "its chain phases have changed since the calibration (a power cycle?)"
+                          : "its chains are not known yet, as the site was not surveyed") +
+                     "; its CSI is not used; " + learning(state, room);
     }
   }
   return result;

@@ -27,7 +27,7 @@ struct Placing {
 };
 
 // By an angle [rad], from +x to +y.
-inline Placing turned_by(double angle) {
+inline Placing rotated_by(double angle) {
   const double c = std::cos(angle);
   const double s = std::sin(angle);
   return {c, -s, s, c};

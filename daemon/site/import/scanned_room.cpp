@@ -47,8 +47,8 @@ void turn(const Turn& by, ScannedRoom& room) {
   turn(by, room.openings);
   turn(by, room.objects);
   for (FloorPoint& p : room.floor) {
-    const Vec3d turned = by.point({p[0], p[1], 0.0});
-    p = {turned.x, turned.y};
+    const Vec3d rotated = by.point({p[0], p[1], 0.0});
+    p = {rotated.x, rotated.y};
   }
 }
 
@@ -74,7 +74,7 @@ void put_straight(ScannedRoom& room, Model& model) {
   turn(Turn(-angle, {}), room);
   turn(Turn(0.0, bounds_of(room.walls).lower), room);
   model.remarks.push_back(
-      fmt::format("turned by {:.1f} degrees, so that its longest wall lies along x; the origin is "
+      fmt::format("rotated by {:.1f} degrees, so that its longest wall lies along x; the origin is "
                   "the lower left corner of the walls",
                   -angle * 180.0 / std::numbers::pi));
 }

@@ -21,7 +21,7 @@ std::vector<FloorPoint> chords_of(const SvgArc& arc) {
   }
   // Equations F.6.5.1 to F.6.5.6; on the unit circle `half` is from the middle to `from`.
   const FloorPoint half =
-      turned_by(-arc.turned)({0.5 * (arc.from[0] - arc.to[0]), 0.5 * (arc.from[1] - arc.to[1])});
+      rotated_by(-arc.rotated)({0.5 * (arc.from[0] - arc.to[0]), 0.5 * (arc.from[1] - arc.to[1])});
   const double reach = std::hypot(half[0] / rx, half[1] / ry);
   const double scale = std::max(1.0, reach);
   rx *= scale;
@@ -41,7 +41,7 @@ std::vector<FloorPoint> chords_of(const SvgArc& arc) {
   const int count =
       std::max(1, static_cast<int>(std::ceil(std::abs(sweep) / kTurn * kChordsOfATurn)));
   const FloorPoint middle = {0.5 * (arc.from[0] + arc.to[0]), 0.5 * (arc.from[1] + arc.to[1])};
-  const Placing ellipse = turned_by(arc.turned);
+  const Placing ellipse = rotated_by(arc.rotated);
   std::vector<FloorPoint> corners;
   corners.reserve(static_cast<std::size_t>(count));
   for (int i = 1; i < count; ++i) {

@@ -11,7 +11,7 @@ struct SvgArc {
   FloorPoint from;
   FloorPoint to;
   FloorPoint radii;           // scaled up if the ends are too far apart for them
-  double turned = 0.0;        // [rad], rotation of the ellipse, from +x to +y of the drawing
+  double rotated = 0.0;       // [rad], rotation of the ellipse, from +x to +y of the drawing
   bool is_large = false;      // the longer of the two arcs on an ellipse
   bool is_clockwise = false;  // "sweep", y pointing down
 };

@@ -210,13 +210,13 @@ class PathReader {
   bool arc(const FloorPoint& from) {
     const auto radii = point({});
     text_.skip_separator();
-    const auto turned = radii ? text_.number() : std::nullopt;
-    const auto is_large = turned ? text_.flag() : std::nullopt;
+    const auto rotated = radii ? text_.number() : std::nullopt;
+    const auto is_large = rotated ? text_.flag() : std::nullopt;
     const auto is_clockwise = is_large ? text_.flag() : std::nullopt;
     const auto to = is_clockwise ? point(from) : std::nullopt;
     if (to) {
       for (const FloorPoint& corner :
-           chords_of({at_, *to, *radii, *turned * kDegree, *is_large, *is_clockwise})) {
+           chords_of({at_, *to, *radii, *rotated * kDegree, *is_large, *is_clockwise})) {
         go(corner);
       }
     }
@@ -262,11 +262,11 @@ std::optional<Placing> placing_of(std::string_view name, const std::vector<doubl
     return Placing{v[0], 0.0, 0.0, v[n - 1]};
   }
   if (name == "rotate" && n == 1) {
-    return turned_by(v[0] * kDegree);
+    return rotated_by(v[0] * kDegree);
   }
   if (name == "rotate" && n == 3) {
     return Placing{1.0, 0.0, 0.0, 1.0, v[1], v[2]}
-        .after(turned_by(v[0] * kDegree))
+        .after(rotated_by(v[0] * kDegree))
         .after({1.0, 0.0, 0.0, 1.0, -v[1], -v[2]});
   }
   if (name == "skewX" && n == 1) {

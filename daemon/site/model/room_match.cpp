@@ -153,14 +153,14 @@ RoomFinding frame_finding(const Scene& scene, const Bounds& room, const SceneFra
   const Bounds box = box_of(scene);
   RoomFinding finding;
   finding.is_error = true;
-  finding.kind = frame.is_scaled() ? "unit" : frame.is_turned() ? "axes" : "origin";
+  finding.kind = frame.is_scaled() ? "unit" : frame.is_rotated() ? "axes" : "origin";
   finding.message = fmt::format("the scene is not the room that [bounds] states ({} instead of {})",
                                 size_text(box.size()),
                                 size_text(room.size()));
   if (frame.is_scaled()) {
     finding.message += ": " + unit_text(scene, frame.scale);
   }
-  if (frame.is_turned()) {
+  if (frame.is_rotated()) {
     const std::size_t up = frame.axes[2].of_scene;
     finding.message += ": " + axes_text(frame);
     finding.message +=
@@ -174,7 +174,7 @@ RoomFinding frame_finding(const Scene& scene, const Bounds& room, const SceneFra
         frame.shift.x,
         frame.shift.y,
         frame.shift.z);
-    finding.message += frame.is_scaled() || frame.is_turned() ? "" : mirror_text(box, room);
+    finding.message += frame.is_scaled() || frame.is_rotated() ? "" : mirror_text(box, room);
   }
   return finding;
 }

@@ -99,7 +99,7 @@ std::vector<Candidate> candidates(const Bounds& scene, const Bounds& room) {
       const Bounds box = to_room(frame, scene);
       const bool as_large = is_as_large(box.size(), room.size());
       const double changes =
-          kPerChange * ((frame.is_scaled() ? 1.0 : 0.0) + (frame.is_turned() ? 1.0 : 0.0));
+          kPerChange * ((frame.is_scaled() ? 1.0 : 0.0) + (frame.is_rotated() ? 1.0 : 0.0));
       if (contains(box, room, kReach) && (as_large || i < kUsualAxes)) {
         found.push_back({frame, changes + (as_large ? misfit(box, room) : kOfALargerScene)});
       }
@@ -147,7 +147,7 @@ std::string size_text(const Vec3d& size) {
   return fmt::format("{:.4g} x {:.4g} x {:.4g} m", size.x, size.y, size.z);
 }
 
-bool SceneFrame::is_turned() const {
+bool SceneFrame::is_rotated() const {
   for (std::size_t i = 0; i < 3; ++i) {
     if (axes.at(i).of_scene != i || axes.at(i).sign < 0.0) {
       return true;

@@ -29,7 +29,7 @@ struct SceneFrame {
   Vec3d shift;                                                  // [m]
 
   bool is_scaled() const { return scale != 1.0; }
-  bool is_turned() const;
+  bool is_rotated() const;
   bool is_shifted() const { return shift != Vec3d{}; }
   Vec3d to_room(const Vec3d& p) const;
   Vec3d to_scene(const Vec3d& p) const;

@@ -76,10 +76,10 @@ double footprint(const Scene& scene, std::size_t axis) {
     for (const Surface& surface : scene.surfaces()) {
       for (const Vec3d& corner : surface.outline()) {
         const Vector p = as_array(corner);
-        const Vector turned = {c * p.at(u) + s * p.at(v), c * p.at(v) - s * p.at(u), 0.0};
+        const Vector rotated = {c * p.at(u) + s * p.at(v), c * p.at(v) - s * p.at(u), 0.0};
         for (std::size_t k = 0; k < 2; ++k) {
-          low.at(k) = std::min(low.at(k), turned.at(k));
-          high.at(k) = std::max(high.at(k), turned.at(k));
+          low.at(k) = std::min(low.at(k), rotated.at(k));
+          high.at(k) = std::max(high.at(k), rotated.at(k));
         }
       }
     }

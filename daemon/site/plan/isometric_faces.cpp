@@ -41,8 +41,8 @@ IsometricFaces isometric_faces(std::vector<Face> faces,
   std::vector<Face> filled;
   IsometricFaces found;
   for (Face& face : faces) {
-    const bool turned_away = face.solid && dot(face.normal, towards_viewer) < 1e-9;
-    if (turned_away) {
+    const bool faces_away = face.solid && dot(face.normal, towards_viewer) < 1e-9;
+    if (faces_away) {
       continue;
     }
     auto& to = is_left_open(parts[face.object], all) ? found.open : filled;

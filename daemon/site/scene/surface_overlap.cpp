@@ -97,15 +97,15 @@ Candidate candidate_of(const Scene& scene, std::uint32_t index) {
   Candidate out{index, surface.plane(), true, true, {}};
   const Vec3d& n = out.plane.normal;
   // Any direction to which no wall of a room is likely to be parallel.
-  const bool turned = dot(n, Vec3d{0.87, 0.41, 0.27}) < 0.0;
+  const bool rotated = dot(n, Vec3d{0.87, 0.41, 0.27}) < 0.0;
   const Scene::SurfaceOwner& owner = scene.owner(index);
   const Solid& solid = scene.solid(owner.object);
   if (solid.shells > 0 && owner.one_facing) {
-    const bool outwards_is_above = (solid.orientation > 0) != turned;
+    const bool outwards_is_above = (solid.orientation > 0) != rotated;
     out.seen_from_above = outwards_is_above;
     out.seen_from_below = !outwards_is_above;
   }
-  if (turned) {
+  if (rotated) {
     out.plane = {-n, -out.plane.offset};
   }
   for (const Vec3d& p : surface.outline()) {

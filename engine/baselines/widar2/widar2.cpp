@@ -276,14 +276,15 @@ LocationEstimate Widar2::estimate(std::span<const Received> received, Timestamp 
           const double length =
               norm(in_plan(place - link_.position)) + norm(in_plan(place - array.pose.position));
           const double off = length - one.range.length;
-          const double turned =
+          const double rotated =
               wrapped(one.psi - psi_of(array, one.receiver->line, place, wavelength));
           // The echo originates anywhere around the axis of the body.
           const double away = std::max(options_.body, norm(in_plan(place - array.pose.position)));
           const double aside = 2.0 * std::numbers::pi * one.receiver->line.spacing / wavelength *
                                options_.body / away;
-          sum -= 0.5 * off * off / (one.range.variance + options_.body * options_.body) +
-                 0.5 * turned * turned / (options_.sigma_psi * options_.sigma_psi + aside * aside);
+          sum -=
+              0.5 * off * off / (one.range.variance + options_.body * options_.body) +
+              0.5 * rotated * rotated / (options_.sigma_psi * options_.sigma_psi + aside * aside);
         }
         return sum;
       },

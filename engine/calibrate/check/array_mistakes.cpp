@@ -13,8 +13,8 @@ namespace {
 
 // In degrees, above -180 and up to 180, without rounding errors of the conversion to radians.
 double degrees(double angle) {
-  const double turned = std::remainder(angle / kDegree, 360.0);
-  const double rounded = std::round(turned * 1e6) / 1e6 + 0.0;
+  const double rotated = std::remainder(angle / kDegree, 360.0);
+  const double rounded = std::round(rotated * 1e6) / 1e6 + 0.0;
   return rounded <= -180.0 ? rounded + 360.0 : rounded;
 }
 
@@ -51,8 +51,8 @@ ArrayMistake in_order(const RoomAccessPoint& ap, const std::vector<std::size_t>&
   return mistake;
 }
 
-ArrayMistake turned(const RoomAccessPoint& ap) {
-  ArrayMistake mistake{"turned by 180 degrees", "", ap.array};
+ArrayMistake rotated(const RoomAccessPoint& ap) {
+  ArrayMistake mistake{"rotated by 180 degrees", "", ap.array};
   double& yaw = mistake.array.pose.orientation.yaw;
   yaw += std::numbers::pi;
   mistake.remedy = "yaw_deg = " + six_digit_text(degrees(yaw)) + " instead of " +
@@ -103,7 +103,7 @@ std::vector<ArrayMistake> mistakes_of_array(const RoomAccessPoint& access_point)
   if (access_point.cores.size() < 2) {
     return mistakes;
   }
-  mistakes.push_back(turned(access_point));
+  mistakes.push_back(rotated(access_point));
   mistakes.push_back(mirrored(access_point));
   add_orders(access_point, mistakes);
   return mistakes;

@@ -10,7 +10,7 @@
 namespace rayloc {
 
 struct ArrayMistake {
-  std::string meaning;  // "turned by 180 degrees", "with cores 2 and 3 exchanged"
+  std::string meaning;  // "rotated by 180 degrees", "with cores 2 and 3 exchanged"
   std::string remedy;   // what to write in site.toml: "yaw_deg = 143 instead of -37"
   AntennaArray array;   // the actual array; element i still belongs to core i
 };

@@ -31,7 +31,7 @@ struct TriedMistake {
     kCarrier,     // of the site: its channel
   };
   Kind kind = Kind::kPlaces;
-  std::string what;           // "access point 'ap1' turned by 180 degrees"
+  std::string what;           // "access point 'ap1' rotated by 180 degrees"
   std::string remedy;         // "in site.toml, of access point 'ap1': yaw_deg = 143 instead of -37"
   std::string message;        // both, and how much more it explains
   double stated = 0.0;        // mean correlation as stated

@@ -42,11 +42,12 @@ void widen_by_unmodelled_echo(const RoomUnknowns& unknowns,
     const double carried = std::max(power.carried[surface], 1e-9);
     // A phase of 2 pi is half a wave of offset. An echo of relative power q changes the phase by
     // sqrt(q / 2), and by no more than a fraction of a cycle while it is the weaker one.
-    const double turned = std::sqrt(0.5 * std::min(echo / carried, 1.0)) / (2.0 * std::numbers::pi);
+    const double rotated =
+        std::sqrt(0.5 * std::min(echo / carried, 1.0)) / (2.0 * std::numbers::pi);
     const double stronger = std::exp(-carried / std::max(echo, 1e-12));
     const double cycles = variance_of_cycles(state.values[i], unknowns[i].sigma, power.half_wave);
-    sigma[i] = std::sqrt(sigma[i] * sigma[i] + turned * turned * power.half_wave * power.half_wave +
-                         stronger * cycles);
+    sigma[i] = std::sqrt(sigma[i] * sigma[i] +
+                         rotated * rotated * power.half_wave * power.half_wave + stronger * cycles);
   }
   // An object at an array causes the same echo at all points, but a different one at each antenna:
   // with relative power q it changes a chain's phase by sqrt(q / 2), and its gain by as much.

@@ -73,11 +73,11 @@ RoomParameter stated_chain(const Unknown& unknown,
   const bool phase = unknown.kind == Kind::kChainPhase;
   const double unit = phase ? kDegreesPerRadian : kDecibels;
   const std::complex<double> before = chain_ratio(assumed, unknown.part);
-  const std::complex<double> turned = chain_ratio(found, unknown.part) / before;
+  const std::complex<double> rotated = chain_ratio(found, unknown.part) / before;
   const auto part = [&](const std::complex<double>& ratio) {
     return unit * (phase ? std::arg(ratio) : std::log(std::abs(ratio)));
   };
-  return {{part(before) + part(turned), part(before), unit * sigma},
+  return {{part(before) + part(rotated), part(before), unit * sigma},
           parameter_id(unknown, room),
           phase ? "deg" : "dB",
           unit * unknown.sigma};

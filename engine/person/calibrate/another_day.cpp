@@ -21,7 +21,7 @@ constexpr int kFactorRounds = 20;  // a count, chosen: factors converge to a tho
 // another place of it. A ratio, chosen: moved chairs changed 0.1 to 1 % in two rooms.
 constexpr double kMaxChanged = 0.1;
 // A count of standard deviations, chosen: chains that differ by less are unchanged.
-constexpr double kTurned = 2.0;
+constexpr double kRotated = 2.0;
 // [rad], 3 degrees: a bump that rotates an access point by 0.3 degrees changes its antennas' phases
 // by more.
 constexpr double kBump = 0.05;
@@ -138,23 +138,23 @@ ChainGains times(ChainGains gains, const std::vector<Value>& factor) {
 
 }  // namespace
 
-bool TurnedChains::is_turned() const {
+bool RotatedChains::is_rotated() const {
   for (std::size_t row = 1; row < turn.size(); ++row) {
     const double known = std::hypot(std::hypot(sigma[row], sigma[0]), kBump);
-    if (std::abs(std::arg(turn[row])) > kTurned * known) {
+    if (std::abs(std::arg(turn[row])) > kRotated * known) {
       return true;
     }
   }
   return false;
 }
 
-Expected<TurnedChains> compare_days(const OfdmGrid& grid,
-                                    const std::vector<Value>& before,
-                                    const std::vector<Value>& after) {
+Expected<RotatedChains> compare_days(const OfdmGrid& grid,
+                                     const std::vector<Value>& before,
+                                     const std::vector<Value>& after) {
   RAYLOC_CHECK(!before.empty() && before.size() == after.size() &&
                before.size() % grid.size() == 0);
   const DayFit fit(grid, before, after);
-  TurnedChains chains;
+  RotatedChains chains;
   chains.turn = fit.turn();
   chains.changed = fit.left();
   if (!(chains.changed < kMaxChanged)) {
@@ -177,11 +177,11 @@ Expected<TurnedChains> compare_days(const OfdmGrid& grid,
   return chains;
 }
 
-ChainGains turned(ChainGains gains, const TurnedChains& chains) {
+ChainGains rotated(ChainGains gains, const RotatedChains& chains) {
   return times(std::move(gains), chains.turn);
 }
 
-ChainGains turned_back(ChainGains gains, const TurnedChains& chains) {
+ChainGains derotated(ChainGains gains, const RotatedChains& chains) {
   std::vector<Value> back;
   back.reserve(chains.turn.size());
   for (const Value& one : chains.turn) {

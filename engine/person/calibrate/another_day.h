@@ -20,24 +20,24 @@
 
 namespace rayloc {
 
-struct TurnedChains {
+struct RotatedChains {
   std::vector<std::complex<double>> turn;  // per chain; the first is real, their mean square 1
   std::vector<double> sigma;               // [rad], of the phase of each
   double changed = 0.0;  // share of the power that differs after correction of the chains
 
   // True if a power cycle lies between: phases differ by more than changes of the room explain.
-  bool is_turned() const;
+  bool is_rotated() const;
 };
 
 // For one array on two days, [core][tone], as delivered by the chains, antenna coupling included.
 // An Error when they have so little in common that it is another transmitter, place or radio.
 // REQUIRES: sizes equal and a multiple of the grid's.
-Expected<TurnedChains> compare_days(const OfdmGrid& grid,
-                                    const std::vector<std::complex<double>>& before,
-                                    const std::vector<std::complex<double>>& after);
+Expected<RotatedChains> compare_days(const OfdmGrid& grid,
+                                     const std::vector<std::complex<double>>& before,
+                                     const std::vector<std::complex<double>>& after);
 
 // `gains` after the change of the chains; and gains before a change that resulted in `gains`.
-ChainGains turned(ChainGains gains, const TurnedChains& chains);
-ChainGains turned_back(ChainGains gains, const TurnedChains& chains);
+ChainGains rotated(ChainGains gains, const RotatedChains& chains);
+ChainGains derotated(ChainGains gains, const RotatedChains& chains);
 
 }  // namespace rayloc

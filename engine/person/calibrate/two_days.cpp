@@ -32,7 +32,7 @@ ReceivedDays on_both(const ReceivedDays& received) {
   return both;
 }
 
-Expected<TurnedChains> compare(const RoomModel& room, const EmptyRoom& people, EmptyRoom today) {
+Expected<RotatedChains> compare(const RoomModel& room, const EmptyRoom& people, EmptyRoom today) {
   EmptyRoom before = people;
   const RoomAccessPoint& ap = room.access_points[people.access_point];
   apply_coupling(ap.gains, before.h);
@@ -81,7 +81,7 @@ Expected<std::vector<DayChange>> changes_of(const RoomModel& room,
       RAYLOC_TRY(chains);
       const std::size_t ap = days.today[i].access_point;
       DayChange change{ap, *std::move(chains), false, fit_of(*today, ap) < fit_of(*people, ap)};
-      change.is_turned = change.chains.is_turned();
+      change.is_rotated = change.chains.is_rotated();
       const auto known = std::find_if(changes.begin(), changes.end(), [&](const DayChange& one) {
         return one.access_point == ap;
       });
@@ -110,15 +110,15 @@ Expected<TwoDays> separate_days(const RoomModel& room, std::span<const ReceivedD
         "no access point received a fixed transmitter in the empty rooms of both days");
   }
   for (const DayChange& change : days.changes) {
-    if (!change.is_turned) {
+    if (!change.is_rotated) {
       continue;
     }
     const ChainGains& gains = room.access_points[change.access_point].gains;
-    RoomModel& other = change.is_today_turned ? days.today : days.people;
+    RoomModel& other = change.is_today_rotated ? days.today : days.people;
     ChainGains& own = other.access_points[change.access_point].gains;
-    own = change.is_today_turned ? turned(gains, change.chains) : turned_back(gains, change.chains);
+    own = change.is_today_rotated ? rotated(gains, change.chains) : derotated(gains, change.chains);
     for (ReceivedDays& one : days.received) {
-      for (EmptyRoom& array : change.is_today_turned ? one.today : one.people) {
+      for (EmptyRoom& array : change.is_today_rotated ? one.today : one.people) {
         if (array.access_point == change.access_point) {
           remove_others(gains, own, array.h);
         }

@@ -27,10 +27,10 @@ struct ReceivedDays {
 
 struct DayChange {
   std::size_t access_point = 0;
-  TurnedChains chains;
-  bool is_turned = false;
-  // For turned chains: today's are turned; false: today's are as calibrated.
-  bool is_today_turned = true;
+  RotatedChains chains;
+  bool is_rotated = false;
+  // For rotated chains: today's are rotated; false: today's are as calibrated.
+  bool is_today_rotated = true;
 };
 
 struct TwoDays {

@@ -130,27 +130,28 @@ std::vector<Triangle2> uncovered(const Triangle2& triangle,
 }  // namespace
 
 std::vector<Triangle2> disjoint_triangles(std::span<const Triangle2> triangles, double tolerance) {
-  std::vector<Triangle2> turned;
+  std::vector<Triangle2> rotated;
   std::vector<Box2> boxes;
   for (const Triangle2& t : triangles) {
-    turned.push_back(anticlockwise(t));
+    rotated.push_back(anticlockwise(t));
     boxes.push_back(box_of(t));
   }
   const BoxTree tree(boxes);
   std::vector<Triangle2> result;
-  for (std::size_t i = 0; i < turned.size(); ++i) {
+  for (std::size_t i = 0; i < rotated.size(); ++i) {
     std::vector<Triangle2> covering;
     for (const std::size_t k : tree.meeting(boxes[i])) {
       // A thin one covers no area, and its sides give no direction to cut along.
-      if (k < i && do_overlap(turned[i], turned[k], tolerance) && !is_thin(turned[k], tolerance)) {
-        covering.push_back(turned[k]);
+      if (k < i && do_overlap(rotated[i], rotated[k], tolerance) &&
+          !is_thin(rotated[k], tolerance)) {
+        covering.push_back(rotated[k]);
       }
     }
     if (covering.empty()) {
       result.push_back(triangles[i]);
       continue;
     }
-    const std::vector<Triangle2> rest = uncovered(turned[i], covering, tolerance);
+    const std::vector<Triangle2> rest = uncovered(rotated[i], covering, tolerance);
     result.insert(result.end(), rest.begin(), rest.end());
   }
   return result;

@@ -216,9 +216,9 @@ class MeshReader {
       if (i < first + 2) {
         continue;
       }
-      const bool is_turned = (i - first) % 2 == 1;
-      const double a = vertices[i - (is_turned ? 1 : 2)];
-      const double b = vertices[i - (is_turned ? 2 : 1)];
+      const bool is_rotated = (i - first) % 2 == 1;
+      const double a = vertices[i - (is_rotated ? 1 : 2)];
+      const double b = vertices[i - (is_rotated ? 2 : 1)];
       if (a != b && b != vertices[i] && a != vertices[i]) {
         add_face(std::array{a, b, vertices[i]});
       }

@@ -125,8 +125,9 @@ ScatteredPath<T> scattered_path(const RoughMaterial<T>& rough,
   const T cos_reflected = dot(from, to);
   // Across `from`, the smallest rotation maps v to v - (v . to) (from + to) / (1 + from . to).
   const Vec3<T> middle = (T(1) / (T(1) + cos_reflected)) * (from + to);
-  const auto turned = [&](const Vec3<T>& v) { return v - dot(v, to) * middle; };
-  const ComplexVec3<T> kept{turned(mirrored(in.wave.field.re)), turned(mirrored(in.wave.field.im))};
+  const auto rotated = [&](const Vec3<T>& v) { return v - dot(v, to) * middle; };
+  const ComplexVec3<T> kept{rotated(mirrored(in.wave.field.re)),
+                            rotated(mirrored(in.wave.field.im))};
   const ComplexVec3<T> other{cross(to, kept.re), cross(to, kept.im)};
   const auto received = [&](const ComplexVec3<T>& field) {
     const ComplexVec3<T>& at = out.wave.field;

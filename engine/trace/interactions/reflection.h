@@ -61,7 +61,7 @@ Wave<T> Reflection::apply(const Wave<T>& in, const Facet<T>& facet, const T& wav
   const Vec3<T> across = cross(in.direction, normal);
   const ComplexVec3<T> image{mirrored(in.field.re, normal), mirrored(in.field.im, normal)};
   return {slab.te * image +
-              turned(in.field, cross(across, in.direction), cross(across, out), slab.excess),
+              rotated(in.field, cross(across, in.direction), cross(across, out), slab.excess),
           out};
 }
 

@@ -38,7 +38,7 @@ Wave<T> Transmission::apply(const Wave<T>& in, const Facet<T>& facet, const T& w
   const SlabTable::Pair<T> slab =
       coefficients(cosine_of_incidence(in.direction, facet), facet, wavelength);
   const Vec3<T> q = cross(cross(in.direction, facet.plane.normal), in.direction);
-  return {slab.te * in.field + turned(in.field, q, q, slab.excess), in.direction};
+  return {slab.te * in.field + rotated(in.field, q, q, slab.excess), in.direction};
 }
 
 }  // namespace rayloc::interactions

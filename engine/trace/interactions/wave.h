@@ -78,10 +78,10 @@ bool has_table_at(const T& cos_theta_i, const Facet<T>& facet) {
 
 // scale (E . from) to.
 template <typename T>
-ComplexVec3<T> turned(const ComplexVec3<T>& e,
-                      const Vec3<T>& from,
-                      const Vec3<T>& to,
-                      const Complex<T>& scale) {
+ComplexVec3<T> rotated(const ComplexVec3<T>& e,
+                       const Vec3<T>& from,
+                       const Vec3<T>& to,
+                       const Complex<T>& scale) {
   const Complex<T> along = scale * Complex<T>{dot(e.re, from), dot(e.im, from)};
   return {along.re * to, along.im * to};
 }

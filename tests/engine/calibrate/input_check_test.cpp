@@ -198,7 +198,7 @@ TEST(Field, CalibrationCheckNamesATurnedAccessPoint) {
   EXPECT_EQ(found.front().kind, TriedMistake::Kind::kArray);
   EXPECT_GT(found.front().explained, found.front().stated);
   EXPECT_TRUE(contains(found.front().message, "access point 'b'"));
-  EXPECT_TRUE(contains(found.front().message, "turned by 180 degrees"));
+  EXPECT_TRUE(contains(found.front().message, "rotated by 180 degrees"));
   EXPECT_TRUE(contains(found.front().remedy, "yaw_deg = "));
 }
 
@@ -315,7 +315,7 @@ TEST(Field, CalibrationCheckJudgesByPointsThatTheGainsHaveNotSeen) {
 
 TEST(Field, ArrayMistakesAreAllOrdersOfFewCoresAndAllPairsOfMany) {
   RoomAccessPoint ap = surveyed_room().access_points[0];
-  EXPECT_EQ(mistakes_of_array(ap).size(), 2U + 5U);  // turned, mirrored, the other orders
+  EXPECT_EQ(mistakes_of_array(ap).size(), 2U + 5U);  // rotated, mirrored, the other orders
   while (ap.cores.size() < 6) {
     ap.cores.push_back(static_cast<std::uint8_t>(10 + ap.cores.size()));
     ap.array.element_offset.push_back({0.0, 0.03 * static_cast<double>(ap.cores.size()), 0.0});
@@ -326,7 +326,7 @@ TEST(Field, ArrayMistakesAreAllOrdersOfFewCoresAndAllPairsOfMany) {
   EXPECT_TRUE(mistakes_of_array(ap).empty());
 }
 
-// An antenna that looks one way is another one when it is turned.
+// An antenna that looks one way is another one when it is rotated.
 TEST(Field, ArrayMistakesShareRaysWhereTheAntennaIsRound) {
   RoomAccessPoint ap = surveyed_room().access_points[0];
   EXPECT_TRUE(share_rays(mistakes_of_array(ap)[0].array, ap.array));

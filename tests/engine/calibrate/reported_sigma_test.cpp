@@ -116,9 +116,9 @@ TEST_F(StatedWidthsTest, AWeakEchoTurnsTheOffsetAsFarAsItsPhase) {
   for (int i = 0; i < kDraws; ++i) {
     const double amplitude = std::sqrt(0.15 * kUnexplained / kCarried);
     const double phase = turn(random);
-    const double turned =
+    const double rotated =
         std::atan2(amplitude * std::sin(phase), 1.0 + amplitude * std::cos(phase));
-    const double offset = turned / (2.0 * std::numbers::pi) * kHalfWave;
+    const double offset = rotated / (2.0 * std::numbers::pi) * kHalfWave;
     squares += offset * offset;
   }
   const double expected = std::hypot(kWidth, std::sqrt(squares / kDraws));

@@ -148,12 +148,12 @@ TEST(RoomUnknowns, TurnsTheGainsOfOneChain) {
   const Planned planned;
   const std::size_t tones = planned.room.grid.size();
   const auto& before = planned.room.access_points[0].gains.gain;
-  const auto turned = planned.changed("a.core0/core2.phase", 0.3).access_points[0].gains.gain;
+  const auto rotated = planned.changed("a.core0/core2.phase", 0.3).access_points[0].gains.gain;
   const auto louder =
       planned.changed("a.core0/core2.gain", std::log(1.2)).access_points[0].gains.gain;
-  EXPECT_EQ(turned[0], before[0]);
-  EXPECT_EQ(turned[2 * tones], before[2 * tones]);
-  EXPECT_NEAR(std::abs(turned[tones] - before[tones] * std::polar(1.0, 0.3)), 0.0, 1e-12);
+  EXPECT_EQ(rotated[0], before[0]);
+  EXPECT_EQ(rotated[2 * tones], before[2 * tones]);
+  EXPECT_NEAR(std::abs(rotated[tones] - before[tones] * std::polar(1.0, 0.3)), 0.0, 1e-12);
   EXPECT_NEAR(std::abs(louder[tones] - before[tones] * 1.2), 0.0, 1e-12);
 }
 
@@ -174,11 +174,11 @@ TEST(RoomUnknowns, CouplesTwoAntennasOnTopOfWhatIsKnown) {
 TEST(RoomUnknowns, CorrectsWhatOneSurfaceReflects) {
   const Planned planned;
   const auto surface = planned.unknowns[planned.index("ceiling.-z.phase")].index;
-  const RoomModel turned = planned.changed("ceiling.-z.phase", 0.2);
+  const RoomModel rotated = planned.changed("ceiling.-z.phase", 0.2);
   const RoomModel louder = planned.changed("ceiling.-z.gain", -0.1);
-  EXPECT_NEAR(std::abs(turned.surface_correction[surface] - std::polar(1.0, 0.2)), 0.0, 1e-12);
+  EXPECT_NEAR(std::abs(rotated.surface_correction[surface] - std::polar(1.0, 0.2)), 0.0, 1e-12);
   EXPECT_NEAR(std::abs(louder.surface_correction[surface] - std::exp(-0.1)), 0.0, 1e-12);
-  EXPECT_EQ(turned.surface_correction[surface + 1], 1.0);
+  EXPECT_EQ(rotated.surface_correction[surface + 1], 1.0);
 }
 
 TEST(RoomUnknowns, ExpectsMoreOfFurnitureThanOfTheShell) {

@@ -27,7 +27,7 @@ Value turn_of(std::size_t access_point, std::size_t core) {
 }
 
 // The same radios after a power cycle.
-RoomModel turned_room(RoomModel room) {
+RoomModel rotated_room(RoomModel room) {
   for (std::size_t a = 0; a < room.access_points.size(); ++a) {
     std::vector<Value>& gain = room.access_points[a].gains.gain;
     for (std::size_t j = 0; j < gain.size(); ++j) {
@@ -37,8 +37,8 @@ RoomModel turned_room(RoomModel room) {
   return room;
 }
 
-// The channels of these turned radios, as input for radios without a power cycle.
-Channels turned_channels(const OfdmGrid& grid, Channels channels) {
+// The channels of these rotated radios, as input for radios without a power cycle.
+Channels rotated_channels(const OfdmGrid& grid, Channels channels) {
   for (std::size_t a = 0; a < channels.size(); ++a) {
     for (std::size_t j = 0; j < channels[a].size(); ++j) {
       channels[a][j] *= turn_of(a, j / grid.size());
@@ -77,13 +77,14 @@ class TwoDaysTest : public ::testing::Test {
 
   // `calibrated`: the room with the calibration's gains.
   ReceivedDays received(const RoomModel& calibrated, const Channels& today) const {
-    return {test::fixed_transmitter(),
-            received_by(calibrated, frames_of_empty(room_, empty_, 1)),
-            received_by(calibrated, frames_of_empty(room_, turned_channels(room_.grid, today), 2))};
+    return {
+        test::fixed_transmitter(),
+        received_by(calibrated, frames_of_empty(room_, empty_, 1)),
+        received_by(calibrated, frames_of_empty(room_, rotated_channels(room_.grid, today), 2))};
   }
 
   const RoomModel room_ = test::make_room();
-  const RoomModel later_ = turned_room(room_);
+  const RoomModel later_ = rotated_room(room_);
   const Channels empty_;
 };
 
@@ -93,8 +94,8 @@ TEST_F(TwoDaysTest, TurnedChainsChangeNoAnswer) {
   ASSERT_TRUE(days) << days.error().message;
   ASSERT_EQ(days->changes.size(), 3U);
   for (const DayChange& change : days->changes) {
-    EXPECT_TRUE(change.is_turned);
-    EXPECT_TRUE(change.is_today_turned);
+    EXPECT_TRUE(change.is_rotated);
+    EXPECT_TRUE(change.is_today_rotated);
     EXPECT_LT(change.chains.changed, 0.002);
     for (std::size_t core = 1; core < 3; ++core) {
       EXPECT_NEAR(phase_off(days->today, later_, change.access_point, core), 0.0, 0.02);
@@ -117,7 +118,7 @@ TEST_F(TwoDaysTest, TurnedChainsChangeNoAnswer) {
     const Channels channels = test::channels_past(room_, {place}, PersonModel{}.body);
     const auto here = before->locate(test::frames_of(room_, channels, {.count = 8, .seed = seed}));
     const auto there = after->locate(
-        test::frames_of(room_, turned_channels(room_.grid, channels), {.count = 8, .seed = seed}));
+        test::frames_of(room_, rotated_channels(room_.grid, channels), {.count = 8, .seed = seed}));
     ASSERT_TRUE(here.position && there.position) << there.reason;
     EXPECT_LT(norm(*here.position - *there.position), 0.01);
     EXPECT_LT(std::hypot(there.position->x - place.x, there.position->y - place.y), 0.08);
@@ -131,8 +132,8 @@ TEST_F(TwoDaysTest, GainsOfTheCalibrationMayBeTodays) {
   const auto days = separate_days(later_, received_days);
   ASSERT_TRUE(days) << days.error().message;
   for (const DayChange& change : days->changes) {
-    EXPECT_TRUE(change.is_turned);
-    EXPECT_FALSE(change.is_today_turned);
+    EXPECT_TRUE(change.is_rotated);
+    EXPECT_FALSE(change.is_today_rotated);
     for (std::size_t core = 1; core < 3; ++core) {
       EXPECT_NEAR(phase_off(days->people, room_, change.access_point, core), 0.0, 0.02);
       EXPECT_NEAR(phase_off(days->today, later_, change.access_point, core), 0.0, 1e-12);
@@ -146,7 +147,7 @@ TEST_F(TwoDaysTest, ChainsThatAreAsTheyWereKeepTheirGains) {
   const auto days = separate_days(room_, std::vector{same});
   ASSERT_TRUE(days) << days.error().message;
   for (const DayChange& change : days->changes) {
-    EXPECT_FALSE(change.is_turned);
+    EXPECT_FALSE(change.is_rotated);
     EXPECT_EQ(days->today.access_points[change.access_point].gains.gain,
               room_.access_points[change.access_point].gains.gain);
   }
@@ -170,7 +171,7 @@ TEST_F(TwoDaysTest, WhatMovedIsNotTakenForAChain) {
   const auto days = separate_days(room_, std::vector{received(room_, today)});
   ASSERT_TRUE(days) << days.error().message;
   for (const DayChange& change : days->changes) {
-    EXPECT_TRUE(change.is_turned);
+    EXPECT_TRUE(change.is_rotated);
     EXPECT_GT(change.chains.changed, 0.001);
     EXPECT_LT(change.chains.changed, 0.03);
     for (std::size_t core = 1; core < 3; ++core) {

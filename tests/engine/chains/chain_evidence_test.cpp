@@ -48,7 +48,7 @@ TEST(ChainEvidence, WhoseChainsNobodyKnowsStillTellsMuchOfThePlace) {
   for (int i = 0; i < kPlaces; ++i) {
     const Vec3d place{-1.1 + 0.19 * i, 0.8 - 0.13 * i, 1.2};
     auto frames = test::frames_at(localizer()->room(), place, {4, 30.0, 5U + unsigned(i)});
-    // The second chain has turned by half a turn.
+    // The second chain has rotated by half a turn.
     const std::uint8_t core = localizer()->room().access_points[0].cores[1];
     for (CsiFrame& frame : frames) {
       for (std::size_t row = 0; row < frame.cores.size(); ++row) {
@@ -60,14 +60,14 @@ TEST(ChainEvidence, WhoseChainsNobodyKnowsStillTellsMuchOfThePlace) {
     const RoomObservation received = localizer()->receive(frames);
     ASSERT_EQ(received.arrays.size(), 1U);
     const ArrayObservation& array = received.arrays.front();
-    const TurnGrid grid(array.map->antennas());
+    const RotationGrid grid(array.map->antennas());
     const std::vector<double> any(grid.size(), 1.0 / static_cast<double>(grid.size()));
     std::vector<double> as_calibrated(grid.size());
     as_calibrated[0] = 1.0;
-    whatever +=
-        share_above(places_whatever_turned(*array.map, array.observed, grid, exponent, any), place);
+    whatever += share_above(
+        places_for_any_rotation(*array.map, array.observed, grid, exponent, any), place);
     accepted += share_above(
-        places_whatever_turned(*array.map, array.observed, grid, exponent, as_calibrated), place);
+        places_for_any_rotation(*array.map, array.observed, grid, exponent, as_calibrated), place);
   }
   // Chance is one half. Wrong gains of the chains are worse than unknown gains.
   EXPECT_LT(whatever / kPlaces, 0.35);

@@ -134,7 +134,7 @@ TEST(ChainLearner, WithdrawsWhatHasBecomeWrongAndLearnsAnew) {
   EXPECT_NEAR(phase_error(state, second, 2), 0.0, 0.3);
 }
 
-// A device at one place that resembles another place with turned chains is evidence once.
+// A device at one place that resembles another place with rotated chains is evidence once.
 TEST(ChainLearner, TheSameAgainIsNoFurtherEvidence) {
   const std::vector<Value> factors = {1.0, 1.0, std::polar(1.0, 1.6)};
   ChainLearner learner(localizer());

@@ -29,7 +29,7 @@ Vec3d place(int number) {
   return {x, 0.9 * uniform(random), 1.2};
 }
 
-// A burst of a device there, with each chain but the first of each access point turned.
+// A burst of a device there, with each chain but the first of each access point rotated.
 std::vector<CsiFrame> burst(int number, double turn) {
   auto frames = test::frames_at(
       localizer()->room(), place(number), {4, 30.0, static_cast<unsigned>(number + 1)});
@@ -50,10 +50,10 @@ TEST(CoarseFix, IsTheSameHoweverTheChainsHaveTurned) {
   constexpr double kStep = 2.0 * std::numbers::pi / 16.0;
   for (int i = 0; i < 5; ++i) {
     const LocationEstimate as_calibrated = locate_coarsely(*localizer(), burst(i, 0.0));
-    const LocationEstimate turned = locate_coarsely(*localizer(), burst(i, kStep));
-    ASSERT_TRUE(as_calibrated.position && turned.position) << i << turned.reason;
-    EXPECT_NEAR(norm(*as_calibrated.position - *turned.position), 0.0, 1e-3) << i;
-    EXPECT_NEAR(as_calibrated.accuracy_m, turned.accuracy_m, 1e-3) << i;
+    const LocationEstimate rotated = locate_coarsely(*localizer(), burst(i, kStep));
+    ASSERT_TRUE(as_calibrated.position && rotated.position) << i << rotated.reason;
+    EXPECT_NEAR(norm(*as_calibrated.position - *rotated.position), 0.0, 1e-3) << i;
+    EXPECT_NEAR(as_calibrated.accuracy_m, rotated.accuracy_m, 1e-3) << i;
   }
 }
 

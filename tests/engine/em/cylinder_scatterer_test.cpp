@@ -72,7 +72,7 @@ struct Errors {
   double light_decibel = 0.0;
   double light_degree = 0.0;
   double shadow_decibel = 0.0;
-  double cross = 0.0;  // of the direct wave: what is turned into the other polarisation
+  double cross = 0.0;  // of the direct wave: what is rotated into the other polarisation
 };
 
 // Compares the total fields beside one body, E_z of an electric dipole (vertical polarisation) and

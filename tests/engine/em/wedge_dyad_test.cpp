@@ -91,7 +91,7 @@ Vec3d hard_of(const Vec3d& d) {
 }
 
 // A field that comes along `in` as a dyad of the edge makes it.
-Field turned(const WedgeDyad<double>& d, const Vec3d& field, const Vec3d& in, const Vec3d& out) {
+Field rotated(const WedgeDyad<double>& d, const Vec3d& field, const Vec3d& in, const Vec3d& out) {
   const double s = dot(field, soft_of(in));
   const double h = dot(field, hard_of(in));
   const Vec3d soft = soft_of(out);
@@ -132,7 +132,7 @@ TEST(WedgeDyad, JumpsByTheReflectedWave) {
       for (const WedgeBody body : {WedgeBody::kOpaque, WedgeBody::kSolid, WedgeBody::kSheet}) {
         const double n = body == WedgeBody::kSheet ? 2.0 : 1.6;
         const Field found =
-            turned(jump(n, from, at + kOff, at - kOff, cos_edge, body), field, in, out);
+            rotated(jump(n, from, at + kOff, at - kOff, cos_edge, body), field, in, out);
         EXPECT_NEAR(norm(found.re - expected.re), 0.0, 1e-7) << from << " " << cos_edge;
         EXPECT_NEAR(norm(found.im - expected.im), 0.0, 1e-7) << from << " " << cos_edge;
       }
@@ -148,10 +148,10 @@ TEST(WedgeDyad, JumpsByTheReflectionAtTheOtherFace) {
   const Vec3d in = -direction(from, -kCosEdge);
   const Vec3d field = 0.8 * soft_of(in) - 0.5 * hard_of(in);
   const Field expected = met(field, in, direction((kN - 0.5) * kPi, 0.0), true);
-  const Field found = turned(jump(kN, from, at - kOff, at + kOff, kCosEdge, WedgeBody::kSolid),
-                             field,
-                             in,
-                             direction(at, kCosEdge));
+  const Field found = rotated(jump(kN, from, at - kOff, at + kOff, kCosEdge, WedgeBody::kSolid),
+                              field,
+                              in,
+                              direction(at, kCosEdge));
   EXPECT_NEAR(norm(found.re - expected.re), 0.0, 1e-7);
   EXPECT_NEAR(norm(found.im - expected.im), 0.0, 1e-7);
 }
@@ -178,7 +178,7 @@ TEST(WedgeDyad, JumpsByWhatDoesNotGoThrough) {
       }
       const double dark = rising ? at + kOff : at - kOff;
       const double lit = rising ? at - kOff : at + kOff;
-      const Field found = turned(
+      const Field found = rotated(
           jump(n, from, dark, lit, kCosEdge, is_sheet ? WedgeBody::kSheet : WedgeBody::kSolid),
           field,
           heading,

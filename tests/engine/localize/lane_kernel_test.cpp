@@ -102,7 +102,7 @@ TEST(LaneKernel, AddsWhatIsTurned) {
   const auto mean = random.values(kTerms * kSize);
   const auto turn = random.values(kTerms);
   std::vector<LaneSums> turns(kTerms);
-  std::vector<TurnedMean> terms(kTerms);
+  std::vector<RotatedMean> terms(kTerms);
   for (std::size_t s = 0; s < kTerms; ++s) {
     turns[s] = {random.rows(1)[0], random.rows(1)[0]};
     terms[s] = {turn[s], &turns[s], mean.data() + s * kSize};
@@ -111,7 +111,7 @@ TEST(LaneKernel, AddsWhatIsTurned) {
   auto im = random.rows(kSize);
   const auto before_re = re;
   const auto before_im = im;
-  add_turned(terms, re, im);
+  add_rotated(terms, re, im);
   for (std::size_t i = 0; i < kSize; ++i) {
     for (std::size_t t = 0; t < kLaneCount; ++t) {
       std::complex<double> expected(static_cast<double>(before_re[i][t]),

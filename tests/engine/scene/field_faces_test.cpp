@@ -13,7 +13,7 @@
 #include "engine/scene/read/triangulate.h"
 #include "engine/scene/surface.h"
 #include "tests/support/read_meshes.h"
-#include "tests/support/turned_walls.h"
+#include "tests/support/rotated_walls.h"
 
 namespace rayloc::field_faces_test {
 namespace {
@@ -120,16 +120,16 @@ TEST(Field, FaceOfAnyShapeIsCoveredOnceByItsTriangles) {
       const Vec3d p{share(random), share(random), 0.0};
       ASSERT_EQ(cover(*mesh, p), rounds(ring, p)) << trial << " at " << p.x << ", " << p.y;
     }
-    // Turned and far away it has the same area, and its triangles face as it does.
+    // Rotated and far away it has the same area, and its triangles face as it does.
     const test::RigidMotion motion = test::random_motion(random, 1000.0);
-    Ring turned = ring;
-    std::transform(turned.begin(), turned.end(), turned.begin(), motion);
-    const auto away = cut(turned);
+    Ring rotated = ring;
+    std::transform(rotated.begin(), rotated.end(), rotated.begin(), motion);
+    const auto away = cut(rotated);
     ASSERT_TRUE(away) << trial << ": " << away.error().message;
     ASSERT_NEAR(area(*away), area(*mesh), 1e-8) << trial;
     const Vec3d up = motion.turn * Vec3d{0, 0, trial % 2 == 1 ? -1.0 : 1.0};
     for (const auto& [a, b, c] : away->triangles) {
-      ASSERT_GT(dot(up, cross(turned[b] - turned[a], turned[c] - turned[a])), 0.0) << trial;
+      ASSERT_GT(dot(up, cross(rotated[b] - rotated[a], rotated[c] - rotated[a])), 0.0) << trial;
     }
   }
   EXPECT_GT(not_convex, 1000U);

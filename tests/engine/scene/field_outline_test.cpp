@@ -9,8 +9,8 @@
 
 #include "engine/scene/convex_hull.h"
 #include "engine/scene/surface.h"
+#include "tests/support/rotated_walls.h"
 #include "tests/support/scenes.h"
-#include "tests/support/turned_walls.h"
 
 namespace rayloc::field_outline_test {
 namespace {

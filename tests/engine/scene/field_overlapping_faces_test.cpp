@@ -8,8 +8,8 @@
 
 #include "engine/scene/overlap/disjoint_triangles.h"
 #include "engine/scene/surface.h"
+#include "tests/support/rotated_walls.h"
 #include "tests/support/scenes.h"
-#include "tests/support/turned_walls.h"
 
 namespace rayloc::field_overlapping_faces_test {
 namespace {

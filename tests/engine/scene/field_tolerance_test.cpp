@@ -14,8 +14,8 @@
 #include "engine/scene/read/load_scene.h"
 #include "engine/scene/surface.h"
 #include "tests/support/read_meshes.h"
+#include "tests/support/rotated_walls.h"
 #include "tests/support/scenes.h"
-#include "tests/support/turned_walls.h"
 
 namespace rayloc::field_tolerance_test {
 namespace {

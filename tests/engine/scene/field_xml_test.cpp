@@ -353,10 +353,10 @@ TEST(Field, SceneXmlCountsColumnsAfterAByteOrderMark) {
 }
 
 TEST(Field, SceneXmlWarnsOfAxesThatAreNoUnitVectors) {
-  const auto turned = [](const std::string& axis) {
+  const auto rotated = [](const std::string& axis) {
     return shape("<transform name=\"to_world\"><rotate " + axis + " angle=\"40\"/></transform>");
   };
-  const auto scene = parse_rest(turned(R"(x="1" y="1")"));
+  const auto scene = parse_rest(rotated(R"(x="1" y="1")"));
   ASSERT_TRUE(scene) << error_of(scene);
   ASSERT_EQ(scene->notes().size(), 1U);
   EXPECT_EQ(scene->notes()[0].kind, "rotation_axis");
@@ -365,11 +365,11 @@ TEST(Field, SceneXmlWarnsOfAxesThatAreNoUnitVectors) {
                       "instead of 1: the shape is turned about it; Mitsuba"),
             std::string::npos)
       << to_line(scene->notes()[0]);
-  // Turned, not deformed.
+  // Rotated, not deformed.
   const std::vector<Vec3d>& corners = scene->objects()[0].mesh.vertices;
   EXPECT_NEAR(norm(corners[1] - corners[0]), 2.0, 1e-12);
 
-  const auto several = parse_rest(turned("z=\"2\"") +
+  const auto several = parse_rest(rotated("z=\"2\"") +
                                   "<shape type=\"cube\" id=\"b\"><transform "
                                   "name=\"to_world\"><rotate z=\"3\" angle=\"1\"/></transform>" +
                                   kRef + "</shape>");
@@ -377,7 +377,7 @@ TEST(Field, SceneXmlWarnsOfAxesThatAreNoUnitVectors) {
   ASSERT_EQ(several->notes().size(), 1U);
   EXPECT_NE(several->notes()[0].message.find("and so have 1 more"), std::string::npos);
 
-  const auto unit = parse_rest(turned(R"(x="0.5774" y="0.5774" z="-0.5774")"));
+  const auto unit = parse_rest(rotated(R"(x="0.5774" y="0.5774" z="-0.5774")"));
   ASSERT_TRUE(unit) << error_of(unit);
   EXPECT_TRUE(unit->notes().empty());
 }

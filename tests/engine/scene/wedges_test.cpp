@@ -45,7 +45,7 @@ Vec3d beside(const Wedge& wedge, double azimuth, double distance) {
          (distance * std::sin(azimuth)) * wedge.normal;
 }
 
-Mesh turned(Mesh mesh, bool as_float) {
+Mesh rotated(Mesh mesh, bool as_float) {
   const Mat3d turn = rotation_from_yaw_pitch_roll(0.4, 0.2, -0.7);
   for (Vec3d& v : mesh.vertices) {
     v = turn * v + Vec3d{12.0, -7.0, 3.0};
@@ -58,7 +58,7 @@ Mesh turned(Mesh mesh, bool as_float) {
 
 TEST(Wedges, BoxHasTwelveRightAngles) {
   const Mesh box = box_mesh({0, 0, 0}, {1, 2, 3});
-  for (const Mesh& mesh : {box, turned(box, false), turned(box, true)}) {
+  for (const Mesh& mesh : {box, rotated(box, false), rotated(box, true)}) {
     const std::vector<Wedge> wedges = wedges_of({mesh});
     ASSERT_EQ(wedges.size(), 12U);
     EXPECT_NEAR(total_length(wedges), 24.0, 1e-4);

@@ -128,7 +128,7 @@ using V = Vec3d;
 V unit(const V& v) { return (1.0 / norm(v)) * v; }
 
 // Rodrigues: about an axis, by an angle.
-V turned(const V& v, const V& axis, double angle) {
+V rotated(const V& v, const V& axis, double angle) {
   return std::cos(angle) * v + std::sin(angle) * cross(axis, v) +
          ((1.0 - std::cos(angle)) * dot(axis, v)) * axis;
 }
@@ -154,7 +154,7 @@ struct PlainLink {
     const V mirrored_ray = in + (2.0 * cos_in) * n;
     const V mirrored_field = sent - (2.0 * dot(sent, n)) * n;
     const V axis = unit(cross(mirrored_ray, out));
-    const V kept = turned(mirrored_field, axis, std::acos(dot(mirrored_ray, out)));
+    const V kept = rotated(mirrored_field, axis, std::acos(dot(mirrored_ray, out)));
     const V received = field(to, -out);
     const double co = dot(kept, received);
     const double other = dot(cross(out, kept), received);

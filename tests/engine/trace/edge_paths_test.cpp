@@ -344,13 +344,13 @@ TEST(EdgePaths, NoneIsMissedAndNoneInventedInTheSites) {
 
 // Files hold vertices in single precision: faces then miss the edges that they meet at by as much.
 TEST(EdgePaths, RoundedMeshesHaveTheSame) {
-  const auto turned = [](const Vec3d& v) {
+  const auto rotated = [](const Vec3d& v) {
     return rotation_from_yaw_pitch_roll(0.31, 0.0, 0.0) * v;
   };
   const auto paths_of = [&](bool round) {
     const auto made = [&](Mesh mesh) {
       for (Vec3d& v : mesh.vertices) {
-        v = turned(v);
+        v = rotated(v);
         for (double* x : {&v.x, &v.y, &v.z}) {
           *x = round ? static_cast<double>(static_cast<float>(*x)) : *x;
         }
@@ -365,8 +365,8 @@ TEST(EdgePaths, RoundedMeshesHaveTheSame) {
     // Rounding decides which face of an edge comes first, so paths are identified by their lengths.
     std::vector<double> lengths;
     for (const Path& path : diffracted_paths(scene,
-                                             transmitter_at(turned({-1.7, 0.3, 1.8})),
-                                             receiver_at(turned({1.6, 1.2, 0.7})),
+                                             transmitter_at(rotated({-1.7, 0.3, 1.8})),
+                                             receiver_at(rotated({1.6, 1.2, 0.7})),
                                              over_edges(3))) {
       lengths.push_back(length_of(path));
     }

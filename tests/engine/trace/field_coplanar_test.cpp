@@ -12,8 +12,8 @@
 
 #include "engine/trace/coplanar_faces.h"
 #include "engine/trace/path_tracer.h"
+#include "tests/support/rotated_walls.h"
 #include "tests/support/scenes.h"
-#include "tests/support/turned_walls.h"
 
 namespace rayloc::field_coplanar_test {
 namespace {

@@ -1,4 +1,4 @@
-// Paths do not depend on how a room is turned, nor into how many triangles its walls are cut.
+// Paths do not depend on how a room is rotated, nor into how many triangles its walls are cut.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,8 +12,8 @@
 #include "engine/base/constants.h"
 #include "engine/scene/read/load_scene.h"
 #include "engine/trace/path_tracer.h"
+#include "tests/support/rotated_walls.h"
 #include "tests/support/scenes.h"
-#include "tests/support/turned_walls.h"
 
 namespace rayloc::field_walls_test {
 namespace {
@@ -188,7 +188,7 @@ TEST(Field, TurnedSubdividedWallReflectsUpToItsCorners) {
   }
 }
 
-// A sheet of 2 x 2 quads turned about a diagonal in its plane, of which a quarter was lost.
+// A sheet of 2 x 2 quads rotated about a diagonal in its plane, of which a quarter was lost.
 TEST(Field, CornerOfASheetTurnedByARotateElementReflects) {
   const std::string xml =
       "<scene version='2.1.0'>"

@@ -99,7 +99,7 @@ TEST(FieldCalculator, GradientHoldsAtNormalIncidence) {
     using T = std::decay_t<decltype(x[0])>;
     const std::array<Facet<T>, 1> floor{
         Facet<T>{{{T(0), T(0), T(1)}, T(0)}, {T(5.24), T(-0.58)}, T(0.1)}};
-    LinkEnd<T> from;  // turned, so that straight down is broadside
+    LinkEnd<T> from;  // rotated, so that straight down is broadside
     from.world_from_antenna = rotation_from_yaw_pitch_roll(T(0.7), T(1.5), T(0.0));
     LinkEnd<T> to = from;
     from.position = {T(0), T(0), T(2.0)};

@@ -154,13 +154,13 @@ TEST(PathTracer, IsInvariantUnderRigidMotion) {
       v = moved(v);
     }
   }
-  auto turned = Scene::create(std::move(input));
-  ASSERT_TRUE(turned);
-  EXPECT_EQ(turned->surfaces().size(), original->surfaces().size());
+  auto rotated = Scene::create(std::move(input));
+  ASSERT_TRUE(rotated);
+  EXPECT_EQ(rotated->surfaces().size(), original->surfaces().size());
   const Vec3d tx{0.4, 1.0, 1.5};
   const Vec3d rx{-1.4, 1.05, 1.2};
   const Paths before = PathTracer(original).trace(transmitter_at(tx), receiver_at(rx));
-  const Paths after = PathTracer(std::make_shared<const Scene>(std::move(*turned)))
+  const Paths after = PathTracer(std::make_shared<const Scene>(std::move(*rotated)))
                           .trace(Transmitter{{moved(tx), turn}}, Receiver{{moved(rx), turn}});
   ASSERT_EQ(before.size(), after.size());
   ASSERT_GT(before.size(), 15U);

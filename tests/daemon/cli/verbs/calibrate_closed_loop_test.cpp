@@ -205,9 +205,9 @@ TEST_F(CalibrateClosedLoop, AnInterruptedCalibrationIsASiteAndGoesOn) {
   ASSERT_TRUE(write_file(
       folder_ / "turned/site.toml",
       testing::edited_text(text_of(kSite + "/site.toml"), "yaw_deg = -37", "yaw_deg = -36")));
-  const Finished turned = calibrate_site(folder_ / "turned", "stopped", {"--resume"});
-  EXPECT_EQ(turned.status, 65);
-  EXPECT_NE(turned.err.find("was made from other inputs"), std::string::npos) << turned.err;
+  const Finished rotated = calibrate_site(folder_ / "turned", "stopped", {"--resume"});
+  EXPECT_EQ(rotated.status, 65);
+  EXPECT_NE(rotated.err.find("was made from other inputs"), std::string::npos) << rotated.err;
 
   const Finished resumed = calibrate("stopped", {"--resume"});
   ASSERT_EQ(resumed.status, 0) << resumed.err;

@@ -351,7 +351,7 @@ TEST_F(Field, CalibrateNamesATurnedAccessPointAndWritesNoSite) {
   const Finished refused = calibrate_gains({"--quiet"});
   EXPECT_EQ(refused.status, 79) << refused.err;
   for (const char* part : {"access point 'ap1'",
-                           "turned by 180 degrees",
+                           "rotated by 180 degrees",
                            "yaw_deg = -37 instead of 143",
                            "no site was written",
                            "--force writes the site all the same"}) {

@@ -89,7 +89,7 @@ TEST(Frames, ValuesAreAscendingAndRawIsAsOnTheWire) {
   const Json raw =
       lines_of(RaylocProcess({"frames", "--values", "--raw", recording()}).wait().out).at(0);
   EXPECT_EQ(raw["tone_index"].size(), 128U);
-  // Tone 2 was sent turned by j: undone, re' = im and im' = -re.
+  // Tone 2 was sent rotated by j: undone, re' = im and im' = -re.
   EXPECT_EQ(values["tone_index"][57], 2);
   const auto complex_of = [](const Json& pair) {
     return std::complex<double>(pair[0].get<double>(), pair[1].get<double>());

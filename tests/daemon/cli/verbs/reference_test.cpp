@@ -258,7 +258,7 @@ TEST_F(ReferenceVerb, LeadsFromTheEmptyRoomToPlacesOfPeople) {
   }
 }
 
-// People of the first day, and the empty room of each: chains have turned in between.
+// People of the first day, and the empty room of each: chains have rotated in between.
 TEST_F(ReferenceVerb, UsesPeopleOfAnotherDay) {
   simulate("today", 8000.0, {{1.2, -0.6}}, "1.1", {"--transmitter", "plug"}, "7");
   simulate("guests", 9000.0, later(), "0", {"--transmitter", "plug", "--person"}, "7");

@@ -110,20 +110,20 @@ TEST_F(SimulateLived, TheTruthIsWhereTheRecordingWasMade) {
   const auto worst = [&](std::size_t i, double z) {
     const Json& point = truth["points"][i];
     const Vec3d place{point["x"], point["y"], z};
-    std::vector<Value> turned;
+    std::vector<Value> rotated;
     Value sum;
     for (std::size_t element = 0; element < 3; ++element) {
       const double length = norm(place - element_position(array, element));
       for (std::size_t k = 0; k < frames[i][element].size(); ++k) {
         const double turns = site->carrier.grid.frequency_hz(k) * length / kSpeedOfLight;
         const Value& received = frames[i][element][k];
-        turned.push_back(received / std::abs(received) *
-                         std::polar(1.0, 2.0 * std::numbers::pi * turns));
-        sum += turned.back();
+        rotated.push_back(received / std::abs(received) *
+                          std::polar(1.0, 2.0 * std::numbers::pi * turns));
+        sum += rotated.back();
       }
     }
     double largest = 0.0;
-    for (const Value& value : turned) {
+    for (const Value& value : rotated) {
       largest = std::max(largest, std::abs(std::arg(value * std::conj(sum))));
     }
     return largest;

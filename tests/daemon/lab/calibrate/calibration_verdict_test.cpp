@@ -133,10 +133,10 @@ TEST(Expectation, NamesTheAccessPointThatIsBehindTheOthers) {
   for (std::size_t i = 1; i <= kMinPairs; ++i) {
     points.push_back({i, 1, 0.2, 0.55});
   }
-  TriedMistake turned = mistake(TriedMistake::Kind::kArray, 0.22);
-  turned.what = "access point 'b' turned by 180 degrees";
-  turned.significance = 1.4;
-  report.verdict.tried = {turned};
+  TriedMistake rotated = mistake(TriedMistake::Kind::kArray, 0.22);
+  rotated.what = "access point 'b' rotated by 180 degrees";
+  rotated.significance = 1.4;
+  report.verdict.tried = {rotated};
   EXPECT_EQ(expectation(report),
             "Usable: expect 20 cm with 2 access points (median of 3 points held out, 3 of them "
             "with a fix); b is doubtful, it explains 55 % of the CSI it received (access point 'b' "

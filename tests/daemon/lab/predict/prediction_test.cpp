@@ -74,7 +74,7 @@ TEST(Proposals, HaveNoDistancesOfAntennasThatAreNoRow) {
   EXPECT_EQ(found->front().what, "as it is");
 }
 
-TEST(LookAlikes, AreCountedWhereTheyAreTakenForTheSame) {
+TEST(ConfusedPlaces, AreCountedWhereTheyAreTakenForTheSame) {
   Prediction prediction;
   prediction.places.push_back({{0, 0, 1},
                                {0.1, 2.0, 2.1, kNever},

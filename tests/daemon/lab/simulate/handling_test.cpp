@@ -183,11 +183,11 @@ TEST(Handling, ReachesTheChannel) {
   const SimulatedSpot upright = spots(1)[0];
   SimulatedSpot leaning = upright;
   leaning.orientation.pitch = 0.5;
-  SimulatedSpot turned = upright;
-  turned.orientation.yaw = 0.5;  // a vertical dipole is the same all around
+  SimulatedSpot rotated = upright;
+  rotated.orientation.yaw = 0.5;  // a vertical dipole is the same all around
   SimulatedSpot loud = upright;
   loud.power_db = 6.0;
-  EXPECT_EQ(tones(turned), tones(upright));
+  EXPECT_EQ(tones(rotated), tones(upright));
   EXPECT_NE(tones(leaning), tones(upright));
   EXPECT_NE(tones(loud), tones(upright));
 }

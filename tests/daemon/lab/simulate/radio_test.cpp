@@ -46,9 +46,9 @@ class Radio {
     for (std::size_t core = 0; core < 3; ++core) {
       std::vector<Value>& row = rows.emplace_back();
       for (const std::int16_t tone : radio_.grid().tone_index) {
-        const Value turned =
+        const Value rotated =
             frame.tones[core * kTotal + static_cast<std::size_t>(tone + int{kTotal / 2})];
-        row.push_back(turned / kScale / (tone < 0 ? Value(1.0) : Value(0.0, 1.0)));
+        row.push_back(rotated / kScale / (tone < 0 ? Value(1.0) : Value(0.0, 1.0)));
       }
     }
     return rows;
@@ -169,7 +169,7 @@ TEST(SimulatedRadio, NoiseIsThatOfALinkOfFourMetres) {
     for (std::size_t i = 0; i < 6; ++i) {
       between += std::norm(frame.tones[i] / kScale) / 600.0;
     }
-    for (std::size_t i = 6; i < 62; ++i) {  // -58 to -3: not turned
+    for (std::size_t i = 6; i < 62; ++i) {  // -58 to -3: not rotated
       on_tones += std::norm(frame.tones[i] / kScale - 1e-3) / 5600.0;
     }
   }

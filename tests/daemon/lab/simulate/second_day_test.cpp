@@ -73,7 +73,7 @@ TEST(SecondDay, WithoutChangesIsTheFirst) {
   }
 }
 
-// Each chain is turned as a whole: its ripple over the band stays, and so does all else.
+// Each chain is rotated as a whole: its ripple over the band stays, and so does all else.
 TEST(SecondDay, APowerCycleChangesChainsAndNothingElse) {
   const RoomModel room = furnished_room();
   SecondDay day = day_with(&SecondDay::chain_phase_deg, 180.0);
@@ -134,7 +134,7 @@ TEST(SecondDay, AccessPointsAreMovedAndTurnedByTheStatedAmount) {
     const double trace = dot(a.row0, b.row0) + dot(a.row1, b.row1) + dot(a.row2, b.row2);
     EXPECT_NEAR(std::acos(0.5 * (trace - 1.0)) / kDegree, 0.3, 1e-5);
     EXPECT_NEAR(
-        after.orientation.yaw - before.orientation.yaw, bumped.access_points[i].turned.yaw, 1e-12);
+        after.orientation.yaw - before.orientation.yaw, bumped.access_points[i].rotated.yaw, 1e-12);
     EXPECT_TRUE(bumped.access_points[i].chain_changes.empty());
   }
   EXPECT_NE(bumped.access_points[0].moved, bumped.access_points[1].moved);

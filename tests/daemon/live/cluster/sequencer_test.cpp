@@ -108,9 +108,9 @@ TEST(Sequencer, WhatIsHeldIsBounded) {
 
 // A capture node, and a stream that loses, repeats and reorders: the reader requests missing
 // batches, and takes every batch once and in order, except those that are marked.
-class LossyWay : public ::testing::TestWithParam<unsigned> {};
+class LossyLink : public ::testing::TestWithParam<unsigned> {};
 
-TEST_P(LossyWay, EverythingIsTakenOrMarked) {
+TEST_P(LossyLink, EverythingIsTakenOrMarked) {
   std::mt19937 random(GetParam());
   const auto any = [&](std::uint64_t most) { return random() % (most + 1); };
   NumberedRing::Limits limits;
@@ -181,7 +181,7 @@ TEST_P(LossyWay, EverythingIsTakenOrMarked) {
             ring.counters().added.at(kAp));
 }
 
-INSTANTIATE_TEST_SUITE_P(Seeds, LossyWay, ::testing::Range(1U, 9U));
+INSTANTIATE_TEST_SUITE_P(Seeds, LossyLink, ::testing::Range(1U, 9U));
 
 // Readers of the same records take the same batches.
 TEST(Sequencer, IsAFunctionOfTheRecords) {

@@ -202,7 +202,7 @@ std::vector<std::int64_t> times_in(const FakeBroker& broker) {
 }
 
 // The owner dies before it publishes a computed window; the standby publishes it, once.
-TEST(StandsBy, WhoIsPromotedGoesOnBehindTheOwnersLastWord) {
+TEST(Standby, WhoIsPromotedGoesOnBehindTheOwnersLastWord) {
   const auto broker = std::make_shared<FakeBroker>();
   Silent silent;
   OutStage owner(*OwnerLog::begin(broker, log_options(3)), silent, quick());
@@ -250,7 +250,7 @@ TEST(StandsBy, WhoIsPromotedGoesOnBehindTheOwnersLastWord) {
 }
 
 // Records of the owner are compared until the promotion, also after the decision for it.
-TEST(StandsBy, WhoCannotGoOnAfterAllSaysSo) {
+TEST(Standby, WhoCannotGoOnAfterAllSaysSo) {
   const auto broker = std::make_shared<FakeBroker>();
   Silent silent;
   const auto owner = *OwnerLog::begin(broker, log_options(3));
@@ -275,7 +275,7 @@ TEST(StandsBy, WhoCannotGoOnAfterAllSaysSo) {
   follower.finish();
 }
 
-TEST(StandsBy, BeginsLateWhereTheStreamHasForgotten) {
+TEST(Standby, BeginsLateWhereTheStreamHasForgotten) {
   const auto broker = std::make_shared<FakeBroker>();
   EXPECT_FALSE(standby_start(*broker, "hall"));
   const auto log = *OwnerLog::begin(broker, log_options(3));

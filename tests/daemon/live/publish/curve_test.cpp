@@ -30,7 +30,7 @@ using ::testing::HasSubstr;
 
 constexpr auto kPatience = 60s;
 
-// The last client that was turned away.
+// The last client that was refused.
 class Denied {
  public:
   void set(const std::string& key, const std::string& address) {
@@ -138,8 +138,8 @@ TEST(Curve, TheListMayChangeMeanwhile) {
   const CurveKeyPair client = make_curve_keys();
   const GuardedDaemon daemon(server, {});
   const CurveClientKeys keys{server.public_key, client};
-  const auto turned_away = Subscriber::connect(daemon.endpoint(), {"v1/"}, 1000, keys);
-  ASSERT_TRUE(turned_away);
+  const auto faces_away = Subscriber::connect(daemon.endpoint(), {"v1/"}, 1000, keys);
+  ASSERT_TRUE(faces_away);
   ASSERT_TRUE(eventually(kPatience, [&] { return daemon.guard().counters().clients_denied > 0; }));
   daemon.guard().allow({client.public_key});
   EXPECT_TRUE(joins(daemon, keys));

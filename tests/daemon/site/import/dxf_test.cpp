@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // By ezdxf, a program of other people: an office of 6 x 4 m whose outer walls have two faces, an
-// inner wall, a window drawn as two panes, a door, a desk as a block that is turned, a text.
+// inner wall, a window drawn as two panes, a door, a desk as a block that is rotated, a text.
 constexpr const char* kWriter = R"(
 import sys, ezdxf
 d = ezdxf.new(sys.argv[2]); d.header['$INSUNITS'] = 4
@@ -102,7 +102,7 @@ TEST_F(Dxf, ADrawingOfAnotherProgramBecomesARoom) {
     EXPECT_NEAR(window->mesh.vertices[0].z, kSill, 1e-9);
     const StatedObject* const desk = object_of(*room, "FURNITURE");
     ASSERT_NE(desk, nullptr);
-    for (const Vec3d& v : desk->mesh.vertices) {  // turned about its corner, at 6.8, 2.2 m
+    for (const Vec3d& v : desk->mesh.vertices) {  // rotated about its corner, at 6.8, 2.2 m
       EXPECT_GT(v.x, 5.199);
       EXPECT_LT(v.x, 6.001);
       EXPECT_GT(v.y, 0.399);

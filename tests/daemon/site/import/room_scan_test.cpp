@@ -19,10 +19,10 @@ namespace {
 using ::testing::HasSubstr;
 using Json = nlohmann::json;
 
-constexpr double kTurned = 30.0 * kDegree;  // the phone began the scan anyhow
-constexpr double kHeight = 2.5;             // [m]
+constexpr double kRotated = 30.0 * kDegree;  // the phone began the scan anyhow
+constexpr double kHeight = 2.5;              // [m]
 
-// A box with its centre at x, y, z of the room (z up), turned by `yaw`, in a phone's format.
+// A box with its centre at x, y, z of the room (z up), rotated by `yaw`, in a phone's format.
 Json box(const std::string& list,
          const Json& category,
          const Vec3d& at,
@@ -30,10 +30,10 @@ Json box(const std::string& list,
          const std::vector<double>& size,
          const std::string& parent = "") {
   static int number = 0;
-  const double x = std::cos(kTurned) * at.x - std::sin(kTurned) * at.y + 3.0;
-  const double y = std::sin(kTurned) * at.x + std::cos(kTurned) * at.y - 1.0;
-  const double c = std::cos(yaw + kTurned);
-  const double s = std::sin(yaw + kTurned);
+  const double x = std::cos(kRotated) * at.x - std::sin(kRotated) * at.y + 3.0;
+  const double y = std::sin(kRotated) * at.x + std::cos(kRotated) * at.y - 1.0;
+  const double c = std::cos(yaw + kRotated);
+  const double s = std::sin(yaw + kRotated);
   Json one = {{"identifier", list + std::to_string(++number)},
               {"category", category},
               {"confidence", {{"high", Json::object()}}},
@@ -139,7 +139,7 @@ TEST_F(RoomScan, WallsOpeningsAndFurnitureBecomeARoom) {
   EXPECT_EQ(object_of(*room, "washerDryer").material, "metal");
   EXPECT_NEAR(area_of(object_of(*room, "floor").mesh), 5 * 3.6, 1e-9);
   const std::string text = remarks(*room);
-  EXPECT_THAT(text, HasSubstr("turned by -30.0 degrees"));
+  EXPECT_THAT(text, HasSubstr("rotated by -30.0 degrees"));
   EXPECT_THAT(text,
               HasSubstr("4 walls, 2 doors and windows that are closed, 2 openings and open "
                         "doors, 2 pieces of furniture"));
@@ -165,11 +165,11 @@ TEST_F(RoomScan, TheFloorHasTheOutlineThatTheScanTells) {
   Json room = office();
   // Flat, its own x along the room's, its y to the room's -y; an L.
   Json floor = box("floor", {{"floor", Json::object()}}, {2.5, 1.8, 0}, 0, {5, 3.6, 0});
-  const double c = std::cos(kTurned);
-  const double s = std::sin(kTurned);
+  const double c = std::cos(kRotated);
+  const double s = std::sin(kRotated);
   Json& m = floor["transform"];
-  const Json turned = {c, 0, -s, 0, s, 0, c, 0, 0, -1, 0, 0};
-  std::copy(turned.begin(), turned.end(), m.begin());
+  const Json rotated = {c, 0, -s, 0, s, 0, c, 0, 0, -1, 0, 0};
+  std::copy(rotated.begin(), rotated.end(), m.begin());
   floor["polygonCorners"] = {
       {-2.5, -1.8, 0}, {2.5, -1.8, 0}, {2.5, 0.8, 0}, {0.5, 0.8, 0}, {0.5, 1.8, 0}, {-2.5, 1.8, 0}};
   room["floors"] = Json::array({floor});

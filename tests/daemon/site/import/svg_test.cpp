@@ -265,7 +265,7 @@ TEST(SvgText, PathsAreReadAsTheStandardWritesThem) {
   EXPECT_NEAR(reach("1 1").first, -9.0, 0.03);
   EXPECT_NEAR(reach("0 0").second, 1.0, 0.03);
   EXPECT_NEAR(reach("1 0").second, 9.0, 0.03);
-  // Turned by a quarter, its long axis is vertical; radii that are too small grow.
+  // Rotated by a quarter, its long axis is vertical; radii that are too small grow.
   const auto upright = svg_path("M0 0A2 1 90 0 1 2 0");
   EXPECT_NEAR(upright->at(0).points.at(upright->at(0).points.size() / 2)[1], -2.0, 0.02);
   EXPECT_EQ(svg_path("M0 0A0 1 0 0 1 2 0")->at(0).points.size(), 2U);

@@ -157,8 +157,8 @@ TEST(Field, RoomWithAnotherAxisUpNamesTheAxesToExchange) {
   const auto centimetres_y_up = [](const Vec3d& p) { return 100.0 * y_up(p); };
   EXPECT_THAT(found(*scene_of(room_of(kOffice), centimetres_y_up), &office),
               AllOf(HasSubstr("its vertices are in centimetres"), HasSubstr("lie along y")));
-  const auto plan_turned = [](const Vec3d& p) { return Vec3d{p.y, p.x, p.z}; };
-  EXPECT_THAT(found(*scene_of(room_of(kOffice), plan_turned), &office),
+  const auto plan_rotated = [](const Vec3d& p) { return Vec3d{p.y, p.x, p.z}; };
+  EXPECT_THAT(found(*scene_of(room_of(kOffice), plan_rotated), &office),
               HasSubstr("x of the room is y of the scene, y of the room is x of the scene"));
 }
 
@@ -215,9 +215,9 @@ TEST(Field, RoomOfAnySizeInAnotherFrameIsRefused) {
     const Site site = site_with(size, {{0.4, 0.4, 1.2}});
     const double metres =
         std::array{1.0, 0.01, 0.001, 0.0254, 0.3048}.at(static_cast<std::size_t>(i) % 5);
-    const bool turned = i % 2 == 0 || metres == 1.0;
+    const bool rotated = i % 2 == 0 || metres == 1.0;
     const auto scene = scene_of(
-        room_of(size), [&](const Vec3d& p) { return (1.0 / metres) * (turned ? y_up(p) : p); });
+        room_of(size), [&](const Vec3d& p) { return (1.0 / metres) * (rotated ? y_up(p) : p); });
     EXPECT_THAT(found(*scene, &site), HasSubstr(metres < 1.0 ? "error unit: " : "error axes: "))
         << i << " " << size.x << " " << size.y << " " << size.z;
     const auto right = scene_of(room_of(size), as_it_is);

@@ -27,7 +27,7 @@ class RoomModelTest : public ::testing::Test {
   }
   void TearDown() override { fs::remove_all(folder_); }
 
-  // Gains of 1 for every access point of the bundled site, yaw turned by 0.02 rad.
+  // Gains of 1 for every access point of the bundled site, yaw rotated by 0.02 rad.
   static CalibrationFile calibration_of(const RoomModel& room) {
     CalibrationFile file;
     file.id = "0000000000000001";

@@ -116,12 +116,12 @@ TEST(PainterOrder, ThreeFacesThatCoverOneAnotherInACircleAreSplit) {
   std::vector<Face> faces;
   for (std::uint32_t i = 0; i < 3; ++i) {
     const double turn = 2.0 * std::acos(-1.0) / 3.0 * i;
-    const auto turned = [&](double x, double y, double depth) {
+    const auto rotated = [&](double x, double y, double depth) {
       return at(
           std::cos(turn) * x - std::sin(turn) * y, std::sin(turn) * x + std::cos(turn) * y, depth);
     };
     faces.push_back(
-        triangle(turned(-1.0, -0.5, 0.3), turned(1.0, -0.5, -0.3), turned(1.0, -0.2, -0.3), i));
+        triangle(rotated(-1.0, -0.5, 0.3), rotated(1.0, -0.5, -0.3), rotated(1.0, -0.2, -0.3), i));
   }
   std::mt19937 random(7);
   const std::vector<Face> order = painter_order(faces, kViewer);

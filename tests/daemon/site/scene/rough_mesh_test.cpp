@@ -11,8 +11,8 @@
 
 #include "daemon/site/scene/rough_mesh.h"
 #include "daemon/site/scene/scene_report.h"
+#include "tests/support/rotated_walls.h"
 #include "tests/support/scenes.h"
-#include "tests/support/turned_walls.h"
 
 namespace rayloc::rough_mesh_test {
 namespace {

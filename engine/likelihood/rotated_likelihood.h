@@ -16,9 +16,9 @@
 namespace rayloc {
 
 // States of the chains: each but the first rotated relative to it by a multiple of a step.
-class TurnGrid {
+class RotationGrid {
  public:
-  explicit TurnGrid(std::size_t chains);  // REQUIRES: 1 to kMaxChains
+  explicit RotationGrid(std::size_t chains);  // REQUIRES: 1 to kMaxChains
 
   std::size_t chains() const { return chains_; }
   std::size_t size() const { return size_; }
@@ -37,7 +37,7 @@ class TurnGrid {
 };
 
 // Sets of_state[s] to the coarse log-likelihood with the chains in state s, each but the first
-// rotated by one of `undoing` (as of a TurnGrid); the windows are those that may hold the best
+// rotated by one of `undoing` (as of a RotationGrid); the windows are those that may hold the best
 // delay of any state.
 std::uint8_t coarse_of_turns(const PlaceModel& place,
                              const ObservedArray& observed,
@@ -48,7 +48,7 @@ std::uint8_t coarse_of_turns(const PlaceModel& place,
 void log_likelihood_of_turns(const PlaceModel& place,
                              const ObservedArray& observed,
                              std::uint8_t windows,
-                             const TurnGrid& grid,
+                             const RotationGrid& grid,
                              std::span<float> of_state);
 
 // Terms of a burst at a place and the best-fitting delay, for any factors of the chains.

@@ -1,4 +1,4 @@
-#include "engine/likelihood/turned_likelihood.h"
+#include "engine/likelihood/rotated_likelihood.h"
 
 #include <algorithm>
 #include <cmath>
@@ -73,7 +73,7 @@ ChainMoments moments_of(const PlaceModel& place,
 
 }  // namespace
 
-TurnGrid::TurnGrid(std::size_t chains) : chains_(chains) {
+RotationGrid::RotationGrid(std::size_t chains) : chains_(chains) {
   RAYLOC_CHECK(chains > 0 && chains <= kMaxChains);
   const std::size_t steps = chains > 3 ? kStepsOfMany : kSteps;
   for (std::size_t turn = 0; turn < steps; ++turn) {
@@ -85,22 +85,22 @@ TurnGrid::TurnGrid(std::size_t chains) : chains_(chains) {
   }
 }
 
-double TurnGrid::step() const {
+double RotationGrid::step() const {
   return 2.0 * std::numbers::pi / static_cast<double>(undoing_.size());
 }
 
-std::size_t TurnGrid::turn(std::size_t state, std::size_t chain) const {
+std::size_t RotationGrid::turn(std::size_t state, std::size_t chain) const {
   for (std::size_t after = chain + 1; after < chains_; ++after) {
     state /= undoing_.size();
   }
   return chain == 0 ? 0 : state % undoing_.size();
 }
 
-double TurnGrid::phase(std::size_t state, std::size_t chain) const {
+double RotationGrid::phase(std::size_t state, std::size_t chain) const {
   return std::remainder(step() * static_cast<double>(turn(state, chain)), 2.0 * std::numbers::pi);
 }
 
-std::size_t TurnGrid::distance(std::size_t a, std::size_t b) const {
+std::size_t RotationGrid::distance(std::size_t a, std::size_t b) const {
   const std::size_t steps = undoing_.size();
   std::size_t most = 0;
   for (std::size_t chain = 1; chain < chains_; ++chain) {
@@ -125,7 +125,7 @@ std::uint8_t coarse_of_turns(const PlaceModel& place,
 void log_likelihood_of_turns(const PlaceModel& place,
                              const ObservedArray& observed,
                              std::uint8_t windows,
-                             const TurnGrid& grid,
+                             const RotationGrid& grid,
                              std::span<float> of_state) {
   std::fill(of_state.begin(), of_state.end(), std::numeric_limits<float>::lowest());
   LaneRow highest;

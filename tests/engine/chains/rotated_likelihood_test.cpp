@@ -1,4 +1,4 @@
-#include "engine/likelihood/turned_likelihood.h"
+#include "engine/likelihood/rotated_likelihood.h"
 
 #include <gtest/gtest.h>
 
@@ -42,9 +42,9 @@ struct Scene {
   }
 };
 
-TEST(TurnedLikelihood, IsThatOfTheBurstTurnedBackInEveryState) {
+TEST(RotatedLikelihood, IsThatOfTheBurstTurnedBackInEveryState) {
   const Scene scene;
-  const TurnGrid grid(3);
+  const RotationGrid grid(3);
   const ObservedArray as_received = scene.observed({1.0, 1.0, 1.0});
   std::vector<float> coarse(grid.size());
   std::vector<float> fine(grid.size());
@@ -56,18 +56,18 @@ TEST(TurnedLikelihood, IsThatOfTheBurstTurnedBackInEveryState) {
       for (std::size_t m = 0; m < 3; ++m) {
         back.push_back(std::polar(1.0, -grid.phase(state, m)));
       }
-      const ObservedArray turned = scene.observed(back);
-      const auto plain = ObservationModel::coarse(place, turned);
+      const ObservedArray rotated = scene.observed(back);
+      const auto plain = ObservationModel::coarse(place, rotated);
       EXPECT_NEAR(coarse[state], plain.log_likelihood, 0.02) << state;
       // The plain one has a parabola between delays of 1.5 ns.
-      const double best = ObservationModel::log_likelihood(place, turned, 0xFF);
+      const double best = ObservationModel::log_likelihood(place, rotated, 0xFF);
       EXPECT_NEAR(fine[state], best, 2.0) << state;
       EXPECT_LT(fine[state], best + 0.02) << state;
     }
   }
 }
 
-TEST(TurnedLikelihood, OfAnyFactorsIsThatOfTheArrayDividedByThem) {
+TEST(RotatedLikelihood, OfAnyFactorsIsThatOfTheArrayDividedByThem) {
   const Scene scene;
   const std::vector<Value> factors = {1.0, std::polar(1.3, 0.7), std::polar(0.8, -2.1)};
   const std::vector<Value> undoing = {1.0, 1.0 / factors[1], 1.0 / factors[2]};
@@ -87,7 +87,7 @@ TEST(TurnedLikelihood, OfAnyFactorsIsThatOfTheArrayDividedByThem) {
 }
 
 // The likelihood of a corrected burst is that of the burst with the correction as a factor.
-TEST(TurnedLikelihood, OfABurstMultipliedByFactorsIsThatOfUndoingThem) {
+TEST(RotatedLikelihood, OfABurstMultipliedByFactorsIsThatOfUndoingThem) {
   const Scene scene;
   const ObservedArray received = scene.observed({1.0, std::polar(1.2, 0.4), std::polar(0.9, -1.0)});
   const std::vector<Value> factor = {1.0, std::polar(0.8, -0.5), std::polar(1.1, 0.9)};
@@ -108,7 +108,7 @@ TEST(TurnedLikelihood, OfABurstMultipliedByFactorsIsThatOfUndoingThem) {
 }
 
 // A common level is no evidence.
-TEST(TurnedLikelihood, CommonFactorOfAllChainsChangesNothing) {
+TEST(RotatedLikelihood, CommonFactorOfAllChainsChangesNothing) {
   const Scene scene;
   const ObservedArray received = scene.observed({1.0, 1.0, 1.0});
   const ChainMoments moments =
@@ -119,8 +119,8 @@ TEST(TurnedLikelihood, CommonFactorOfAllChainsChangesNothing) {
               1e-6);
 }
 
-TEST(TurnGrid, StatesAreTurnsOfAllChainsButTheFirst) {
-  const TurnGrid grid(3);
+TEST(RotationGrid, StatesAreTurnsOfAllChainsButTheFirst) {
+  const RotationGrid grid(3);
   EXPECT_EQ(grid.size(), 16U * 16U);
   EXPECT_EQ(grid.turn(17, 0), 0U);
   EXPECT_EQ(grid.turn(17, 1), 1U);
@@ -128,8 +128,8 @@ TEST(TurnGrid, StatesAreTurnsOfAllChainsButTheFirst) {
   EXPECT_NEAR(grid.phase(15, 2), -grid.step(), 1e-12);
   EXPECT_EQ(grid.distance(0, 15), 1U);
   EXPECT_EQ(grid.distance(2, 16 * 8 + 1), 8U);
-  EXPECT_EQ(TurnGrid(1).size(), 1U);
-  EXPECT_EQ(TurnGrid(4).size(), 8U * 8U * 8U);
+  EXPECT_EQ(RotationGrid(1).size(), 1U);
+  EXPECT_EQ(RotationGrid(4).size(), 8U * 8U * 8U);
 }
 
 }  // namespace

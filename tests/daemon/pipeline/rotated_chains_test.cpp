@@ -19,13 +19,13 @@
 #include "tests/support/faulty_frames.h"
 #include "tests/support/rayloc_process.h"
 
-namespace rayloc::turned_chains_test {
+namespace rayloc::rotated_chains_test {
 namespace {
 
 namespace fs = std::filesystem;
 
 constexpr double kQuarter = 0.5 * std::numbers::pi;
-constexpr int kJumpAt = 30;  // the burst from which on the chain is turned
+constexpr int kJumpAt = 30;  // the burst from which on the chain is rotated
 constexpr int kBursts = 160;
 
 // Spots of half a second, two seconds apart: [x] of `columns`, [y] of `rows`.
@@ -41,7 +41,7 @@ std::string points(int begin, int columns, int rows, double shift) {
   return text;
 }
 
-class TurnedChains : public ::testing::Test {
+class RotatedChains : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     fs::remove_all(folder());
@@ -85,7 +85,7 @@ class TurnedChains : public ::testing::Test {
 
 bool is_named(const Location& location) {
   for (const std::string& warning : location.estimate.warnings) {
-    if (warning.find("chain_phase_jump: access point ap1: its chains have turned") !=
+    if (warning.find("chain_phase_jump: access point ap1: its chain phases have changed") !=
         std::string::npos) {
       return true;
     }
@@ -102,7 +102,7 @@ Burst burst_of(std::vector<CsiFrame> frames) {
   return burst;
 }
 
-TEST_F(TurnedChains, AreNotBelievedUntilTheyAreLearnedAndThenKept) {
+TEST_F(RotatedChains, AreNotBelievedUntilTheyAreLearnedAndThenKept) {
   const Site site = load_site(path("calibrated")).value();
   const auto captures = cli::resolve_captures({path("spots.pcap")}, {"ap1"}).value();
   const auto spots = cli::read_calibration_inputs(site, captures, path("spots.csv")).value();
@@ -148,8 +148,9 @@ TEST_F(TurnedChains, AreNotBelievedUntilTheyAreLearnedAndThenKept) {
   for (const std::string& line : estimator->chain_notices()) {
     notices += line + "\n";
   }
-  EXPECT_NE(notices.find("access point ap1: its chains have turned; learning the chains of ap1"),
-            std::string::npos)
+  EXPECT_NE(
+      notices.find("access point ap1: its chain phases have changed; learning the chains of ap1"),
+      std::string::npos)
       << notices;
   EXPECT_NE(notices.find("access point ap1: its chains are learned"), std::string::npos) << notices;
   EXPECT_TRUE(estimator->calibration_warnings().empty());
@@ -177,4 +178,4 @@ TEST_F(TurnedChains, AreNotBelievedUntilTheyAreLearnedAndThenKept) {
 }
 
 }  // namespace
-}  // namespace rayloc::turned_chains_test
+}  // namespace rayloc::rotated_chains_test
