@@ -18,7 +18,7 @@ bool contains(const std::string& range, std::uint32_t address) {
   return parsed && parsed->contains(address);
 }
 
-TEST(AddressRange, HoldsWhatIsInIt) {
+TEST(AddressRange, ContainsExactlyTheAddressesInTheRange) {
   EXPECT_TRUE(contains("192.168.1.7", ipv4(192, 168, 1, 7)));
   EXPECT_FALSE(contains("192.168.1.7", ipv4(192, 168, 1, 6)));
   EXPECT_TRUE(contains("192.168.1.0/24", ipv4(192, 168, 1, 255)));
@@ -31,7 +31,7 @@ TEST(AddressRange, HoldsWhatIsInIt) {
   EXPECT_TRUE(contains("1.2.3.4/32", ipv4(1, 2, 3, 4)));
 }
 
-TEST(AddressRange, SaysWhatIsWrong) {
+TEST(AddressRange, ReportsInvalidRanges) {
   for (const char* text : {"",
                            "192.168.1",
                            "192.168.1.0/",

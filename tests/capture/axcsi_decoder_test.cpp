@@ -25,7 +25,7 @@ RejectReason reason_of(const std::vector<std::byte>& payload) {
   return result ? RejectReason::kUnknownFormat : result.error();
 }
 
-TEST(AxcsiDecoder, NamesWhatIsWrong) {
+TEST(AxcsiDecoder, GivesAReasonForEachInvalidDatagram) {
   std::vector<std::byte> payload = with_field(0, 0);
   ASSERT_TRUE(AxcsiDecoder().decode(payload));
   payload.pop_back();

@@ -45,7 +45,7 @@ TEST(AxcsiWord, ReadsBackWithinHalfAStepOfElevenBits) {
   }
 }
 
-TEST(AxcsiWord, KeepsWhatTheFormatHoldsExactly) {
+TEST(AxcsiWord, PreservesRepresentableValuesExactly) {
   for (const Value value : {Value(0.0, 0.0),
                             Value(2047.0, -2047.0),
                             Value(-1.0, 1024.0),

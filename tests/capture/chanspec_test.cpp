@@ -28,7 +28,7 @@ TEST(Field, AChanspecThatIsNoneNamesNoChannel) {
   }
 }
 
-TEST(Field, EachBroadcomFormatTellsItsChannel) {
+TEST(Field, EachBroadcomFormatYieldsItsChannel) {
   const RadioChannel channel{5210e6, 80};
   std::vector<std::byte> nexmon(18 + 4 * 256);
   nexmon[0] = nexmon[1] = nexmon[2] = nexmon[3] = std::byte{0x11};

@@ -56,7 +56,7 @@ Received receive(const Recording& recording, CsiReceiverOptions options = {}) {
   return received;
 }
 
-TEST(CsiReceiver, EmitsACompleteFrameAtOnceWhenItKnowsWhatToExpect) {
+TEST(CsiReceiver, EmitsACompleteFrameAtOnceAfterLearningItsSize) {
   CsiReceiver receiver({});
   std::vector<CsiFrame> frames;
   const Recording recording = frames_of(6, 1);
@@ -147,7 +147,7 @@ TEST(CsiReceiver, LossMakesPartialFramesAfterTheTimeOut) {
   EXPECT_EQ(receiver.safe_time(begun + kGap), begun + kGap);
 }
 
-TEST(CsiReceiver, WhatComesAfterItsFrameIsLateAndThenADuplicate) {
+TEST(CsiReceiver, CountsDatagramsAfterTheirFrameAsLateThenAsDuplicates) {
   Recording recording = frames_of(7, 1);
   const auto lost = recording[23];  // of the sixth frame, four datagrams each
   recording.erase(recording.begin() + 23);

@@ -105,7 +105,7 @@ TEST(Field, ManyJoinedCapturesAreNotedOnce) {
 }
 
 // Joined in another order than that of time: no clock was set.
-TEST(Field, ACaptureBehindALaterOneIsNoClockThatWasSet) {
+TEST(Field, AnEarlierCaptureBehindALaterOneIsNoClockStep) {
   const ByteString later = bytes_of({.start = kStart + 100}, "b");
   const RecordingAnswer given = read_both(later + bytes_of({}, "a")).front();
   EXPECT_EQ(given.times.size(), 20U);

@@ -81,7 +81,7 @@ TEST(Field, StampsOfAWholeFrameDamagedByLittleMoveNoOther) {
 }
 
 // Twice in one recording: what was cut off before does not count again.
-TEST(Field, EachOfSeveralStampsDamagedByLittleIsItsOwn) {
+TEST(Field, SlightlyDamagedStampsAffectNoOtherRecord) {
   Stamps stamps = walk(60);
   for (const std::size_t where : {20U, 21U, 90U}) {
     stamps[where] += 3 * kSecond;

@@ -140,7 +140,7 @@ Given read_piped(const ByteString& file) {
 
 using Counts = std::map<std::string, std::uint64_t>;
 
-TEST(Field, OneDamagedStampGovernsNothingButItsOwnRecord) {
+TEST(Field, OneDamagedStampAffectsOnlyItsOwnRecord) {
   for (const std::int64_t error : {kHour, 65536 * kSecond, -kHour, 11 * kSecond, -kSecond}) {
     for (const std::size_t where : {1U, 16U, 17U, 18U, 175U}) {
       std::vector<std::int64_t> stamps = walk(60);
@@ -163,7 +163,7 @@ TEST(Field, OneDamagedStampGovernsNothingButItsOwnRecord) {
 }
 
 // As in a survey: the stamp of the last record before a pause, or of the first one behind it.
-TEST(Field, ADamagedStampBesideAPauseIsItsOwn) {
+TEST(Field, ADamagedStampBesideAPauseAffectsNoOtherRecord) {
   for (const std::int64_t error : {kHour, -kHour}) {
     for (const std::size_t where : {14U, 15U}) {
       std::vector<std::int64_t> stamps = walk(5);
@@ -184,7 +184,7 @@ TEST(Field, ADamagedStampBesideAPauseIsItsOwn) {
   }
 }
 
-TEST(Field, ARecordingOfAClockThatWasNeverSetIsSaid) {
+TEST(Field, ReportsAClockThatWasNeverSet) {
   const Given given = read_stamps(walk(10, 15 * kSecond));
   EXPECT_EQ(given.times.size(), 30U);
   ASSERT_EQ(given.words.size(), 1U);
@@ -204,7 +204,7 @@ TEST(Field, AClockThatWasSetBackBeforeAPauseLosesNothing) {
   EXPECT_TRUE(std::is_sorted(given.times.begin(), given.times.end()));
 }
 
-TEST(Field, ADamagedStampIsSaidWithItsPlace) {
+TEST(Field, ReportsADamagedStampWithItsPosition) {
   std::vector<std::int64_t> stamps = walk(60);
   stamps[17] += kHour;
   const Given given = read_stamps(stamps);
@@ -254,7 +254,7 @@ TEST(Field, AClockThatWasSetBackLosesNothingAndGoesOnEvenly) {
   EXPECT_THAT(given.words[0], HasSubstr("the clock was set back by 3599.9 s"));
 }
 
-TEST(Field, AClockThatGoesForwardLosesNothingAndIsSaidOnce) {
+TEST(Field, AClockSetForwardLosesNothingAndIsReportedOnce) {
   for (const std::int64_t by : {24 * kHour, 24 * kHour * 365 * 6}) {
     std::vector<std::int64_t> stamps = walk(40);
     for (std::size_t i = 60; i < stamps.size(); ++i) {
@@ -306,7 +306,7 @@ TEST(Field, AClockThatWasSetBackInAPipeGoesOnEvenly) {
   EXPECT_THAT(given.words[0], HasSubstr("at the beginning"));
 }
 
-TEST(Field, OddStampsOfAPipeAreSaidToo) {
+TEST(Field, ReportsOddStampsOfAPipe) {
   std::vector<std::int64_t> stamps = walk(60);
   stamps[17] += kHour;
   for (std::size_t i = 120; i < stamps.size(); ++i) {
@@ -339,7 +339,7 @@ TEST(Field, PausesOfASurveyAndSparseRecordingsAreNoDamage) {
 }
 
 // A listing shows the recorded stamps, except for damaged ones.
-TEST(Field, AListingTellsTheStampsAsTheyAre) {
+TEST(Field, AListingShowsTheRecordedStamps) {
   std::vector<std::int64_t> stamps = walk(40);
   for (std::size_t i = 60; i < stamps.size(); ++i) {
     stamps[i] -= kHour;
@@ -416,7 +416,7 @@ TEST(Field, AnEndlessRingTakesFewDescriptors) {
   EXPECT_EQ(all, 600U);
 }
 
-TEST(Field, OverlapsAndGapsOfFilesAreSaid) {
+TEST(Field, ReportsOverlapsAndGapsOfFiles) {
   const Folder folder;
   const std::string a = folder.write("a.pcap", file_of(walk(20), "a"));
   const std::string b = folder.write("b.pcap", file_of(walk(20, kStart + kSecond), "b"));
@@ -453,7 +453,7 @@ TEST(Field, AFileThatHoldsNothingIsNoEndOfTheSequence) {
   EXPECT_THAT(given.words[0], HasSubstr("c.pcap: byte "));
 }
 
-TEST(Field, ACaptureInMonitorModeSaysWhatToCaptureInstead) {
+TEST(Field, MonitorModeCapturesYieldAdviceOnCapturing) {
   for (const std::uint32_t link_type : {105U, 119U, 127U, 163U, 192U}) {
     ByteString file = test::pcap_header(kLittle, false, link_type);
     file += test::pcap_record(kLittle, 1, 0, ByteString(66, '\0'));
@@ -466,7 +466,7 @@ TEST(Field, ACaptureInMonitorModeSaysWhatToCaptureInstead) {
   }
 }
 
-TEST(Field, BusyTimesLeaveOutWhatNobodyRecorded) {
+TEST(Field, BusyTimesExcludeRecordingGaps) {
   const Folder folder;
   std::vector<std::int64_t> stamps = walk(10);
   const auto later = walk(10, kStart + kHour);

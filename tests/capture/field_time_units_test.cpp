@@ -133,7 +133,7 @@ TEST(Field, TheStatedUnitHoldsWhereNoValueContradictsIt) {
 }
 
 // One value that cannot be microseconds is damaged, wherever it lies.
-TEST(Field, ADamagedSubsecondValueIsNoOtherUnit) {
+TEST(Field, ADamagedSubsecondValueDoesNotChangeTheUnit) {
   for (const std::size_t where : {0U, 1U, 60U}) {
     ByteString file = classic(walk(40), Unit::kMicro, Unit::kMicro, Endian::kLittle);
     const std::size_t record = 16 + packet().size();

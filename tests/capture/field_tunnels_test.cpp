@@ -125,7 +125,7 @@ TEST(Field, ATunnelOfAnotherProgramIsCountedOnly) {
   EXPECT_THAT(given.words, IsEmpty());
 }
 
-TEST(Field, FragmentsSayWhatToRaise) {
+TEST(Field, IpFragmentsYieldAdviceOnTheMtu) {
   const ByteString first = ethernet(ipv4({.payload = ByteString(64, 'x'), .fragment = 0x2000}));
   const ByteString second = ethernet(ipv4({.payload = ByteString(30, 'x'), .fragment = 9}));
   const RecordingAnswer given = read_as_file(capture({first, second}));
@@ -133,7 +133,7 @@ TEST(Field, FragmentsSayWhatToRaise) {
   EXPECT_THAT(given.words, ElementsAre(AllOf(HasSubstr("fragments"), HasSubstr("MTU"))));
 }
 
-TEST(Field, ACutCaptureSaysHowMuchItHoldsAndWhatToCapture) {
+TEST(Field, TruncatedCapturesYieldCountsAndAdviceOnCapturing) {
   const ByteString longer = ethernet(ipv4({.payload = ByteString(500, 'x')}));
   const ByteString shorter = ethernet(ipv4({.payload = ByteString(20, 'x')}));
   const RecordingAnswer given = read_as_file(capture({longer, shorter, longer}, 96));

@@ -131,7 +131,7 @@ TEST(FrameDecoder, FramesInPiecesComeBesideIt) {
   EXPECT_THAT(receiver.counters().rejected, ElementsAre(Pair("length_mismatch", 1)));
 }
 
-TEST(FrameDecoder, AnExpectedCoreThatIsNotThereIsSaid) {
+TEST(FrameDecoder, FlagsAMissingExpectedRxChain) {
   const std::vector<DecoderRow> rows = with_whole();
   CsiReceiverOptions options;
   options.expected_cores = {0, 1};
@@ -145,7 +145,7 @@ TEST(FrameDecoder, AnExpectedCoreThatIsNotThereIsSaid) {
   EXPECT_EQ(receiver.counters().partial, 1U);
 }
 
-TEST(FrameDecoder, AFixedFormatTakesNothingElse) {
+TEST(FrameDecoder, AFixedFormatRejectsOtherFormats) {
   const std::vector<DecoderRow> rows = with_whole();
   CsiReceiver whole(of_format("whole"), rows);
   const Recording recording = test::write_axcsi({}, kStart);

@@ -60,7 +60,7 @@ class Synthetic : public ::testing::TestWithParam<SyntheticCase> {
   }
 };
 
-TEST_P(Synthetic, ComesOutAsTheChannelThatWentIn) {
+TEST_P(Synthetic, DecodesToTheSimulatedChannel) {
   const SyntheticCase& c = GetParam();
   const WireFrame wire = make();
   const Recording recording = test::write_axcsi(wire, Timestamp(std::chrono::seconds(1)));
@@ -93,7 +93,7 @@ TEST_P(Synthetic, ComesOutAsTheChannelThatWentIn) {
   }
 }
 
-TEST_P(Synthetic, DelayHasOurSign) {
+TEST_P(Synthetic, DelayHasTheDocumentedSign) {
   // h(f) = exp(-j 2 pi f tau): from tone to tone the phase falls by 2 pi spacing tau.
   const auto frames = receive(test::write_axcsi(make(), Timestamp()));
   ASSERT_EQ(frames.size(), 1U);
@@ -140,7 +140,7 @@ INSTANTIATE_TEST_SUITE_P(
       return std::string(test.param.name);
     });
 
-TEST(FrameNormalizer, HeWithAShortTrainingFieldKeepsWhatWasSounded) {
+TEST(FrameNormalizer, KeepsTheSoundedTonesOfAShortHeTrainingField) {
   for (const int stride : {2, 4}) {
     WireFrame wire;
     wire.phy = WirePhy::kHe;
@@ -208,7 +208,7 @@ TEST(FrameNormalizer, NexmonAndUbilocateComeOutTheSame) {
   }
 }
 
-TEST(FrameNormalizer, LegacyIsToldByItsTonesWhereTheHeaderDoesNot) {
+TEST(FrameNormalizer, RecognisesLegacyFramesByTheirTones) {
   WireFrame wire;
   wire.phy = WirePhy::kLegacy;
   wire.channel_mhz = 80;

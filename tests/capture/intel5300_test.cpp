@@ -247,7 +247,7 @@ TEST(Intel5300, PutsChainsInTheOrderOfTheirAntennas) {
   EXPECT_THAT(Intel5300Decoder().decode(view(record_of(card)))->cores, ElementsAre(0, 2));
 }
 
-TEST(Intel5300, RefusesWhatIsNoRecord) {
+TEST(Intel5300, RefusesInvalidRecords) {
   const Intel5300Decoder decoder;
   const auto refusal = [&](const Bytes& bytes) {
     const auto frame = decoder.decode(view(bytes));
@@ -316,7 +316,7 @@ TEST(Intel5300, CountsOnWhereTheCardsClockOverflows) {
   EXPECT_EQ(read.frames[1].time - read.frames[0].time, std::chrono::microseconds(0x200));
 }
 
-TEST(Intel5300, SaysWhereALogIsDamaged) {
+TEST(Intel5300, ReportsThePositionOfDamageInALog) {
   const Bytes good = logged(record_of({}));
   const Read torn = read_log(good + good.substr(0, 100));
   EXPECT_EQ(torn.frames.size(), 1U);
@@ -339,7 +339,7 @@ TEST(Intel5300, SaysWhereALogIsDamaged) {
   EXPECT_THAT(read_log(five_chains).error, HasSubstr("not a pcap, pcapng or gzip file"));
 }
 
-TEST(Field, APlainLogIsNoClockThatWasNotSet) {
+TEST(Field, AHealthyLogCausesNoClockWarning) {
   Card second;
   second.clock = 5'010'000;
   const Bytes healthy = logged(record_of({})) + logged(record_of(second));
@@ -398,7 +398,7 @@ TEST(Field, OtherNotificationsOfTheCardArePassedOver) {
   EXPECT_EQ(read.source.delivered, 2U);
 }
 
-TEST(Field, ALateRecordAcrossTheOverflowIsNoTurnOfTheCounter) {
+TEST(Field, ALateRecordAcrossTheOverflowDoesNotWrapTheCounterAgain) {
   std::vector<Card> cards(3);
   cards[0].clock = 0xffffff00;
   cards[1].clock = 0x100;

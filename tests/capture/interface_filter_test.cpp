@@ -26,7 +26,7 @@ class Interfaces : public ::testing::Test {
   int look_ups_ = 0;
 };
 
-TEST_F(Interfaces, WithoutANameEveryInterfaceWillDo) {
+TEST_F(Interfaces, WithoutANameEveryInterfaceIsAccepted) {
   InterfaceFilter any = filter("");
   EXPECT_TRUE(any.exists());
   EXPECT_TRUE(any.admits(1));
@@ -34,7 +34,7 @@ TEST_F(Interfaces, WithoutANameEveryInterfaceWillDo) {
   EXPECT_EQ(look_ups_, 0);
 }
 
-TEST_F(Interfaces, OneThatIsMadeAnewIsKnownAgain) {
+TEST_F(Interfaces, ARecreatedInterfaceIsRecognised) {
   InterfaceFilter bridge = filter("br0");
   EXPECT_TRUE(bridge.admits(7));
   EXPECT_FALSE(bridge.admits(1));
@@ -45,7 +45,7 @@ TEST_F(Interfaces, OneThatIsMadeAnewIsKnownAgain) {
   EXPECT_FALSE(bridge.admits(7)) << "the number is nobody's, or another's, by now";
 }
 
-TEST_F(Interfaces, OneThatIsAwayAdmitsNothingUntilItIsBack) {
+TEST_F(Interfaces, AnAbsentInterfaceAdmitsNothingUntilItReturns) {
   InterfaceFilter bridge = filter("br0");
   numbers_.erase("br0");
   now_ += 1s;
@@ -57,7 +57,7 @@ TEST_F(Interfaces, OneThatIsAwayAdmitsNothingUntilItIsBack) {
   EXPECT_TRUE(bridge.admits(12));
 }
 
-TEST_F(Interfaces, AFloodElsewhereCostsOneLookUpASecond) {
+TEST_F(Interfaces, AFloodOnAnotherInterfaceCostsOneQueryASecond) {
   InterfaceFilter bridge = filter("br0");
   for (int i = 0; i < 3000; ++i) {
     EXPECT_FALSE(bridge.admits(1));

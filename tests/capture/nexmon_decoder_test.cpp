@@ -37,7 +37,7 @@ TEST(NexmonDecoder, Version2HasRssiAndOverwrittenWords) {
   EXPECT_EQ(fragment->overwritten_count, 3);
 }
 
-TEST(NexmonDecoder, UnknownChipIsToldByTheBitsItUses) {
+TEST(NexmonDecoder, RecognisesAnUnknownChipByItsBitLayout) {
   test::WireFrame frame;
   const struct {
     test::NexmonChip chip;
@@ -66,7 +66,7 @@ TEST(NexmonDecoder, FourTrailingBytesAreAllowedFiveAreNot) {
             RejectReason::kLengthMismatch);
 }
 
-TEST(NexmonDecoder, NamesWhatIsWrong) {
+TEST(NexmonDecoder, GivesAReasonForEachInvalidDatagram) {
   const auto good = test::write_nexmon({}, test::NexmonChip::k4358, 1, Timestamp()).front().payload;
   const NexmonDecoder decoder(NexmonVersion::kV1);
   EXPECT_EQ(NexmonDecoder(NexmonVersion::kV2).decode(good).error(), RejectReason::kWrongVersion);

@@ -95,7 +95,7 @@ std::vector<Recorded> read_back(const std::string& path, Duration max_disorder =
   return all;
 }
 
-TEST(PcapRecorder, ReadsBackWhatWasWritten) {
+TEST(PcapRecorder, ReadsBackWrittenDatagrams) {
   const TemporaryFile file("roundtrip.pcap");
   const auto all = random_datagrams(1600);
   {

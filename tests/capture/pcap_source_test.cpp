@@ -210,7 +210,7 @@ TEST(PcapFileSource, ReadsEveryLinkLayer) {
   }
 }
 
-TEST(PcapFileSource, RejectsWithAReasonWhatIsNoUdpDatagram) {
+TEST(PcapFileSource, RejectsNonUdpPacketsWithAReason) {
   using Case = std::pair<std::string, ByteString>;
   const ByteString whole = ethernet(udp("payload"));
   const std::vector<Case> cases = {
@@ -239,7 +239,7 @@ TEST(PcapFileSource, RejectsWithAReasonWhatIsNoUdpDatagram) {
 }
 
 // As tcpdump -s 64 writes it.
-TEST(PcapFileSource, RejectsWhatTheSnapshotLengthCut) {
+TEST(PcapFileSource, RejectsPacketsTruncatedByTheSnapshotLength) {
   const ByteString packet = ethernet(udp(ByteString(500, 'x')));
   for (std::size_t captured = 0; captured < packet.size(); ++captured) {
     const Reading reading = read_bytes(pcap_header(Endian::kLittle, false) +

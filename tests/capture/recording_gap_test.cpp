@@ -17,7 +17,7 @@ Timestamp at(std::int64_t microseconds) {
 
 const RecordingGap kGap{120, "no_room", at(1'763'816'400'123'456), at(1'763'816'401'000'007)};
 
-TEST(RecordingGap, IsALineOfTextAndComesBack) {
+TEST(RecordingGap, ReadsBackItsLineOfText) {
   const std::string text = gap_text(kGap);
   EXPECT_EQ(text,
             "rayloc-gap datagrams=120 reason=no_room from=1763816400.123456 to=1763816401.000007");
@@ -28,7 +28,7 @@ TEST(RecordingGap, IsALineOfTextAndComesBack) {
   EXPECT_EQ(recording_gap(gap_mark(unknown_text, at(1))), unknown);
 }
 
-TEST(RecordingGap, IsNothingElse) {
+TEST(RecordingGap, RejectsEverythingButAValidGapMark) {
   const std::string good = gap_text(kGap);
   for (const std::string& text : {std::string(),
                                   std::string("rayloc-gap"),

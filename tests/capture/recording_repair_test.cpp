@@ -109,7 +109,7 @@ TEST_F(RecordingRepairTest, ReadsFilesLongerThanItsBuffer) {
   EXPECT_EQ(test::read_file(path_).substr(0, many.size()), many);
 }
 
-TEST_F(RecordingRepairTest, LeavesAloneWhatSomebodyWrites) {
+TEST_F(RecordingRepairTest, LeavesFilesInUseUnchanged) {
   test::write_file(part_, whole_);
   const int fd = open(part_.c_str(), O_RDONLY | O_CLOEXEC);
   ASSERT_EQ(flock(fd, LOCK_EX), 0);

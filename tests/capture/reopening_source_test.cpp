@@ -89,7 +89,7 @@ class ReopeningSourceTest : public ::testing::Test {
   ReopeningSource::Time now_{};
 };
 
-TEST_F(ReopeningSourceTest, ReportsWhatFailsAtTheFirstOpening) {
+TEST_F(ReopeningSourceTest, ReportsAFailureOfTheFirstOpening) {
   const auto source = ReopeningSource::open(
       []() -> Expected<std::unique_ptr<DatagramSource>> { return tl::make_unexpected(absent()); });
   ASSERT_FALSE(source);
@@ -118,7 +118,7 @@ TEST_F(ReopeningSourceTest, GoesOnWhenItCanBeOpenedAgain) {
   EXPECT_EQ(counters.failures, 1U) << "an attempt to open it is none";
 }
 
-TEST_F(ReopeningSourceTest, TriesLessAndLessOftenUntilItWorksForLong) {
+TEST_F(ReopeningSourceTest, IncreasesTheRetryIntervalUntilItSucceeds) {
   // The first that is opened again lasts for a read only, which is no reason to hurry.
   const auto source =
       open({0, kAbsent, 1, kAbsent, kAbsent, kAbsent, kAbsent, 1000, kAbsent, 1000});

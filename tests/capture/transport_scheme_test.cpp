@@ -121,7 +121,7 @@ std::vector<std::string> read_all(DatagramSource& source) {
 }
 
 // By the functions that raylocd, survey, record, send and rayloc-capture call, next to a file.
-TEST(TransportScheme, ATransportIsOneRow) {
+TEST(TransportScheme, ARowOfTheTableDefinesATransport) {
   const std::vector<TransportScheme> table = with_memory();
   const std::string file = (std::filesystem::temp_directory_path() /
                             ("transport_scheme_test_" + std::to_string(getpid()) + ".pcap"))
@@ -168,7 +168,7 @@ TEST(TransportScheme, TheRowsAreComplete) {
   }
 }
 
-TEST(TransportScheme, PlainFormsStayWhatTheyWere) {
+TEST(TransportScheme, PlainFormsKeepTheirMeaning) {
   struct Case {
     const char* text;
     const char* plain;
@@ -193,7 +193,7 @@ TEST(TransportScheme, PlainFormsStayWhatTheyWere) {
   }
 }
 
-TEST(TransportScheme, AnUnknownOneListsThoseThereAre) {
+TEST(TransportScheme, AnUnknownTransportListsTheKnownOnes) {
   const auto sink = open_datagram_sink(transport_schemes(), "nats:lab", "udp");
   ASSERT_FALSE(sink);
   EXPECT_EQ(sink.error().kind, ErrorKind::kUsage);
@@ -206,7 +206,7 @@ TEST(TransportScheme, AnUnknownOneListsThoseThereAre) {
   EXPECT_THAT(source.error().message, HasSubstr("did you mean 'udp'?"));
 }
 
-TEST(TransportScheme, WhatCannotBeSentIsSaid) {
+TEST(TransportScheme, RefusesToSendToReceiveOnlyTransports) {
   const auto sink = open_datagram_sink(transport_schemes(), "live:eth0");
   ASSERT_FALSE(sink);
   EXPECT_EQ(sink.error().kind, ErrorKind::kUsage);

@@ -20,7 +20,7 @@ RejectReason reason_of(std::vector<std::byte> payload, std::size_t offset, unsig
   return result ? RejectReason::kUnknownFormat : result.error();
 }
 
-TEST(UbilocateDecoder, NamesWhatIsWrong) {
+TEST(UbilocateDecoder, GivesAReasonForEachInvalidDatagram) {
   EXPECT_EQ(reason_of(good(), 0, 0x10), RejectReason::kBadMagic);
   EXPECT_EQ(reason_of(good(), 12, 16), RejectReason::kCoreRange);
   EXPECT_EQ(reason_of(good(), 12, 2), RejectReason::kHeaderMismatch);  // a stream not extracted
@@ -63,7 +63,7 @@ TEST(DecoderRegistry, AnAddressThatBeginsLikeTheMagicNumberIsNoMagicNumber) {
   EXPECT_EQ(fragment->format, "axcsi-v4");
 }
 
-TEST(DecoderRegistry, TellsADamagedDatagramFromSomethingElse) {
+TEST(DecoderRegistry, DistinguishesDamagedDatagramsFromUnknownFormats) {
   auto payload = test::write_axcsi({}, {})[0].payload;
   payload.resize(200);
   EXPECT_EQ(DecoderRegistry("").decode(payload).error(), RejectReason::kLengthMismatch);
@@ -72,7 +72,7 @@ TEST(DecoderRegistry, TellsADamagedDatagramFromSomethingElse) {
   EXPECT_EQ(DecoderRegistry("").decode({}).error(), RejectReason::kTooShort);
 }
 
-TEST(DecoderRegistry, KnowsItsNames) {
+TEST(DecoderRegistry, RecognisesItsFormatNames) {
   EXPECT_EQ(wire_formats().size(), 5U);
   EXPECT_TRUE(is_wire_format("axcsi-v4"));
   EXPECT_FALSE(is_wire_format("axcsi"));

@@ -80,7 +80,7 @@ std::uint64_t rejected(const SourceCounters& counters) {
                          [](auto n, const auto& c) { return n + c.second; });
 }
 
-TEST(UdpSource, DeliversWhatArrivesInOrderWithAddressesAndMicroseconds) {
+TEST(UdpSource, DeliversDatagramsInOrderWithAddressesAndMicroseconds) {
   const auto source = open_source();
   const Sender sender(source->port());
   const Timestamp before = now();
@@ -139,7 +139,7 @@ TEST(UdpSource, RejectsOversizedDatagrams) {
   EXPECT_EQ(counters.received, counters.delivered + rejected(counters));
 }
 
-TEST(UdpSource, AcceptsOneInterfaceOnlyWhenTold) {
+TEST(UdpSource, AcceptsDatagramsOfTheConfiguredInterface) {
   const auto source = open_source({.interface = "lo"});
   const Sender sender(source->port());
   sender.send("over lo");
@@ -148,7 +148,7 @@ TEST(UdpSource, AcceptsOneInterfaceOnlyWhenTold) {
   EXPECT_EQ(batch.datagrams.size(), 1U);
 }
 
-TEST(UdpSource, RejectsWhatArrivesOnAnotherInterface) {
+TEST(UdpSource, RejectsDatagramsOfAnotherInterface) {
   const unsigned other = if_nametoindex("lo") == 1 ? 2 : 1;
   std::array<char, IF_NAMESIZE> name{};
   if (if_indextoname(other, name.data()) == nullptr) {
@@ -165,7 +165,7 @@ TEST(UdpSource, RejectsWhatArrivesOnAnotherInterface) {
   EXPECT_EQ(counters.rejected.at("interface_not_allowed"), 1U);
 }
 
-TEST(UdpSource, RejectsWhoIsNotAllowed) {
+TEST(UdpSource, RejectsSendersThatAreNotAllowed) {
   const auto source = open_source(
       {.senders = {*AddressRange::parse("127.0.0.2"), *AddressRange::parse("127.0.1.0/24")}});
   const Sender stranger(source->port());
@@ -239,7 +239,7 @@ int bound_socket(std::uint16_t& port) {
 }
 
 // The socket outlives the daemons that read it, and the kernel counts from its beginning.
-TEST(UdpSource, DoesNotCountWhatAnAdoptedSocketLostBefore) {
+TEST(UdpSource, DoesNotCountEarlierLossesOfAnAdoptedSocket) {
   std::uint16_t port = 0;
   const int fd = bound_socket(port);
   const int smallest = 1;
@@ -321,7 +321,7 @@ TEST(Field, AnIpv6AddressOfAUdpEndpointIsNamedAsSuch) {
   EXPECT_EQ(to_string(*parse_udp_address("localhost:5500")), "127.0.0.1:5500");
 }
 
-TEST(UdpAddress, SaysWhatIsWrong) {
+TEST(UdpAddress, ReportsInvalidAddresses) {
   for (const char* text : {"",
                            "5500",
                            "127.0.0.1",

@@ -84,7 +84,7 @@ class UnixSourceTest : public ::testing::Test {
   std::string folder_;
 };
 
-TEST_F(UnixSourceTest, DeliversWhatWasCapturedAsItWas) {
+TEST_F(UnixSourceTest, DeliversCapturedDatagramsUnchanged) {
   const auto source = open();
   const auto relay = sender();
   EXPECT_TRUE(relay->write(batch_of({"one", "", "three"}, 0ms)));
@@ -105,7 +105,7 @@ TEST_F(UnixSourceTest, DeliversWhatWasCapturedAsItWas) {
   EXPECT_EQ(relay->counters().delivered, 3U);
 }
 
-TEST_F(UnixSourceTest, CountsWhatTheSenderCouldNotDeliver) {
+TEST_F(UnixSourceTest, CountsDatagramsTheSenderCouldNotDeliver) {
   auto source = open();
   const auto relay = sender();
   DatagramBatch batch;
@@ -127,7 +127,7 @@ TEST_F(UnixSourceTest, CountsWhatTheSenderCouldNotDeliver) {
   EXPECT_EQ(source->counters().delivered + source->counters().kernel_drops, 5001U);
 }
 
-TEST_F(UnixSourceTest, CountsWhatWasLostWhileItWasAwayAndWhatTheSenderRefused) {
+TEST_F(UnixSourceTest, CountsLossesWhileAbsentAndRejectionsOfTheSender) {
   const auto relay = sender();
   EXPECT_TRUE(relay->write(batch_of({"nobody there"}, 0ms)));
   EXPECT_EQ(relay->counters().lost_by.at("not_there"), 1U);
@@ -178,7 +178,7 @@ TEST_F(UnixSourceTest, FollowsTheClockWhereThereIsNoSender) {
   EXPECT_GT(batch.watermark, now - 1h);
 }
 
-TEST_F(UnixSourceTest, RefusesWhatIsNotOfASender) {
+TEST_F(UnixSourceTest, RejectsDatagramsThatAreNotRelayed) {
   const auto source = open();
   send_raw("RLC1 and nothing more");
   send_raw(std::string(100, 'x'));
@@ -194,7 +194,7 @@ TEST_F(UnixSourceTest, RefusesWhatIsNotOfASender) {
   EXPECT_EQ(source->counters().received, 4U);
 }
 
-TEST_F(UnixSourceTest, HearsItsOwnUserAndRootOnly) {
+TEST_F(UnixSourceTest, AcceptsOnlyItsOwnUserAndRoot) {
   if (geteuid() != 0) {
     GTEST_SKIP() << "only root can become somebody else";
   }
@@ -214,7 +214,7 @@ TEST_F(UnixSourceTest, HearsItsOwnUserAndRootOnly) {
   EXPECT_THAT(source->counters().rejected, ElementsAre(Pair("stranger", 1U)));
 }
 
-TEST_F(UnixSourceTest, ReplacesASocketThatNobodyReadsAndNoOther) {
+TEST_F(UnixSourceTest, ReplacesOnlyUnusedSockets) {
   {
     const auto first = open();
     const auto second = UnixSource::open({.path = path()});

@@ -143,7 +143,7 @@ TEST(CaptureNode, EveryDatagramIsInTheStreamOrInAMarkAndAllAreRecorded) {
   EXPECT_EQ(recorded.numbers.size(), first.sent() + second.sent());
 }
 
-TEST(CaptureNode, ARoleWithoutServersIsRefusedInWords) {
+TEST(CaptureNode, ARoleWithoutServersIsRefusedWithAMessage) {
   const TemporaryFolder folder;
   LiveDaemon daemon(folder.path(),
                     {.site = e2e::bundled(""),

@@ -146,7 +146,7 @@ class HotFaults : public Faults {
   std::uint64_t differing_ = 0;
 };
 
-TEST_F(Faults, LoseNothingButWhatMarksStandForAndSayNothingTwice) {
+TEST_F(Faults, LoseOnlyMarkedDatagramsAndRepeatNoOutput) {
   std::map<std::string, double> longest;
   for (std::size_t i = 0; i < faults(); ++i) {
     const std::vector<Fault> now = nth(i);
@@ -180,7 +180,7 @@ TEST_F(Faults, LoseNothingButWhatMarksStandForAndSayNothingTwice) {
 }
 
 // The hot standby takes over at once. RAYLOC_CLUSTER_FAULTS: number of owners that are killed.
-TEST_F(HotFaults, OfTheOwnerAreOverAtOnce) {
+TEST_F(HotFaults, EndAtOnceForAKilledOwner) {
   std::vector<double> resumed;
   std::vector<double> whole;
   for (std::size_t i = 0; i < faults(); ++i) {
@@ -225,7 +225,7 @@ TEST_F(HotFaults, OfTheOwnerAreOverAtOnce) {
 
 // No other worker has prepared the room or holds its state: the worker reads the room from its
 // cache and some seconds of datagrams again.
-TEST_F(Faults, OfTheOnlyWorkerAreOverWhenItIsBegunAgain) {
+TEST_F(Faults, EndWhenTheOnlyWorkerRestarts) {
   const std::string only = owner();
   EXPECT_EQ(machines_.at(only == "w1" ? "w2" : "w1")->end(SIGTERM), 0);
   std::vector<double> seconds;

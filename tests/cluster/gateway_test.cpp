@@ -74,7 +74,7 @@ std::vector<int> seconds(const LiveDaemon& daemon, const std::string& site) {
   return all;
 }
 
-TEST(Gateway, SaysWhatOwnersSayOnceAndNothingOfThoseThatWereReplaced) {
+TEST(Gateway, PublishesEachResultOfCurrentOwnersOnce) {
   RAYLOC_NEEDS_NATS_SERVER();
   const TemporaryFolder folder;
   NatsServer server(folder.path());
@@ -155,7 +155,7 @@ struct Owner {
   std::unique_ptr<OwnerLog> log;
 };
 
-TEST(Gateway, SaysWhatOwnersSayAfterTheBrokerHasLostItsStore) {
+TEST(Gateway, PublishesResultsAfterTheBrokerLostItsStore) {
   RAYLOC_NEEDS_NATS_SERVER();
   const TemporaryFolder folder;
   NatsServer server(folder.path());

@@ -143,7 +143,7 @@ TEST_F(RealBroker, ConnectsAgainWhereItWasRefused) {
       kPatience, [&] { return broker->publish("some.word", "let in") && inbox.size() > 0; }));
 }
 
-TEST_F(RealBroker, StreamsStoreOnceTellAgainAndAnswerBySequence) {
+TEST_F(RealBroker, StreamsStoreOnceReplayAndAnswerBySequence) {
   RAYLOC_NEEDS_NATS_SERVER();
   ASSERT_TRUE(server_->start());
   const std::shared_ptr<Broker> broker = connect();
@@ -197,7 +197,7 @@ TEST_F(RealBroker, StreamsStoreOnceTellAgainAndAnswerBySequence) {
   subscription->reset();
 }
 
-TEST_F(RealBroker, OnlyWhoKnowsTheLastMessagePublishesBehindIt) {
+TEST_F(RealBroker, PublishesOnlyBehindTheLastMessage) {
   RAYLOC_NEEDS_NATS_SERVER();
   ASSERT_TRUE(server_->start());
   const std::shared_ptr<Broker> broker = connect();

@@ -196,7 +196,7 @@ TEST_F(Secured, EachForbiddenThingIsRefused) {
   expect_no_subscription(*gateway, "rayloc.v1.live.hall.>");
 }
 
-TEST_F(Secured, NobodyIsLetInWithoutAKeyOrByAnotherAuthority) {
+TEST_F(Secured, RefusesClientsWithoutAKeyOrOfAnotherAuthority) {
   BrokerOptions anonymous = options_of("w1");
   anonymous.nkey_seed_file.clear();
   const auto unnamed = *open_broker(anonymous);
@@ -223,7 +223,7 @@ TEST_F(Secured, NobodyIsLetInWithoutAKeyOrByAnotherAuthority) {
   EXPECT_THAT(open_broker(other).error().message, HasSubstr("rayloc keygen --nkey"));
 }
 
-TEST_F(Secured, EachRoleHasWhatItNeeds) {
+TEST_F(Secured, EachRoleHasItsRequiredPermissions) {
   site_ = e2e::calibrated_site(folder_.path());
   const auto operators = connected("operator");
   LiveDaemon worker(made("worker"), machine("worker", "w1"));
@@ -301,7 +301,7 @@ TEST_F(Secured, EachRoleHasWhatItNeeds) {
 }
 
 // The package raylocd-cluster is not installed, or was not built.
-TEST(WithoutTheModule, ARoleIsRefusedInWords) {
+TEST(WithoutTheModule, ARoleIsRefusedWithAMessage) {
   const TemporaryFolder folder;
   fs::create_directories(folder.path() / "bin");
   const fs::path program = folder.path() / "bin" / "rayloc";

@@ -107,7 +107,7 @@ class HotStandby : public ::testing::Test {
   std::unique_ptr<Broker::Subscription> states_;
 };
 
-TEST_F(HotStandby, ComputesWhatTheOwnerSaysAndGoesOnAtOnce) {
+TEST_F(HotStandby, ComputesTheOwnersResultsAndTakesOverAtOnce) {
   std::map<std::string, std::unique_ptr<LiveDaemon>> workers;
   for (const std::string name : {"w1", "w2"}) {
     workers[name] = begun("worker", name, true);
@@ -172,7 +172,7 @@ TEST_F(HotStandby, ComputesWhatTheOwnerSaysAndGoesOnAtOnce) {
 }
 
 // The owner publishes a location that no worker can compute.
-TEST_F(HotStandby, TellsOfAnOwnerThatSaysSomethingElse) {
+TEST_F(HotStandby, ReportsAnOwnerThatPublishesOtherResults) {
   const auto node = begun("capture", "node", false);
   ASSERT_TRUE(node->ready()) << node->errors();
   ClaimKeeper::Options claiming;

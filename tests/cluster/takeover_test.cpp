@@ -193,7 +193,7 @@ class TakeOver : public ::testing::Test {
   std::unique_ptr<e2e::Process> sender_;
 };
 
-TEST_F(TakeOver, OfAWorkerThatIsKilled) {
+TEST_F(TakeOver, FollowsAKilledWorker) {
   const std::string gone = owner_of("a");
   const auto before = sites_of(gone);
   workers_.at(gone)->signal(SIGKILL);
@@ -227,7 +227,7 @@ TEST_F(TakeOver, OfAWorkerThatIsKilled) {
   EXPECT_THAT(rayloc_cluster({"sites"}).text, HasSubstr("a: no worker has it"));
 }
 
-TEST_F(TakeOver, OfAWorkerThatSleepsAndIsRefusedWhenItWakes) {
+TEST_F(TakeOver, RefusesASuspendedWorkerAfterItResumes) {
   const std::string asleep = owner_of("a");
   const auto before = sites_of(asleep);
   workers_.at(asleep)->signal(SIGSTOP);
@@ -246,7 +246,7 @@ TEST_F(TakeOver, OfAWorkerThatSleepsAndIsRefusedWhenItWakes) {
   EXPECT_FALSE(stale->is_last);
 }
 
-TEST_F(TakeOver, OfAWorkerThatIsAskedToLeave) {
+TEST_F(TakeOver, FollowsARequestToLeave) {
   const std::string leaving = owner_of("a");
   const auto before = sites_of(leaving);
   const Outcome status = rayloc_cluster({"status"});

@@ -80,7 +80,7 @@ std::int64_t done_us(Broker& broker) {
   return message && *message && unseal((*message)->data, record) ? record.output().done_us() : 0;
 }
 
-TEST(Worker, PublishesTheFramesThatItsCaptureNodeHears) {
+TEST(Worker, PublishesTheFramesOfItsCaptureNode) {
   RAYLOC_NEEDS_NATS_SERVER();
   const TemporaryFolder folder;
   NatsServer server(folder.path());
@@ -112,7 +112,7 @@ TEST(Worker, PublishesTheFramesThatItsCaptureNodeHears) {
   EXPECT_EQ(of_worker.frames(), of_node.frames());
 }
 
-TEST(Worker, ThatComesLateReadsWhatTheStreamStillHas) {
+TEST(Worker, ReadsTheRemainingStreamAfterALateStart) {
   RAYLOC_NEEDS_NATS_SERVER();
   const TemporaryFolder folder;
   NatsServer server(folder.path());

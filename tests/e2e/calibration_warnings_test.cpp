@@ -81,7 +81,7 @@ std::string warnings_of(const nlohmann::json& heartbeat) {
   return heartbeat.value("calibration_warnings", nlohmann::json::array()).dump();
 }
 
-TEST_F(CalibrationWarnings, OfANewPowerCycleReachJournalHeartbeatAndLocations) {
+TEST_F(CalibrationWarnings, ReachJournalHeartbeatAndLocationsAfterAPowerCycle) {
   simulate("same", kPlug, true);
   simulate("other", kPlug, false);
   simulate("device", "", false);

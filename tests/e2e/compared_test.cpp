@@ -108,7 +108,7 @@ std::vector<std::string> sorted(const std::vector<json>& locations) {
   return texts;
 }
 
-TEST_F(Compared, BothLocateTheDeviceAndTheFirstStatesWhatItStatesAlone) {
+TEST_F(Compared, BothLocateTheDeviceAndTheFirstIsUnchanged) {
   const std::filesystem::path site = calibrated_site(folder());
   const std::filesystem::path recordings = folder() / "recordings";
   std::filesystem::create_directory(recordings);

@@ -35,7 +35,7 @@ std::vector<std::string> keys_of(const std::filesystem::path& folder, const std:
   return {"--server-key", (folder / "server.public").string(), "--key", (folder / name).string()};
 }
 
-TEST(Curve, OnlyListedClientsReadWhatIsPublished) {
+TEST(Curve, OnlyListedClientsReceiveMessages) {
   const TemporaryFolder folder;
   make_keys(folder.path(), "server");
   std::filesystem::copy_file(folder.path() / "server", folder.path() / "curve.secret");

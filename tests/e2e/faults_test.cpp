@@ -338,7 +338,7 @@ Subscriber one_of_many(const LiveDaemon& daemon, const std::string& name) {
   return std::move(*subscriber);
 }
 
-TEST(Faults, AFloodOfSubscribersIsCountedAndCostsNobodyAMessage) {
+TEST(Faults, AFloodOfSubscribersIsCountedAndLosesNoMessage) {
   constexpr std::size_t kHeld = 100;
   constexpr std::size_t kStrangers = 4;
   const TemporaryFolder folder;

@@ -70,7 +70,7 @@ TEST(Field, RaylocdCutsOffMessagesWithoutAnEndAndKeepsItsMemory) {
   EXPECT_THAT(daemon.errors(), Not(HasSubstr("lost"))) << "the one who stayed";
 }
 
-TEST(Field, RaylocdSaysOnceThatRequestsAreNone) {
+TEST(Field, RaylocdReportsInvalidRequestsOnce) {
   constexpr std::uint64_t kRequests = 2000;
   const TemporaryFolder folder;
   LiveDaemon daemon(folder.path(), receiving_only());

@@ -79,13 +79,13 @@ void expect_to_go_on(LiveDaemon& daemon,
   EXPECT_THAT(daemon.errors(), Not(HasSubstr("lost"))) << "the one who was there before";
 }
 
-TEST(Handshakes, ThatAreNoneCostNobodyAMessage) {
+TEST(Handshakes, InvalidOnesLoseNoMessage) {
   const TemporaryFolder folder;
   LiveDaemon daemon(folder.path(), {.site = bundled(""), .access_points = {"ap2"}});
   expect_to_go_on(daemon, folder.path(), {});
 }
 
-TEST(Handshakes, NorDoTheyWhereKeysAreAskedFor) {
+TEST(Handshakes, InvalidOnesLoseNoMessageWithCurve) {
   const TemporaryFolder folder;
   for (const std::string name : {"curve.secret", "client"}) {
     Process keygen(folder.path(), "keygen", "rayloc", {"keygen", (folder.path() / name).string()});

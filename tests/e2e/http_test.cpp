@@ -25,7 +25,7 @@ nlohmann::json json_at(const LiveDaemon& daemon, const std::string& path) {
   return nlohmann::json::parse(http_body(http_get(daemon.http_port(), path)));
 }
 
-TEST(Http, TellsStateMetricsAndReasons) {
+TEST(Http, ServesStateMetricsAndReasons) {
   const TemporaryFolder folder;
   LiveDaemon daemon(folder.path(), {.site = bundled(""), .access_points = {"ap2"}});
   ASSERT_TRUE(daemon.ready()) << daemon.errors();
@@ -142,7 +142,7 @@ std::string run_verb(const std::filesystem::path& folder, const std::vector<std:
   return read_text(process.out()) + process.errors();
 }
 
-TEST(Field, ASiteThatCannotLocateSaysSoEverywhere) {
+TEST(Field, ASiteThatCannotLocateIsReportedEverywhere) {
   const std::string cannot =
       "nothing can be located: the access points in use are not calibrated (ap2)";
   const std::string no_people = "people are not looked for";
@@ -175,7 +175,7 @@ TEST(Field, ASiteThatCannotLocateSaysSoEverywhere) {
 }
 
 // A daemon that was stopped finds more bursts of one device than it has places for.
-TEST(Field, OverloadIsSaidEverywhere) {
+TEST(Field, OverloadIsReportedEverywhere) {
   const std::string overload = "more bursts come than this machine can explain";
   const TemporaryFolder folder;
   LiveDaemon daemon(folder.path(),
@@ -207,7 +207,7 @@ TEST(Field, OverloadIsSaidEverywhere) {
   EXPECT_EQ(daemon.stop(), 0) << daemon.errors();
 }
 
-TEST(Field, TheLogSaysReadyWhenTheStatusDoes) {
+TEST(Field, LogAndStatusAgreeOnReadiness) {
   const TemporaryFolder folder;
   LiveDaemon daemon(folder.path(),
                     {.site = bundled(""),
@@ -239,7 +239,7 @@ TEST(Field, TheLogSaysReadyWhenTheStatusDoes) {
   EXPECT_EQ(daemon.stop(), 0) << daemon.errors();
 }
 
-TEST(Field, TheStatusOfARecordingDoesNotSayThatNothingCame) {
+TEST(Field, TheStatusOfARecordingReportsNoMissingDatagrams) {
   const TemporaryFolder folder;
   LiveDaemon daemon(
       folder.path(),
@@ -258,7 +258,7 @@ TEST(Field, TheStatusOfARecordingDoesNotSayThatNothingCame) {
 }
 
 // The daemon waits for a writer of a pipe, with its publishing port bound.
-TEST(Field, TheDoctorBesideADaemonThatIsStartingBlamesNobody) {
+TEST(Field, TheDoctorReportsNoProblemBesideAStartingDaemon) {
   const TemporaryFolder folder;
   const std::filesystem::path pipe = folder.path() / "pipe";
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
@@ -281,7 +281,7 @@ TEST(Field, TheDoctorBesideADaemonThatIsStartingBlamesNobody) {
   EXPECT_EQ(doctor.find("problem"), std::string::npos) << doctor;
 }
 
-TEST(Http, TheDoctorAsksWhereTheConfigurationSaysAndWithItsToken) {
+TEST(Http, TheDoctorUsesTheConfiguredAddressAndToken) {
   const TemporaryFolder folder;
   const std::filesystem::path token = folder.path() / "token";
   std::ofstream(token) << "0123456789abcdef\n";

@@ -68,7 +68,7 @@ std::uint64_t read_datagrams(const std::filesystem::path& folder, const std::str
   return count;
 }
 
-TEST(LifeCycle, SaysReadyOnceEverythingRunsAndStoppingAtTheEnd) {
+TEST(LifeCycle, ReportsReadyOnceRunningAndStoppingAtTheEnd) {
   const TemporaryFolder folder;
   NotifySocket manager(folder.path());
   LiveDaemon daemon(folder.path(), one_access_point({manager.variable()}));
@@ -108,7 +108,7 @@ TEST(LifeCycle, ASignalEndsItWhileItIsStillStarting) {
   }
 }
 
-TEST(LifeCycle, NamesTheStageThatIsStuckAndStarvesTheWatchdog) {
+TEST(LifeCycle, ABlockedStageIsNamedAndStopsTheWatchdogSignal) {
   const TemporaryFolder folder;
   NotifySocket manager(folder.path());
   LiveDaemon daemon(
@@ -177,7 +177,7 @@ TEST(LifeCycle, ASecondSignalEndsItAtOnceAndNoneWaitsForADeadDisk) {
   }
 }
 
-TEST(LifeCycle, AReloadAppliesWhatItMayNamesTheRestAndRefusesABrokenFile) {
+TEST(LifeCycle, AReloadAppliesValidChangesAndRefusesABrokenFile) {
   const TemporaryFolder folder;
   NotifySocket manager(folder.path());
   LiveDaemon daemon(folder.path(), one_access_point({manager.variable()}, "heartbeat_s = 3\n"));
@@ -249,7 +249,7 @@ int bound_socket(int type, std::uint16_t port, in_addr_t host = INADDR_LOOPBACK)
 }
 
 // A socket that systemd binds obeys the same rule as a configured address.
-TEST(LifeCycle, RefusesPassedSocketsThatOthersReachAndNobodyGuards) {
+TEST(LifeCycle, RefusesUnguardedSocketsThatOthersCanReach) {
   for (const std::string name : {"publish", "snapshot", "http"}) {
     const TemporaryFolder folder;
     const int fd = bound_socket(SOCK_STREAM, free_port(SOCK_STREAM), INADDR_ANY);

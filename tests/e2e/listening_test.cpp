@@ -93,7 +93,7 @@ TEST(Listening, NothingListensBeyondLoopbackButTheSources) {
 
 // In a network of its own, where the default ports are free and an interface besides loopback is
 // up, at which something could listen.
-TEST(Listening, NothingListensBeyondLoopbackUnlessTheConfigurationSaysSo) {
+TEST(Listening, NothingListensBeyondLoopbackByDefault) {
   const std::string network =
       "ip link set lo up && ip link add eth7 type veth peer name eth8 && "
       "ip addr add 10.9.8.1/24 dev eth7 && ip link set eth7 up";

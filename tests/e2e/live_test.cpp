@@ -123,7 +123,7 @@ std::uint64_t clock_steps(const LiveDaemon& daemon) {
       daemon.bodies("heartbeat").back().at("sources").at(0).at("counters").at("clock_steps"));
 }
 
-TEST(Live, TellsTheLivesOfTracksAndAccountsForEveryMoment) {
+TEST(Live, PublishesTrackStatesAndCountsEveryMoment) {
   const TemporaryFolder folder;
   ShiftedClock clock(folder.path());
   LiveDaemon daemon(
@@ -181,7 +181,7 @@ TEST(Live, TellsTheLivesOfTracksAndAccountsForEveryMoment) {
   EXPECT_GE(number(estimation.at("filtered")), number(tracker.at("used")));
 }
 
-TEST(Live, ReplayOfWhatItRecordedGivesTheSameMessages) {
+TEST(Live, ReplayOfItsRecordingGivesTheSameMessages) {
   const TemporaryFolder folder;
   const std::filesystem::path recordings = folder.path() / "recordings";
   std::filesystem::create_directory(recordings);

@@ -265,7 +265,7 @@ TEST(ManySites, AnExchangeLosesNoDatagram) {
 }
 
 // A reload adds a site with wrong files: the daemon is not ready and reports the site.
-TEST(ManySites, OneThatNeverBeganIsNotReady) {
+TEST(ManySites, ASiteThatFailedToStartIsNotReady) {
   const TemporaryFolder folder;
   const std::filesystem::path lab = copy_of_bundled(folder.path(), "lab");
   const std::string good = read_text(lab / "site.toml");

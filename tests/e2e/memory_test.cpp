@@ -362,7 +362,7 @@ double least_kib_until(const LiveDaemon& daemon, double bound_kib) {
   return least;
 }
 
-TEST(Endurance, MemoryOfABacklogGoesBack) {
+TEST(Endurance, MemoryOfABacklogIsReleased) {
   if (slower() > 1) {
     GTEST_SKIP() << "a sanitizer has an allocator of its own";
   }

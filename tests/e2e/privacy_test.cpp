@@ -132,7 +132,7 @@ TEST(Privacy, NoAddressLeavesTheDaemonWhenItIsHashed) {
 }
 
 // The same without, so that the one above looks in the right places.
-TEST(Privacy, ItIsEverywhereOtherwise) {
+TEST(Privacy, AddressesAppearEverywhereWithoutHashing) {
   const TemporaryFolder folder;
   EXPECT_THAT(places_of_the_address(outputs_of(folder.path(), "")),
               ::testing::IsSupersetOf({"http /api/v1/targets",

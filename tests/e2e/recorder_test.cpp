@@ -159,7 +159,7 @@ bool send_until(NumberedSender& sender, Condition enough) {
   });
 }
 
-TEST(Recorder, SurvivesAFullDiskAndSaysWhatIsMissing) {
+TEST(Recorder, SurvivesAFullDiskAndMarksTheGap) {
   const TemporaryFolder folder;
   const std::filesystem::path disk = folder.path() / "disk";
   const SmallDisk small(disk, "4m");
@@ -266,7 +266,7 @@ TEST(Field, ADiskThatIsReadOnlyAtTheStartStopsNoDaemon) {
       daemon, folder.path(), "cannot be recorded to: Read-only file system", [&] { remount(0); });
 }
 
-TEST(Recorder, StopsAtTheStatedRoomAndGoesOnWhenThereIsSome) {
+TEST(Recorder, StopsAtMinimumFreeSpaceAndResumes) {
   const TemporaryFolder folder;
   const std::filesystem::path disk = folder.path() / "disk";
   const SmallDisk small(disk, "16m");
@@ -322,7 +322,7 @@ TEST(Recorder, RotatesAndAReloadChangesHow) {
   EXPECT_EQ(all.gap_marks, 0U);
 }
 
-TEST(Recorder, WritesWhatCameLatelyWhenAsked) {
+TEST(Recorder, WritesRecentDatagramsOnRequest) {
   const TemporaryFolder folder;
   const std::filesystem::path snapshots = folder.path() / "snapshots";
   LiveDaemonOptions options = recording_to("");

@@ -100,7 +100,7 @@ TEST(Sandbox, APassedSocketHasItsInterfaceFromItsUnit) {
   close(fd);
 }
 
-TEST(Sandbox, ASmallReceiveBufferIsSaid) {
+TEST(Sandbox, ASmallReceiveBufferIsReported) {
   std::uint64_t limit = 0;
   std::ifstream("/proc/sys/net/core/rmem_max") >> limit;
   constexpr std::uint64_t kWanted = 8U << 20U;
@@ -131,7 +131,7 @@ bool works_there(const std::filesystem::path& folder, const std::string& command
   return std::system((line + command + " >/dev/null 2>&1").c_str()) == 0;
 }
 
-TEST(Sandbox, TheFiltersOfTheTestsRefuseWhatTheUnitDoes) {
+TEST(Sandbox, TheTestFiltersRefuseTheSameCallsAsTheUnit) {
   if (!has_filters()) {
     GTEST_SKIP() << "this build has no filters of system calls";
   }

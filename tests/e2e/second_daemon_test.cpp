@@ -116,7 +116,7 @@ class SecondDaemon : public ::testing::Test {
   std::unique_ptr<Process> first_;
 };
 
-TEST_F(SecondDaemon, OnAPortSaysSoAndTheFirstGoesOn) {
+TEST_F(SecondDaemon, OnAUsedPortIsRefusedAndTheFirstContinues) {
   const Places places = free_places();
   ASSERT_NO_FATAL_FAILURE(start(places));
   expect_each_to_be_refused(folder_.path(), places);
@@ -154,7 +154,7 @@ TEST(Field, ASecondDaemonOnATakenPortEndsBeforeItPreparesTheRoom) {
 }
 
 // A path can be bound again once it is removed, and who does that takes it away unseen.
-TEST_F(SecondDaemon, OnAPathSaysSoAndTheFirstKeepsIt) {
+TEST_F(SecondDaemon, OnAUsedPathIsRefusedAndTheFirstKeepsIt) {
   const auto path = [this](const char* name) { return (folder_.path() / name).string(); };
   Places places = free_places();
   places.source = "unix " + path("csi");

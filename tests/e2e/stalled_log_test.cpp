@@ -25,7 +25,7 @@ double log_dropped(const LiveDaemon& daemon) {
   return at == std::string::npos ? -1.0 : std::stod(metrics.substr(at + name.size()));
 }
 
-TEST(StalledLog, StopsNeitherTheWatchdogNorAnybodyElse) {
+TEST(StalledLog, StopsNeitherTheWatchdogNorOtherThreads) {
   const TemporaryFolder folder;
   NotifySocket manager(folder.path());
   const std::string pipe = (folder.path() / "log").string();

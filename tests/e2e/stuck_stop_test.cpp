@@ -52,7 +52,7 @@ class Held {
   bool holds_ = false;
 };
 
-TEST(StuckStop, TheOthersFinishAndTheGuiltyOneIsNamed) {
+TEST(StuckStop, OtherStepsFinishAndTheBlockedOneIsNamed) {
   const TemporaryFolder folder;
   const std::filesystem::path recordings = folder.path() / "rec";
   LiveDaemon daemon(folder.path(),

@@ -86,7 +86,7 @@ Replayed replay(const std::filesystem::path& folder,
   return replayed;
 }
 
-TEST(Zones, OfAReplayedWalkAreEnteredAndLeftWhenItsTruthSaysSo) {
+TEST(Zones, MatchTheTruthOfAReplayedWalk) {
   const TemporaryFolder folder;
   const std::filesystem::path site = site_with_zone(folder.path());
   const Replayed replayed = replay(folder.path(), site, "2");
@@ -133,7 +133,7 @@ TEST(Zones, OfAReplayedWalkAreEnteredAndLeftWhenItsTruthSaysSo) {
   EXPECT_EQ(replay(folder.path(), site, "1").events, replayed.events);
 }
 
-TEST(Zones, ArePublishedAndToldToThoseWhoComeLate) {
+TEST(Zones, ArePublishedAndSentToLateSubscribers) {
   const TemporaryFolder folder;
   LiveDaemon daemon(folder.path(), {.site = site_with_zone(folder.path())});
   ASSERT_TRUE(daemon.ready()) << daemon.errors();

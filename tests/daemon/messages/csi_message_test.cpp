@@ -33,7 +33,7 @@ CsiFrame frame_of_two_cores() {
   return frame;
 }
 
-TEST(CsiMessage, SaysEverythingOfTheFrame) {
+TEST(CsiMessage, ContainsEveryFieldOfTheFrame) {
   const v1::CsiFrame message = csi_message(frame_of_two_cores(), "ap1", "somebody");
   EXPECT_EQ(message.time().seconds(), 1718000000);
   EXPECT_EQ(message.time().nanos(), 5);

@@ -14,7 +14,7 @@ v1::Envelope numbered(std::uint64_t epoch, std::uint64_t sequence) {
   return envelope;
 }
 
-TEST(GapDetector, CountsWhatASequenceSkips) {
+TEST(GapDetector, CountsSkippedSequenceNumbers) {
   GapDetector detector;
   EXPECT_TRUE(detector.add("a/", numbered(1, 40)).empty());  // a late subscriber
   EXPECT_TRUE(detector.add("b/", numbered(1, 7)).empty());
@@ -74,7 +74,7 @@ TEST(GapDetector, AGoodbyeShowsLossOnSilentTopics) {
   EXPECT_EQ(gaps[0].lost, 3U);
 }
 
-TEST(GapDetector, ForgetsTheTopicHeardLongestAgo) {
+TEST(GapDetector, ForgetsTheLeastRecentTopic) {
   GapDetector detector(2);
   detector.add("a/", numbered(1, 1));
   detector.add("b/", numbered(1, 1));

@@ -43,7 +43,7 @@ TEST(Geodetic, FollowsTheRadiiOfCurvature) {
   }
 }
 
-TEST(Geodetic, TurnsTheSiteAnticlockwiseFromEast) {
+TEST(Geodetic, RotatesTheSiteAnticlockwiseFromEast) {
   const v1::Georeference site = site_at(50.0, 8.0, 0.0, 90.0);  // +x looks north
   const GeodeticPoint north = to_geodetic(site, {100.0, 0.0, 0.0});
   EXPECT_NEAR(north.longitude, 8.0, 1e-9);
@@ -54,7 +54,7 @@ TEST(Geodetic, TurnsTheSiteAnticlockwiseFromEast) {
   EXPECT_NEAR(course_deg(site_at(50.0, 8.0, 0.0, 0.0), 1.0, 0.0), 90.0, 1e-9);
 }
 
-TEST(Geodetic, KnowsThePolesAndTheDateLine) {
+TEST(Geodetic, HandlesThePolesAndTheDateLine) {
   const GeodeticPoint pole = to_geodetic(site_at(90.0, 0.0, 0.0, 0.0), {0.0, 0.0, 2.0});
   EXPECT_NEAR(pole.latitude, 90.0, 1e-9);
   EXPECT_NEAR(pole.altitude, 2.0, 1e-6);

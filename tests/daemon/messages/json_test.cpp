@@ -39,7 +39,7 @@ TEST(Json, NumbersSurviveTheRoundTrip) {
   EXPECT_EQ(back.z(), point.z());
 }
 
-TEST(Json, SaysWhatIsWrongAndIgnoresWhatIsNew) {
+TEST(Json, RefusesInvalidTextAndIgnoresUnknownFields) {
   v1::Point point;
   EXPECT_TRUE(from_json(R"({"x":1,"from_the_future":[1,2]})", point));
   EXPECT_EQ(point.x(), 1.0);
@@ -66,7 +66,7 @@ TEST(ProtoTime, KeepsEveryNanosecond) {
   EXPECT_EQ(to_proto(Duration(-1500ms)).nanos(), -500'000'000);
 }
 
-TEST(ProtoTime, BoundsWhatOthersSend) {
+TEST(ProtoTime, BoundsReceivedTimes) {
   google::protobuf::Timestamp far;
   far.set_seconds(253'402'300'799);
   EXPECT_GT(from_proto(far), Timestamp(9'000'000'000s));

@@ -118,7 +118,7 @@ TEST(LocationMessage, HasZonesAndWarningsInTheirOrder) {
   EXPECT_EQ(message.quality().warnings(1), "second");
 }
 
-TEST(LocationMessage, IdTellsTargetInstantAndKindApart) {
+TEST(LocationMessage, IdDistinguishesTargetInstantAndKind) {
   Location filtered = of(fix());
   filtered.tracked = Tracked{};
   Location person = of(fix());
@@ -133,7 +133,7 @@ TEST(LocationMessage, IdTellsTargetInstantAndKindApart) {
 }
 
 // After a clock was set, a replay still gives the same ids.
-TEST(LocationMessage, IsToldByTheClockAndNamedByEventTime) {
+TEST(LocationMessage, HasClockTimesAndAnIdOfTheEventTime) {
   const v1::Location message = location_message(of(fix()), std::chrono::seconds(3600));
   EXPECT_EQ(message.event_id(), "02:52:4c:00:00:01-1718000958500000000-snapshot");
   EXPECT_EQ(message.time().seconds(), 1'718'004'558);
@@ -194,7 +194,7 @@ TEST(EventMessage, StatesTheTransitionOfATrack) {
   EXPECT_FALSE(end.has_position());
 }
 
-TEST(EventMessage, StatesWhoIsInAZone) {
+TEST(EventMessage, ListsTheTargetsInAZone) {
   const Target a{TargetKind::kDevice, "a"};
   const Target b{TargetKind::kDevice, "b"};
   ZoneEvent event;

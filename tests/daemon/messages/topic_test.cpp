@@ -16,7 +16,7 @@ TEST(Topic, EndsInASlash) {
             "v1/compared/2nd%20floor/spotfi/person-1/");
 }
 
-TEST(Topic, EscapesWhatCouldEndAComponent) {
+TEST(Topic, EscapesSeparatorsAndControlCharacters) {
   EXPECT_EQ(make_topic("zone", "2nd floor", "a/b%\n"), "v1/zone/2nd%20floor/a%2Fb%25%0A/");
   EXPECT_EQ(make_topic("track", "B\xc3\xbcro"), "v1/track/B%C3%BCro/");
 }

@@ -91,7 +91,7 @@ TEST_F(Dummy, LocatesInAReplayThatEvaluateReads) {
   EXPECT_GT(report.at("n").get<int>(), 10) << evaluation.out;
 }
 
-TEST_F(Dummy, RefusesWhatItCannotDo) {
+TEST_F(Dummy, RefusesUnsupportedOptions) {
   const Finished people =
       rayloc({"replay", kSite, kRecording, "--method", "dummy", "--kind", "person"});
   EXPECT_EQ(people.status, 64);

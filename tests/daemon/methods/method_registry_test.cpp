@@ -21,7 +21,7 @@ TEST(MethodRegistry, HasTheRowsOfTheProductAndTheFirstIsTheDefault) {
   EXPECT_EQ(find_method("none"), nullptr);
 }
 
-TEST(MethodRegistry, EveryRowSaysWhatPeopleNeedToKnow) {
+TEST(MethodRegistry, EveryRowIsCompletelyDescribed) {
   for (const Method* method : methods()) {
     EXPECT_EQ(find_method(method->name), method);
     EXPECT_FALSE(method->summary.empty()) << method->name;
@@ -40,7 +40,7 @@ TEST(MethodRegistry, EveryRowSaysWhatPeopleNeedToKnow) {
   }
 }
 
-TEST(MethodRegistry, PaperHasAllThatItsSettingsTell) {
+TEST(MethodRegistry, PaperHasAllOfItsSettings) {
   const Method& paper = *find_method("paper");
   for (const PaperSetting& setting : paper_settings()) {
     EXPECT_TRUE(paper.has_setting(setting.key)) << setting.key;

@@ -199,7 +199,7 @@ TEST_F(BurstCollectorTest, BeginsInTheMiddleWithTheStartsOfTheOpenBursts) {
   }
 }
 
-TEST_F(BurstCollectorTest, ABurstOfWhichNothingCameIsNone) {
+TEST_F(BurstCollectorTest, DropsAnOpenBurstWithoutFrames) {
   const OpenBursts open{Timestamp(milliseconds(100)),
                         {{frame_at(50).transmitter, Timestamp(milliseconds(50)), {}}}};
   BurstCollector collector(options_, open);

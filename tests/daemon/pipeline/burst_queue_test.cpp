@@ -70,7 +70,7 @@ TEST(BurstQueue, LiveANewerBurstTakesThePlaceOfTheOneThatWaits) {
   EXPECT_EQ(queue.earliest(at(1000)), at(1000));
 }
 
-TEST(BurstQueue, WhatHasBeenTakenIsNotMerged) {
+TEST(BurstQueue, DoesNotMergeIntoTakenBursts) {
   BurstQueue queue({});
   push(queue, {burst(1, 0)});
   EXPECT_EQ(queue.pop().first, at(0));
@@ -126,7 +126,7 @@ TEST(BurstQueue, UnderLoadTheRatesOfOneRankFallAlike) {
   }
 }
 
-TEST(BurstQueue, UnderLoadNobodyWaitsForEver) {
+TEST(BurstQueue, UnderLoadEveryDeviceIsServed) {
   const auto explained = explained_under_load({1, 2, 10, 11, 20, 21, 22}, 640);
   EXPECT_EQ(explained.at(1), 240);  // three of four, in turn
   EXPECT_EQ(explained.at(2), 240);
@@ -137,7 +137,7 @@ TEST(BurstQueue, UnderLoadNobodyWaitsForEver) {
   }
 }
 
-TEST(BurstQueue, ThoseWhoAreWantedAreExplainedTogetherAndStrangersAlone) {
+TEST(BurstQueue, ListedDevicesAreTakenTogetherAndUnlistedAlone) {
   BurstQueue queue(ranked());
   push(queue, {burst(1, 0), burst(2, 0), burst(3, 0), burst(10, 0)});
   EXPECT_EQ(queue.pop(3).size(), 3U);
@@ -147,7 +147,7 @@ TEST(BurstQueue, ThoseWhoAreWantedAreExplainedTogetherAndStrangersAlone) {
   EXPECT_EQ(queue.size(), 1U);
 }
 
-TEST(BurstQueue, OfStrangersTheNewestAndThoseWhoseTurnItIs) {
+TEST(BurstQueue, UnlistedDevicesAlternateBetweenNewestAndLongestWaiting) {
   BurstQueue queue(ranked());
   std::vector<Burst> ended;
   for (std::uint8_t stranger = 20; stranger < 40; ++stranger) {
@@ -159,7 +159,7 @@ TEST(BurstQueue, OfStrangersTheNewestAndThoseWhoseTurnItIs) {
             (std::vector{39, 38, 37, 20, 36, 35, 34, 21, 33}));
 }
 
-TEST(Field, BurstQueueDropsAndCountsWhatHasWaitedTooLong) {
+TEST(Field, BurstQueueDropsAndCountsExpiredBursts) {
   BurstQueue queue(ranked());
   push(queue, {burst(20, 0), burst(1, 0), burst(2, 500)}, at(3150));
   EXPECT_EQ(queue.size(), 3U);

@@ -50,7 +50,7 @@ TEST(TrackNumbers, ASuccessorGoesOn) {
   EXPECT_EQ(second.of(mac(1), "one", at(5.5)), 4U);
 }
 
-TEST(TrackNumbers, KeepsWhatIsOverNoLongerThanItIsUnsaid) {
+TEST(TrackNumbers, ForgetsEndedTracksOnceTheirEndIsPublished) {
   TrackNumbers numbers;
   for (std::uint8_t i = 0; i < 200; ++i) {
     numbers.of(mac(i), std::to_string(i), at(i));
@@ -128,7 +128,7 @@ TEST(CarriedMessage, ComesBackTheSameAsBytesAndAsJson) {
   EXPECT_EQ(read.SerializeAsString(), message.SerializeAsString());
 }
 
-TEST(CarriedMessage, RefusesWhatContradictsItself) {
+TEST(CarriedMessage, RefusesContradictoryState) {
   v1::Carried zones = carried_message(filled());
   zones.mutable_occupants(1)->mutable_stays(0)->set_zone("attic");
   EXPECT_FALSE(carried_of(zones));
@@ -141,7 +141,7 @@ TEST(CarriedMessage, RefusesWhatContradictsItself) {
   EXPECT_TRUE(carried_of(v1::Carried()));
 }
 
-TEST(CarriedMessage, OfASmallSiteIsSmall) {
+TEST(CarriedMessage, IsSmallForASmallSite) {
   Carried carried;
   carried.done = at(10);
   carried.received = at(10);

@@ -118,7 +118,7 @@ std::uint64_t accounted(const ComparedMethodCounters& counters) {
   return counters.explained + counters.dropped + counters.in_flight;
 }
 
-TEST(ComparedMethod, GetsTheBurstsOfTheFirstWhichStatesWhatItStatesAlone) {
+TEST(ComparedMethod, GetsTheBurstsOfTheFirstMethodWithoutChangingItsResults) {
   DescribingEstimator alone("first");
   const std::vector<Location> reference = replay(alone);
   ASSERT_GT(reference.size(), 20U);
@@ -162,7 +162,7 @@ class StuckEstimator : public Estimator {
   const std::shared_future<void> released_;
 };
 
-TEST(ComparedMethod, OneThatIsStuckHoldsNobodyUpAndIsCounted) {
+TEST(ComparedMethod, AStuckMethodDelaysNoOtherAndIsCounted) {
   DescribingEstimator alone("first");
   const std::string reference = bytes_of(replay(alone));
   std::promise<void> release;
@@ -240,7 +240,7 @@ TEST(ComparedMethod, TakesBurstsSilenceAndMovesInTheirOrder) {
   EXPECT_EQ(counters.coalesced, 2U);  // all but the first
 }
 
-TEST(ComparedMethod, GetsBurstsOfThoseAloneWhomItLocates) {
+TEST(ComparedMethod, GetsOnlyTheBurstsOfDevicesThatItLocates) {
   const auto notes = std::make_shared<std::vector<std::string>>();
   const MacAddress wanted{{0x02, 0, 0, 0, 0, 2}};
   std::vector<std::unique_ptr<ComparedMethod>> others;
@@ -260,7 +260,7 @@ TEST(ComparedMethod, GetsBurstsOfThoseAloneWhomItLocates) {
   EXPECT_EQ(others.front()->counters().bursts, 1U);
 }
 
-TEST(ComparedMethod, WhatComesAfterItsEndIsCounted) {
+TEST(ComparedMethod, CountsBurstsAfterItsEnd) {
   const auto notes = std::make_shared<std::vector<std::string>>();
   const auto method = make_method(std::make_unique<NotingEstimator>(notes));
   method->start([](Location&&) { return false; });

@@ -91,7 +91,7 @@ class RingSnapshotsTest : public ::testing::Test {
       std::filesystem::temp_directory_path() / ("ring_snapshots." + std::to_string(getpid()));
 };
 
-TEST_F(RingSnapshotsTest, WritesAFileForEachSourceThatWasHeard) {
+TEST_F(RingSnapshotsTest, WritesAFileForEachSourceWithDatagrams) {
   DatagramRing received(std::chrono::seconds(30), std::size_t{1} << 30U);
   DatagramRing silent(std::chrono::seconds(30), std::size_t{1} << 30U);
   RingSnapshots snapshots({{"ap1", &received}, {"ap2", &silent}}, folder_, limits_);
@@ -111,7 +111,7 @@ TEST_F(RingSnapshotsTest, WritesAFileForEachSourceThatWasHeard) {
   EXPECT_TRUE(snapshots.notices().empty());
 }
 
-TEST_F(RingSnapshotsTest, SaysWhyNothingIsWritten) {
+TEST_F(RingSnapshotsTest, ReportsTheReasonIfNothingIsWritten) {
   DatagramRing ring(std::chrono::seconds(30), std::size_t{1} << 30U);
   tap(ring, 1, 10, std::chrono::milliseconds(1));
   RingSnapshots snapshots(

@@ -88,7 +88,7 @@ std::string notices_of(ChainKnowledge knowledge) {
   return all;
 }
 
-TEST(Field, ChainsThatAFileDoesNotKnowAreSaidToBeLearned) {
+TEST(Field, ChainsUnknownToTheFileAreReportedAsLearning) {
   EXPECT_THAT(notices_of(ChainKnowledge::kLearning),
               AllOf(HasSubstr("learning the chains of " + room().access_points[0].id),
                     HasSubstr("0 of at least"),

@@ -57,7 +57,7 @@ TEST(FrameMailbox, HoldsAFrameThatAnEarlierOneMayStillPrecede) {
   EXPECT_EQ(times(mailbox.take()), (std::vector<int>{20}));
 }
 
-TEST(FrameMailbox, KeepsApartWhatLiesBeforeAndBehindAMove) {
+TEST(FrameMailbox, SeparatesFramesBeforeAndAfterASeek) {
   FrameMailbox mailbox(3, 100, Overflow::kWait);
   mailbox.end(2);  // a recording that could not be read
   put(mailbox, 0, {10, 20}, 100);
@@ -95,7 +95,7 @@ TEST(FrameMailbox, KeepsApartWhatLiesBeforeAndBehindAMove) {
   EXPECT_EQ(times(after), (std::vector<int>{1, 2}));
 }
 
-TEST(FrameMailbox, LetsGoWhoIsBehindWhenThereIsALaterMove) {
+TEST(FrameMailbox, ReleasesLateSourcesOnALaterSeek) {
   FrameMailbox mailbox(2, 100, Overflow::kWait);
   std::thread behind([&] {
     mailbox.move(0, 1);

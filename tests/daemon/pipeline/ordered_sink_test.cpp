@@ -33,7 +33,7 @@ TEST(OrderedSink, WritesByTimeThenTarget) {
   EXPECT_EQ(written, "10c 200 20a 20b 30a ");
 }
 
-TEST(OrderedSink, WaitsForWhatLagsBehind) {
+TEST(OrderedSink, WaitsForLaggingTargets) {
   std::string written;
   OrderedSink sink([&](const Location& location) { written += location.target.address; },
                    {},

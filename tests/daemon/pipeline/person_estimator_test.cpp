@@ -276,7 +276,7 @@ TEST_F(PeopleOfTwoTransmitters, HaveTheNumbersOfTheirTracksInSnapshots) {
   }
 }
 
-TEST_F(PeopleOfTwoTransmitters, AreNeverOneTarget) {
+TEST_F(PeopleOfTwoTransmitters, HaveSeparateTrackNumbers) {
   std::map<std::uint64_t, std::vector<v1::Location>> by_number;
   for (const v1::Location& location : outcome().locations) {
     by_number[location.target().track()].push_back(location);

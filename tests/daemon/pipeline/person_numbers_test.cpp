@@ -26,14 +26,14 @@ TEST(PersonNumbers, FollowTheTrack) {
   EXPECT_THAT(numbers_of(kTwo, {5, 2, Vec3d{-0.9, 0.6, 0.0}}), ElementsAre(7, 5));
 }
 
-TEST(PersonNumbers, AreInOrderWhereNothingTellsWhoIsTracked) {
+TEST(PersonNumbers, AreInOrderWithoutATrackedPosition) {
   EXPECT_THAT(numbers_of(kTwo, {3, 1, std::nullopt}), ElementsAre(3, 4));
   const std::vector<LocationEstimate> no_fix{person(std::nullopt), person(std::nullopt)};
   EXPECT_THAT(numbers_of(no_fix, {3, 1, Vec3d{0.0, 0.0, 0.0}}), ElementsAre(3, 4));
   EXPECT_THAT(numbers_of({}, {3, 1, std::nullopt}), IsEmpty());
 }
 
-TEST(PersonNumbers, OfTheTrackGoToWhoIsSeen) {
+TEST(PersonNumbers, AssignTheTrackNumberToTheVisiblePerson) {
   const std::vector<LocationEstimate> one_hidden{person(std::nullopt), kTwo[1]};
   EXPECT_THAT(numbers_of(one_hidden, {5, 2, Vec3d{0.8, 0.1, 0.0}}), ElementsAre(7, 5));
 }

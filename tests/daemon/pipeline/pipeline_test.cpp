@@ -174,7 +174,7 @@ class SlowEstimator : public DescribingEstimator {
   std::vector<Burst> explained_;
 };
 
-TEST(Pipeline, LiveTakesTheNewestBurstAndCountsWhatItMerged) {
+TEST(Pipeline, LiveTakesTheNewestBurstAndCountsMergedBursts) {
   SlowEstimator estimator;
   OrderedSink sink([](const Location&) {});
   std::vector<SourceWorker::Input> inputs(1);

@@ -30,7 +30,7 @@ class PlaybackTest : public ::testing::Test {
   std::unique_ptr<Playback> playback_;
 };
 
-TEST_F(PlaybackTest, GoesOnBySpeedAndStandsStillWhilePaused) {
+TEST_F(PlaybackTest, AdvancesBySpeedAndHoldsWhilePaused) {
   start(2.0);
   now_ += seconds(3);
   EXPECT_EQ(position(), seconds(6));
@@ -45,7 +45,7 @@ TEST_F(PlaybackTest, GoesOnBySpeedAndStandsStillWhilePaused) {
   EXPECT_EQ(playback_->state().moves, 0U);
 }
 
-TEST_F(PlaybackTest, AMoveBeginsEarlierAndGivesWhatLeadsThereAtOnce) {
+TEST_F(PlaybackTest, ASeekStartsEarlierAndReleasesTheLeadInAtOnce) {
   start(1.0);
   playback_->change({.play = false, .position = kBegin + seconds(30)});
   EXPECT_EQ(playback_->place().number, 1U);

@@ -38,7 +38,7 @@ class RecordingFolderTest : public ::testing::Test {
       fs::temp_directory_path() / ("recording_folder." + std::to_string(getpid()));
 };
 
-TEST_F(RecordingFolderTest, KnowsItsOwnNames) {
+TEST_F(RecordingFolderTest, RecognisesItsOwnFileNames) {
   EXPECT_EQ(recording_age_key("/a/ap1-20261121T140509Z.pcap"), "20261121T140509Z");
   EXPECT_EQ(recording_age_key("my-ap-20261121T140509Z-12.pcap.part"), "20261121T140509Z-12");
   for (const char* const name : {"ap1.pcap",
@@ -55,7 +55,7 @@ TEST_F(RecordingFolderTest, KnowsItsOwnNames) {
   }
 }
 
-TEST_F(RecordingFolderTest, GivesANameThatNobodyHas) {
+TEST_F(RecordingFolderTest, GivesAnUnusedName) {
   const Timestamp time(std::chrono::seconds(1'763'733'909));
   EXPECT_EQ(free_recording_name(folder_, "ap1", time).filename(), "ap1-20251121T140509Z.pcap");
   make("ap1-20251121T140509Z.pcap", 1);
@@ -64,7 +64,7 @@ TEST_F(RecordingFolderTest, GivesANameThatNobodyHas) {
   EXPECT_EQ(free_recording_name(folder_, "ap2", time).filename(), "ap2-20251121T140509Z.pcap");
 }
 
-TEST_F(RecordingFolderTest, TellsWhatWasWrittenOfAnAccessPointSinceThen) {
+TEST_F(RecordingFolderTest, ListsRecentRecordingsOfAnAccessPoint) {
   const auto now = std::filesystem::file_time_type::clock::now();
   for (const char* const name : {"ap1-20251121T140509Z.pcap.part",
                                  "ap1-20251121T130509Z-2.pcap",

@@ -102,7 +102,7 @@ Burst burst_of(std::vector<CsiFrame> frames) {
   return burst;
 }
 
-TEST_F(RotatedChains, AreNotBelievedUntilTheyAreLearnedAndThenKept) {
+TEST_F(RotatedChains, AreUsedOnlyOnceLearnedAndThenKept) {
   const Site site = load_site(path("calibrated")).value();
   const auto captures = cli::resolve_captures({path("spots.pcap")}, {"ap1"}).value();
   const auto spots = cli::read_calibration_inputs(site, captures, path("spots.csv")).value();

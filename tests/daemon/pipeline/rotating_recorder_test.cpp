@@ -128,7 +128,7 @@ TEST_F(RotatingRecorderTest, RotatesBySizeAndByAge) {
   EXPECT_EQ(recorder->counters().bytes, 3U * 24 + 5 * (16 + 42 + 1000));
 }
 
-TEST_F(RotatingRecorderTest, SaysWhenAFileCannotGetItsName) {
+TEST_F(RotatingRecorderTest, ReportsAFailedRenaming) {
   auto recorder = open({.rotate_bytes = 2500});
   write(*recorder, 3);
   fs::create_directory(folder_ / "ap1-20251121T140509Z.pcap");  // of another program
@@ -157,7 +157,7 @@ TEST_F(RotatingRecorderTest, KeepsTheTotalByRemovingTheOldest) {
   EXPECT_EQ(read(names().back()).times.back(), 99) << "the newest are there";
 }
 
-TEST_F(RotatingRecorderTest, StopsWithTooLittleRoomAndMarksWhatIsMissing) {
+TEST_F(RotatingRecorderTest, StopsWhenTheDiskIsNearlyFullAndMarksTheGap) {
   auto recorder = open({.min_free_bytes = 1'000'000});
   write(*recorder, 2);
   free_ = 999'999;
@@ -203,7 +203,7 @@ TEST_F(RotatingRecorderTest, BeginsStoppedOnAFullDiskAndGoesOnByItself) {
 }
 
 // A limit on the length of files acts as a disk that became full between two checks.
-TEST_F(RotatingRecorderTest, MarksWhatADiskRefused) {
+TEST_F(RotatingRecorderTest, MarksDatagramsThatTheDiskRefused) {
   std::signal(SIGXFSZ, SIG_IGN);
   rlimit before{};
   ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
@@ -239,7 +239,7 @@ TEST_F(RotatingRecorderTest, MarksEachReasonInOrder) {
   EXPECT_EQ(read("ap1-20251121T140509Z.pcap").unrecorded, 11U);
 }
 
-TEST_F(RotatingRecorderTest, WhatItWritesIsNoLeftover) {
+TEST_F(RotatingRecorderTest, ItsOpenFileIsNotRepaired) {
   auto recorder = open({.rotate_bytes = 100});
   write(*recorder, 1);
   write(*recorder, 1);  // rotated: the lock is of the file that is written now

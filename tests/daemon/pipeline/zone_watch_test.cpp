@@ -86,7 +86,7 @@ TEST(ZoneWatch, EntersAndLeavesWithHysteresis) {
   EXPECT_EQ(left[0].reason, "its probability was at most 0.3 for 1 s");
 }
 
-TEST(ZoneWatch, IgnoresOneWhoOnlyPassesTheEdge) {
+TEST(ZoneWatch, IgnoresATargetThatOnlyTouchesTheEdge) {
   ZoneWatch watch(zones());
   for (int i = 0; i < 20; ++i) {  // above for 0.4 s, then below, again and again
     see_all(watch, 0.6 * i, {0.9, 0.9, 0.9, 0.9, 0.9, 0.69});
@@ -94,7 +94,7 @@ TEST(ZoneWatch, IgnoresOneWhoOnlyPassesTheEdge) {
   EXPECT_EQ(lines(events_of(watch, 100.0)), "");
 }
 
-TEST(ZoneWatch, SaysOnceForEachStayThatATargetDwells) {
+TEST(ZoneWatch, ReportsOneDwellForEachStay) {
   ZoneWatch watch(zones());
   see_all(watch, 0.0, std::vector<double>(250, 0.9));
   see_all(watch, 25.0, std::vector<double>(11, 0.0));
@@ -123,7 +123,7 @@ TEST(ZoneWatch, LetsALostTargetLeaveWithItsReason) {
   EXPECT_EQ(events[2].reason, "its track was lost");
 }
 
-TEST(ZoneWatch, LetsOneLeaveOfWhomNothingIsHeard) {
+TEST(ZoneWatch, ATargetWithoutFramesLeaves) {
   ZoneWatch watch(zones());
   see_all(watch, 0.0, std::vector<double>(10, 0.9));
   EXPECT_EQ(lines(events_of(watch, 10.9)), "a entered desk 500 (1 inside)\n");

@@ -77,7 +77,7 @@ TEST(Field, CsvSeparatorInQuotesDoesNotCount) {
   EXPECT_EQ(read("\"x, y, z\";name\n1;2\n"), (Rows{{"x, y, z", "name"}, {"1", "2"}}));
 }
 
-TEST(Field, CsvWhatIsNotTextIsRefused) {
+TEST(Field, CsvRefusesBinaryText) {
   const std::string little("\xff\xfex\0,\0", 6);
   const std::string without_mark("x\0,\0y\0", 6);
   for (const std::string& text : {little, without_mark}) {

@@ -19,7 +19,7 @@ Polygon box(double x0, double x1, double y0, double y1) {
   return {{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}};
 }
 
-TEST(GaussianInPolygon, OfABoxIsAProductOfErrorFunctions) {
+TEST(GaussianInPolygon, MatchesErrorFunctionsForABox) {
   const PlanarGaussian gaussian{{0.3, -0.2}, 0.25, 0.0, 0.04};
   for (const double size : {0.05, 0.4, 1.0, 3.0, 40.0, 1e4}) {
     const double x = below((size - 0.3) / 0.5) - below((-size - 0.3) / 0.5);
@@ -29,7 +29,7 @@ TEST(GaussianInPolygon, OfABoxIsAProductOfErrorFunctions) {
   }
 }
 
-TEST(GaussianInPolygon, OfACorrelatedQuadrantIsThatOfSheppard) {
+TEST(GaussianInPolygon, MatchesSheppardForACorrelatedQuadrant) {
   for (const double rho : {-0.95, -0.3, 0.0, 0.5, 0.999}) {
     const PlanarGaussian gaussian{{1.0, 2.0}, 4.0, rho * 6.0, 9.0};
     EXPECT_NEAR(gaussian_in_polygon(gaussian, box(1.0, 1e3, 2.0, 1e3)),
@@ -39,7 +39,7 @@ TEST(GaussianInPolygon, OfACorrelatedQuadrantIsThatOfSheppard) {
   }
 }
 
-TEST(GaussianInPolygon, OfACircleIsThatOfRayleigh) {
+TEST(GaussianInPolygon, MatchesRayleighForACircle) {
   constexpr int kCorners = 20'000;
   for (const double radius : {0.5, 1.0, 2.5}) {
     Polygon circle;
@@ -89,7 +89,7 @@ double raster_sum(const PlanarGaussian& g, const Polygon& polygon) {
   return sum * step_x * step_y / (2.0 * std::numbers::pi * std::sqrt(determinant));
 }
 
-TEST(GaussianInPolygon, OfStarsIsTheSumOverARaster) {
+TEST(GaussianInPolygon, MatchesARasterSumForStars) {
   constexpr unsigned kSeed = 20261122;
   std::mt19937 random(kSeed);
   std::uniform_real_distribution<double> uniform(0.0, 1.0);

@@ -9,13 +9,13 @@ constexpr double kQuarterTurn = 1.5707963267948966;
 
 void expect_near(const Vec3d& a, const Vec3d& b) { EXPECT_NEAR(norm(a - b), 0.0, 1e-15); }
 
-TEST(Rotation, YawTurnsXToY) {
+TEST(Rotation, YawRotatesXToY) {
   expect_near(rotation_from_yaw_pitch_roll(kQuarterTurn, 0.0, 0.0) * Vec3d{1, 0, 0}, {0, 1, 0});
 }
-TEST(Rotation, PitchTurnsXDown) {
+TEST(Rotation, PitchRotatesXDown) {
   expect_near(rotation_from_yaw_pitch_roll(0.0, kQuarterTurn, 0.0) * Vec3d{1, 0, 0}, {0, 0, -1});
 }
-TEST(Rotation, RollTurnsYToZ) {
+TEST(Rotation, RollRotatesYToZ) {
   expect_near(rotation_from_yaw_pitch_roll(0.0, 0.0, kQuarterTurn) * Vec3d{0, 1, 0}, {0, 0, 1});
 }
 TEST(Rotation, RollComesFirst) {

@@ -8,7 +8,7 @@
 namespace rayloc::spare_capacity_test {
 namespace {
 
-TEST(ClearWithoutSpare, KeepsWhatTheNextTimeNeeds) {
+TEST(ClearWithoutSpare, KeepsTheRecentlyNeededCapacity) {
   std::vector<std::byte> bytes(1'000'000);
   const std::byte* const place = bytes.data();
   clear_without_spare(bytes);
@@ -17,7 +17,7 @@ TEST(ClearWithoutSpare, KeepsWhatTheNextTimeNeeds) {
   EXPECT_EQ(bytes.data(), place);
 }
 
-TEST(ClearWithoutSpare, GivesBackWhatABacklogNeeded) {
+TEST(ClearWithoutSpare, ReleasesTheCapacityOfABacklog) {
   std::vector<std::byte> bytes(10'000'000);
   clear_without_spare(bytes);
   bytes.resize(1'000'000);
@@ -26,7 +26,7 @@ TEST(ClearWithoutSpare, GivesBackWhatABacklogNeeded) {
   EXPECT_EQ(bytes.capacity(), 0U);
 }
 
-TEST(ClearWithoutSpare, KeepsWhatIsSmall) {
+TEST(ClearWithoutSpare, KeepsSmallCapacities) {
   std::vector<double> values(4000);
   clear_without_spare(values);
   clear_without_spare(values);

@@ -104,7 +104,7 @@ M3 m3_in(RoomModel room, const M3Options& options = {}) {
   return *M3::create(std::make_shared<const RoomModel>(std::move(room)), options);
 }
 
-TEST(M3Hops, AreTheFramesByChannel) {
+TEST(M3Hops, GroupFramesByChannel) {
   const RoomModel room = test::make_room();
   std::vector<CsiFrame> frames(6);
   const double site = room.grid.centre_hz;
@@ -133,7 +133,7 @@ TEST(M3Hops, AreTheFramesByChannel) {
   EXPECT_TRUE(by_channel(room.grid, {}).empty());
 }
 
-TEST(M3Hops, OneChannelIsLocatedByAsBefore) {
+TEST(M3Hops, OneChannelGivesTheSingleChannelResult) {
   const M3 m3 = m3_in(test::make_room());
   std::vector<CsiFrame> frames = frames_on(m3.room(), std::span(kHops).first(1));
   const LocationEstimate stated = m3.locate(frames);
@@ -150,7 +150,7 @@ TEST(M3Hops, OneChannelIsLocatedByAsBefore) {
   }
 }
 
-TEST(M3Hops, OfAllChannelsArePathsFoundTogether) {
+TEST(M3Hops, FindPathsJointlyOverAllChannels) {
   const M3 m3 = m3_in(test::make_room());
   const std::vector<CsiFrame> frames = frames_on(m3.room(), kHops);
   const LocationEstimate estimate = m3.locate(frames);
@@ -168,7 +168,7 @@ TEST(M3Hops, OfAllChannelsArePathsFoundTogether) {
   EXPECT_NE(alone.position, estimate.position);
 }
 
-TEST(M3Hops, SayWhereOneChannelIsNotTheSites) {
+TEST(M3Hops, ReportASingleForeignChannel) {
   const M3 m3 = m3_in(test::make_room());
   const LocationEstimate estimate = m3.locate(frames_on(m3.room(), std::span(kHops).last(1)));
   EXPECT_TRUE(estimate.position);

@@ -140,7 +140,7 @@ std::vector<Vec3d> places(int count) {
   return all;
 }
 
-TEST(M3, KnowsTheWallsAndTheFloor) {
+TEST(M3, UsesTheWallsAndTheFloor) {
   const RoomModel& room = m3().room();
   const auto mirrors = reflectors_of(room, room.access_points[0].array.pose.position);
   EXPECT_EQ(mirrors.size(), 5U) << "four walls and the floor, one face each; there is no ceiling";
@@ -233,7 +233,7 @@ TEST(M3, LocatesByHopsAndNotByOneChannel) {
   EXPECT_GT(median_error(std::span(kHops).first(1)), 2.0 * hopped);
 }
 
-TEST(M3, SaysWhatOneChannelIsWorth) {
+TEST(M3, ReportsTheResolutionOfOneChannel) {
   const auto room = std::make_shared<const RoomModel>(test::make_room());
   const auto all = M3::create(room, {});
   ASSERT_TRUE(all);

@@ -139,7 +139,7 @@ std::vector<float> trained(const NetworkShape& shape,
   return network.parameters();
 }
 
-TEST(TrainNetwork, LearnsThirtyTwoImagesByHeart) {
+TEST(TrainNetwork, FitsThirtyTwoImagesExactly) {
   for (const NetworkShape& shape : {kSmallLeNet, kSmallMobileNet}) {
     double loss = 1.0;
     trained(shape, batch_of(shape, 32, false), shape.kind == NetworkKind::kLeNet ? 80 : 60, &loss);
@@ -147,7 +147,7 @@ TEST(TrainNetwork, LearnsThirtyTwoImagesByHeart) {
   }
 }
 
-TEST(TrainNetwork, TellsClassesOfImagesThatItHasNotSeen) {
+TEST(TrainNetwork, ClassifiesUnseenImages) {
   for (NetworkShape shape : {kSmallLeNet, kSmallMobileNet}) {
     shape.classes = 2;
     Network network(shape, 3);

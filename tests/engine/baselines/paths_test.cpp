@@ -107,7 +107,7 @@ TEST(PathCount, EndsAtTheLastLargeDrop) {
       << "no drop is large: the largest counts";
 }
 
-TEST(PathCount, OfLeastDescriptionIsThatOfTheFormula) {
+TEST(PathCount, MatchesTheMinimumDescriptionLengthFormula) {
   // The formula in numpy for these eigenvalues and 32 snapshots has its least value, 49.85, at 2.
   const std::array e = {10.0, 4.0, 0.02, 0.018, 0.017, 0.016, 0.015, 0.014};
   EXPECT_EQ(count_paths(e, 32, PathCountRule::kMdl), 2U);
@@ -140,7 +140,7 @@ TEST(Music, FindsTwoPathsOfAnAnalyticArray) {
   }
 }
 
-TEST(Music, TellsFivePathsApart) {
+TEST(Music, ResolvesFivePaths) {
   std::vector<test::PlaneWave> waves;
   for (int i = 0; i < 5; ++i) {
     waves.push_back(
@@ -172,7 +172,7 @@ TEST(Music, WorksWithTwoAntennas) {
   EXPECT_NEAR(paths[1].psi, -1.6, 0.01);
 }
 
-TEST(GaussianMixture, OfOneComponentIsMeanAndVariance) {
+TEST(GaussianMixture, OneComponentHasTheMeanAndVariance) {
   Eigen::MatrixXd points(2, 5);
   points << 1, 2, 3, 4, 10, 0, 1, 0, 1, 3;
   MixtureOptions options;
@@ -222,7 +222,7 @@ TEST(GaussianMixture, IsThatOfScikitLearn) {
   EXPECT_NEAR(mixture.mean_log_likelihood, -1.562252132376403, 1e-5);
 }
 
-TEST(GaussianMixture, OfFewPointsHasNoMoreComponentsThanPoints) {
+TEST(GaussianMixture, HasNoMoreComponentsThanPoints) {
   const auto mixture = fit_mixture(Eigen::MatrixXd::Random(2, 3), {});
   EXPECT_LE(mixture.components.size(), 3U);
   EXPECT_GE(mixture.components.size(), 1U);
@@ -248,7 +248,7 @@ TEST(LevelLaw, IsTheLineOfLeastSquares) {
   EXPECT_FALSE(fit_level_law(std::vector<LevelAtDistance>(20, {2.0, -30.0})));
 }
 
-TEST(PhaseErrors, TellGaussianAndOutliersApart) {
+TEST(PhaseErrors, SeparateGaussianErrorsFromOutliers) {
   std::mt19937 random(3);
   std::normal_distribution<double> normal(0.0, 0.3);
   std::uniform_real_distribution<double> uniform(-kPi, kPi);
@@ -268,7 +268,7 @@ AntennaArray wide_array() {
   return array;
 }
 
-TEST(Bearing, OfAFarSenderIsThatOfAPlaneWave) {
+TEST(Bearing, MatchesAPlaneWaveForADistantSender) {
   const AntennaArray array = wide_array();
   const auto line = antenna_line(array, {0, 1, 2});
   ASSERT_TRUE(line);

@@ -63,12 +63,12 @@ TEST(WeightedPlaces, MeanIsOfTheTenHeaviest) {
   EXPECT_NEAR(weighted.mean_of_heaviest().x, 6.5, 1e-12);
 }
 
-TEST(WeightedPlaces, SurroundingsAreHalfTheWayToTheNextPlace) {
+TEST(WeightedPlaces, SurroundingsReachHalfTheDistanceToTheNextPlace) {
   EXPECT_NEAR(surroundings_of({{0, 0, 0}, {0.4, 0, 0}, {0, 0.4, 0}, {0.4, 0.4, 0}}), 0.2, 1e-12);
 }
 
 // Truths are drawn from the tempered mixture: a region holds them as often as it states.
-TEST(WeightedPlaces, RegionsHoldWhatIsDrawnFromThem) {
+TEST(WeightedPlaces, RegionsContainDrawsAtTheirStatedRate) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
   std::normal_distribution<double> normal;
@@ -99,7 +99,7 @@ TEST(WeightedPlaces, RegionsHoldWhatIsDrawnFromThem) {
 }
 
 // Weights that are far too sure of the wrong place are tempered until the truth is likely.
-TEST(WeightedPlaces, CertaintyIsWhatWasHeldOut) {
+TEST(WeightedPlaces, CertaintyFollowsHeldOutPlaces) {
   std::vector<HeldOutPlace> held;
   for (int i = 0; i < 40; ++i) {
     HeldOutPlace one;
@@ -150,7 +150,7 @@ TrainingInput input_of(double step) {
   return input;
 }
 
-TEST(ChannelImages, AreThePhasesOfTheFormulaWhateverTheFramesOffsetsAre) {
+TEST(ChannelImages, ContainPhaseDifferencesIndependentOfFrameOffsets) {
   const std::vector<std::size_t> access_points = {0};
   const ImageKind kind = {
       NetworkKind::kLeNet,
@@ -252,7 +252,7 @@ std::shared_ptr<const Training> quick_cifi() {
   return kTraining;
 }
 
-TEST(Cifi, RefusesInWords) {
+TEST(Cifi, RefusesInvalidInputsWithAMessage) {
   const auto without = make_cifi(room(), {}, 1, 0.95, nullptr);
   ASSERT_FALSE(without);
   EXPECT_EQ(without.error().kind, ErrorKind::kConfiguration);
@@ -281,7 +281,7 @@ TEST(Cifi, RefusesInWords) {
             "survey has 9");
 }
 
-TEST(Cifi, SaysWhyThereIsNoFix) {
+TEST(Cifi, ReportsTheReasonForNoFix) {
   auto cifi = *make_cifi(room(), {}, 1, 0.95, quick_cifi());
   EXPECT_EQ(cifi.locate({}, 0).reason, "no frames");
   auto frames = at({0.1, 0.1, 1.2}, 1);
@@ -319,7 +319,7 @@ TEST(Cifi, ThePublishedAngleIsAnotherInput) {
 }
 
 // The channel of a fixed transmitter, changed by a person: here by the place of the sender.
-TEST(Dscp, KnowsTheEmptyRoomAndPlaces) {
+TEST(Dscp, RecognisesTheEmptyRoomAndPlaces) {
   TrainingInput input = input_of(0.5);
   input.values = {{"epochs", 12.0}, {"images", 8.0}};
   input.empty = at({1.2, 1.0, 0.5}, 77);
@@ -402,7 +402,7 @@ TEST_P(EachClassifier, RefusesAccessPointsOfOneAntenna) {
 }
 
 // Nothing that a radio may send takes the process down.
-TEST(Places, LiveWithHostileBursts) {
+TEST(Places, HandleInvalidBursts) {
   auto cifi = *make_cifi(room(), {}, 1, 0.95, quick_cifi());
   std::mt19937 random(1);
   auto dead = at({0.2, 0.1, 1.2}, 9);

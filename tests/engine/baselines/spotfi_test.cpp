@@ -163,7 +163,7 @@ TEST(Spotfi, TakesAnUnknownPowerOut) {
   EXPECT_LT(error_of(after, truth), 0.1);
 }
 
-TEST(Spotfi, SaysWhyThereIsNoFix) {
+TEST(Spotfi, ReportsTheReasonForNoFix) {
   const auto room = room_of(2);
   const auto spotfi = Spotfi::create(room, {}, nullptr);
   EXPECT_EQ(spotfi->locate({}).reason, "no frames");

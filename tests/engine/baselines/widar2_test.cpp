@@ -75,7 +75,7 @@ TEST(BandPass, IsThatOfSciPy) {
 }
 
 // A static term and a moving term: the phase of the product follows the moving path.
-TEST(ConjugateProduct, TurnsWithTheMovingPathAndNotWithTheFrame) {
+TEST(ConjugateProduct, RotatesWithTheMovingPathOnly) {
   constexpr int kTimes = 400;
   std::mt19937 random(2);
   std::uniform_real_distribution<double> phase(0.0, kTwoPi);
@@ -284,7 +284,7 @@ TEST(Widar2, OneLinkLeavesItsAliases) {
   EXPECT_LT(nearest[nearest.size() / 2], 0.4);
 }
 
-TEST(Widar2, RefusesInWords) {
+TEST(Widar2, RefusesUnusableFramesWithAMessage) {
   auto still = *Widar2::create(room(), kLink, {});
   const auto estimates = received(still, walk(3.5, kStep, [](double) {
                                     return Vec3d{0.2, 0.3, 1.2};

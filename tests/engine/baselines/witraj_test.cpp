@@ -50,7 +50,7 @@ TEST(PathRate, IsThatOfAPureCircleInBothSenses) {
   }
 }
 
-TEST(PathRate, ScoresAnEvenTurningHigher) {
+TEST(PathRate, ScoresAnEvenRotationHigher) {
   auto noisy = circle({0.9, 0.4}, 1.0);
   std::mt19937 random(1);
   std::normal_distribution<double> normal(0.0, 0.05);
@@ -174,7 +174,7 @@ TEST(Witraj, FollowsAWalkFromItsStart) {
 
 // On four tones of ten the other antenna fades: there the published rule has the pole inside of the
 // circle.
-TEST(Witraj, TellsTheWeakerAntennaOfEachToneWhenAsked) {
+TEST(Witraj, SelectsTheWeakerAntennaPerToneOnRequest) {
   const auto fades = [](std::size_t antenna, std::size_t tone) {
     const bool is_first = tone % 10 < 4;
     return antenna == (is_first ? 0U : 2U) ? 0.15 : 2.0;
@@ -187,7 +187,7 @@ TEST(Witraj, TellsTheWeakerAntennaOfEachToneWhenAsked) {
   EXPECT_GT(worst_error(received(published, frames)), 2.0 * worst);
 }
 
-TEST(Witraj, HoldsThePlaceOfWhoStandsStill) {
+TEST(Witraj, HoldsThePositionOfAMotionlessPerson) {
   const Vec3d start{0.1, 0.2, 1.2};
   auto witraj = *Witraj::create(room(), kLink, start, {});
   const auto estimates = received(witraj, walk(2.0, kStep, [&](double) { return start; }));
@@ -197,7 +197,7 @@ TEST(Witraj, HoldsThePlaceOfWhoStandsStill) {
   EXPECT_THAT(estimates.back().warnings, Contains("nothing moves: the place is held"));
 }
 
-TEST(Witraj, RefusesInWords) {
+TEST(Witraj, RefusesInvalidInputsWithAMessage) {
   const auto without = Witraj::create(room(), kLink, std::nullopt, {});
   ASSERT_FALSE(without);
   EXPECT_EQ(without.error().kind, ErrorKind::kUsage);

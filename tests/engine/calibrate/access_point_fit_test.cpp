@@ -111,7 +111,7 @@ TEST(AccessPointCalibrator, RecoversTheChainGains) {
   EXPECT_GT(calibrator.correlation(&*fit), 0.9);
 }
 
-TEST(AccessPointCalibrator, SaysThatTheAccessPointIsShutIn) {
+TEST(AccessPointCalibrator, ReportsAnEnclosedAccessPoint) {
   const RoomModel room = test::make_room();
   RoomModel shut = uncalibrated(room);
   shut.access_points[0].array.pose.position.z = -0.1;  // below the floor
@@ -152,7 +152,7 @@ TEST(AccessPointCalibrator, RecoversTheYaw) {
 }
 
 // A tail twice as long is distinguished from the other, and neither is the usual one.
-TEST(AccessPointCalibrator, RecoversHowLongDiffusePowerLasts) {
+TEST(AccessPointCalibrator, RecoversTheDiffuseDecay) {
   const RoomModel room = test::make_room();
   for (const double decay : {10e-9, 30e-9}) {
     const auto fit =
@@ -164,7 +164,7 @@ TEST(AccessPointCalibrator, RecoversHowLongDiffusePowerLasts) {
 }
 
 // The room is exactly as it is modelled: the survey is wrong, not the places of surfaces.
-TEST(AccessPointCalibrator, TellsTheErrorsOfASurveyFromThoseOfTheRoom) {
+TEST(AccessPointCalibrator, SeparatesSurveyErrorsFromRoomErrors) {
   const RoomModel room = test::make_room();
   auto samples = survey_beside(room, 0.005);
   const auto held = AccessPointCalibrator(room, 0, samples).fit(ArrayFit::kHeld);

@@ -81,7 +81,7 @@ class Stream {
   unsigned seed_ = 0;
 };
 
-TEST(CalibrationMonitor, SaysNothingOfAHealthyRoom) {
+TEST(CalibrationMonitor, GivesNoWarningInAHealthyRoom) {
   const RoomModel room = calibrated();
   Stream stream(room);
   for (int i = 0; i < 50; ++i) {
@@ -135,7 +135,7 @@ TEST(CalibrationMonitor, SeesAJumpThatWasThereBeforeItStarted) {
 
 // A plan with errors of centimetres predicts little but the direct path: the other paths turn the
 // chains by far more than an eighth of a turn, at most places of a plug.
-TEST(CalibrationMonitor, SaysNothingOfPhasesThatThePlanCannotKnow) {
+TEST(CalibrationMonitor, GivesNoWarningForPhasesThePlanCannotPredict) {
   const RoomModel room = calibrated();
   RoomModel plan = room;
   for (RoomAccessPoint& ap : plan.access_points) {
@@ -153,7 +153,7 @@ TEST(CalibrationMonitor, SaysNothingOfPhasesThatThePlanCannotKnow) {
   }
 }
 
-TEST(CalibrationMonitor, SeesAJumpFromBeforeItStartedByWhatWasHeardThen) {
+TEST(CalibrationMonitor, DetectsAnEarlierJumpFromTheReference) {
   const RoomModel room = calibrated();
   RoomModel plan = room;
   for (RoomAccessPoint& ap : plan.access_points) {

@@ -90,7 +90,7 @@ TEST(RefitChains, ThreeSpotsStateASmallerUncertaintyThanOne) {
 
 // A room that explains little would yield phases that are far off; the channel before the power
 // cycle is compared with the present channel, whatever its paths.
-TEST(RefitChains, ComparesATransmitterWithWhatWasHeardOfItBefore) {
+TEST(RefitChains, ComparesATransmitterWithItsUsualChannel) {
   const std::vector<double> turn = {0.0, 180.0, 90.0};
   RoomModel room = before_the_power_cycle(turn);
   for (RoomAccessPoint& ap : room.access_points) {
@@ -120,7 +120,7 @@ TEST(RefitChains, KeepsTheCouplingOfTheAntennas) {
 
 // The prediction of a chain is not its measurement: the chain keeps about its former level, and its
 // phase is rejected.
-TEST(RefitChains, KeepsLevelsThatTheSpotCannotTell) {
+TEST(RefitChains, KeepsGainsThatTheSpotCannotDetermine) {
   RoomModel room = before_the_power_cycle({0.0, 0.0, 0.0});
   const std::size_t tones = room.grid.size();
   KnownSpot spot = receive(room, {0.4, -0.2, 1.1});
@@ -144,7 +144,7 @@ TEST(RefitChains, KeepsLevelsThatTheSpotCannotTell) {
             2.0);
 }
 
-TEST(RefitChains, ManySpotsTellTheRippleToo) {
+TEST(RefitChains, ManySpotsDetermineTheRipple) {
   RoomModel room = before_the_power_cycle({0.0, 180.0, 90.0});
   for (std::size_t k = 0; k < room.grid.size(); ++k) {
     room.access_points[0].gains.gain[k] *=

@@ -91,7 +91,7 @@ TEST(CalibrationInputCheck, NamesExchangedColumns) {
   EXPECT_TRUE(contains(message, "most clearly the one stated to be at ("));
 }
 
-TEST(CalibrationInputCheck, NamesAnAxisThatRunsTheOtherWay) {
+TEST(CalibrationInputCheck, ReportsAReversedAxis) {
   auto points = survey();
   for (CalibrationPoint& point : points) {
     point.position.y = -point.position.y;
@@ -99,7 +99,7 @@ TEST(CalibrationInputCheck, NamesAnAxisThatRunsTheOtherWay) {
   EXPECT_TRUE(contains(refusal(points), "with the sign of y changed"));
 }
 
-TEST(CalibrationInputCheck, NamesRowsThatAreOneOff) {
+TEST(CalibrationInputCheck, ReportsShiftedRows) {
   auto points = survey();
   for (std::size_t i = 0; i < kCount; ++i) {
     points[i].position = survey()[(i + 1) % kCount].position;
@@ -150,7 +150,7 @@ TEST(CalibrationInputCheck, ReadsChainsInTheOrderOfTheOtherAccessPoint) {
                        "given for access point 'b' fits the place of access point 'a'"));
 }
 
-TEST(CalibrationInputCheck, RefusesTheOnePointThatStoodElsewhere) {
+TEST(CalibrationInputCheck, RefusesASingleMisplacedPoint) {
   auto points = survey();
   points[8].position = {0.75, 0.9, 1.2};
   const InputCheck check = check_calibration_inputs(surveyed_room(), points);
@@ -161,7 +161,7 @@ TEST(CalibrationInputCheck, RefusesTheOnePointThatStoodElsewhere) {
   EXPECT_TRUE(contains(check.misfits.front().reason, "(a), "));
 }
 
-TEST(CalibrationInputCheck, SaysNothingOfFewPoints) {
+TEST(CalibrationInputCheck, AcceptsFewPointsWithoutAVerdict) {
   auto points = survey();
   points.resize(kFewestPairs - 1);
   for (CalibrationPoint& point : points) {
@@ -192,7 +192,7 @@ void shift_all(RoomAccessPoint& ap) {
               ap.array.element_offset.end());
 }
 
-TEST(Field, CalibrationCheckNamesATurnedAccessPoint) {
+TEST(Field, CalibrationCheckReportsARotatedAccessPoint) {
   const auto found = found_where({{1, turn}});
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found.front().kind, TriedMistake::Kind::kArray);
@@ -203,7 +203,7 @@ TEST(Field, CalibrationCheckNamesATurnedAccessPoint) {
 }
 
 // Few pairs need more standard errors, and are evidence all the same.
-TEST(Field, FewPairsAreComparedByWhatIsAsRare) {
+TEST(Field, FewPairsNeedMoreStandardErrors) {
   const auto significance = [](std::size_t pairs) {
     PairedComparison comparison;
     for (std::size_t i = 0; i < pairs; ++i) {
@@ -241,7 +241,7 @@ TEST(Field, CalibrationCheckNamesCoresInAnotherOrder) {
                            ", " + std::to_string(cores[0])));
 }
 
-TEST(Field, CalibrationCheckNamesEachAccessPointThatStandsOtherwise) {
+TEST(Field, CalibrationCheckReportsEachMisorientedAccessPoint) {
   const auto found = found_where({{0, exchange_first_two}, {2, turn}});
   ASSERT_EQ(found.size(), 2U);
   EXPECT_TRUE(contains(found[0].message, "access point 'a'"));
@@ -249,7 +249,7 @@ TEST(Field, CalibrationCheckNamesEachAccessPointThatStandsOtherwise) {
 }
 
 // With one access point a mistake of the points may be better than nothing, too.
-TEST(Field, CalibrationCheckTellsATurnedAccessPointFromATurnedSurvey) {
+TEST(Field, CalibrationCheckSeparatesARotatedArrayFromARotatedSurvey) {
   RoomModel room = surveyed_room();
   turn(room.access_points[0]);
   auto points = survey();
@@ -262,7 +262,7 @@ TEST(Field, CalibrationCheckTellsATurnedAccessPointFromATurnedSurvey) {
   EXPECT_EQ(found.front().kind, TriedMistake::Kind::kArray) << found.front().message;
 }
 
-TEST(Field, CalibrationCheckNamesRecordingsThatWentRound) {
+TEST(Field, CalibrationCheckReportsCyclicallyExchangedRecordings) {
   auto points = survey();
   for (CalibrationPoint& point : points) {
     std::rotate(point.h.begin(), point.h.begin() + 1, point.h.end());  // a holds the channels of b

@@ -170,18 +170,18 @@ TEST(JointCalibration, ExplainsPointsThatItHasNotSeen) {
 
 // Walls of several centimetres, twice as far off: derivatives by their thickness mislead (a full
 // step of the second round loses 0.14 of the correlation; without shorter ones 0.987 is reached).
-TEST(JointCalibration, GoesPartOfTheWayWhereItsDerivativesMislead) {
+TEST(JointCalibration, ShortensStepsWhereDerivativesMislead) {
   const Calibrated thick({.points = 80, .error = 2.0, .plasterboard = 0.033});
   EXPECT_LT(held_out_fit(thick.room, thick.found, &PointFit::before), 0.6);
   EXPECT_GT(held_out_fit(thick.room, thick.found, &PointFit::placed), 0.995);
 }
 
-TEST(JointCalibration, StatesNothingThatTheTruthContradicts) {
+TEST(JointCalibration, StatedUncertaintyIncludesTheTruth) {
   expect_honest(well_surveyed().room, well_surveyed().found);
 }
 
 // In the third room, two walls first settle half a wave off, and wave_cycles sets them right.
-TEST(JointCalibration, StatesNothingThatTheTruthContradictsInOtherRooms) {
+TEST(JointCalibration, StatedUncertaintyIncludesTheTruthInOtherRooms) {
   for (const unsigned seed : {2U, 3U}) {
     const Calibrated other({.seed = seed});
     expect_honest(other.room, other.found);
@@ -199,7 +199,7 @@ TEST(JointCalibration, FitsAllAccessPointsTogether) {
 
 // Without a stated accuracy. Errors of half a wavelength, like 3 cm, resemble others: the estimate
 // is less.
-TEST(JointCalibration, FindsHowExactTheSurveyIs) {
+TEST(JointCalibration, EstimatesTheSurveyError) {
   for (const double sigma : {0.004, 0.01, 0.03}) {
     const test::SurveyedRoom room = test::make_surveyed_room(
         {.points = 40, .furniture = 1, .survey = sigma, .trace = {.max_depth = 2}});
@@ -288,7 +288,7 @@ TEST(JointCalibration, GoesOnFromEachCheckpointAsIfNeverInterrupted) {
 
 // Progress that a user reads: it counts the fitted points, and its share neither exceeds 1 nor
 // decreases.
-TEST(JointCalibration, TellsHowFarItIs) {
+TEST(JointCalibration, ReportsItsProgress) {
   double last = 0.0;
   const auto observe = [&](const CalibrationProgress& progress) {
     EXPECT_GE(progress.share, last);
@@ -349,7 +349,7 @@ TEST(JointCalibration, NamesAnAccessPointWithTooFewPoints) {
   EXPECT_NE(found.error().message.find("at least 4 are needed"), std::string::npos);
 }
 
-TEST(JointCalibration, RefusesASurveyThatNobodyHeard) {
+TEST(JointCalibration, RefusesASurveyWithoutFrames) {
   test::SurveyedRoom room = test::make_surveyed_room({.points = 6, .trace = {.max_depth = 1}});
   for (CalibrationPoint& point : room.points) {
     point.h[0].clear();

@@ -12,7 +12,7 @@ double octaves(double value, double from) { return std::log2(value / from); }
 
 // A narrow valley: more diffuse power that lasts less long explains nearly as much. One after the
 // other would take tens of rounds along it.
-TEST(ModelErrorFit, FollowsWhatIsExchangedBetweenItsNumbers) {
+TEST(ModelErrorFit, FollowsCorrelatedParameters) {
   constexpr double kAlong = 0.2;    // octaves, standard deviation along the valley
   constexpr double kAcross = 0.02;  // and across
   const auto evidence = [](const ModelError& error) {
@@ -32,7 +32,7 @@ TEST(ModelErrorFit, FollowsWhatIsExchangedBetweenItsNumbers) {
               0.01);
 }
 
-TEST(ModelErrorFit, StatesThePriorWhereNothingIsTold) {
+TEST(ModelErrorFit, ReturnsThePriorWithoutInformation) {
   const auto fit = fit_model_error([](const ModelError&) { return 7.0; }, assumed_model_error());
   EXPECT_NEAR(fit.noise.value, ModelError{}.noise, 1e-5);
   EXPECT_NEAR(fit.diffuse_exponent.value, 0.0, 1e-3);

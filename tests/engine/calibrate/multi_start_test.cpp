@@ -38,7 +38,7 @@ std::vector<double> numbers(const RoomCalibration& calibration) {
 }
 
 // Bursts at access points count: three access points receive three times as many.
-TEST(MultiStart, BeginsTheMoreOftenTheFewerBurstsThereAre) {
+TEST(MultiStart, UsesMoreStartsForFewerBursts) {
   const auto received = [](std::size_t points, std::size_t access_points) {
     CalibrationPoint point;
     point.h.assign(access_points, {1.0});
@@ -66,7 +66,7 @@ TEST(MultiStart, KeepsTheRunWhoseRoomMeetsThePointsBest) {
   EXPECT_EQ(numbers(alone), numbers(second));
 }
 
-TEST(MultiStart, PointsHeldOutHaveNoSay) {
+TEST(MultiStart, HeldOutPointsDoNotCount) {
   RoomCalibration calibration = by_draw(3);
   const double before = left_unexplained(survey().points, calibration);
   for (PointFit& fit : calibration.points) {
@@ -75,7 +75,7 @@ TEST(MultiStart, PointsHeldOutHaveNoSay) {
   EXPECT_EQ(left_unexplained(survey().points, calibration), before);
 }
 
-TEST(MultiStart, TellsOneShareAndCheckpointsOfTheFirst) {
+TEST(MultiStart, ReportsOneShareAndCheckpointsOfTheFirst) {
   double last = 0.0;
   int checkpoints = 0;
   JointCalibrationOptions options = options_of(3);

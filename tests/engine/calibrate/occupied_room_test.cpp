@@ -12,7 +12,7 @@
 namespace rayloc::occupied_room_test {
 namespace {
 
-TEST(OccupiedRoom, IsHeardThroughWhoWalksInIt) {
+TEST(OccupiedRoom, IsMeasuredThroughAWalkingPerson) {
   const RoomModel room = test::make_room();
   std::vector<CsiFrame> frames;
   for (unsigned i = 0; i < 60; ++i) {

@@ -97,7 +97,7 @@ TEST(Smape, GradientMatchesDifferences) {
   EXPECT_EQ(smape_gradient(std::vector{0.0}, std::vector{0.0})[0], 0.0);
 }
 
-TEST(PaperDelay, OfALineOfSightIsItsOwn) {
+TEST(PaperDelay, IsExactForALineOfSight) {
   const std::vector<std::vector<TestPath>> direct = {
       {{1.0, 8e-9}}, {{1.0, 8.3e-9}}, {{1.0, 8.6e-9}}};
   const PaperLoss loss(make_grid(), {}, 1e-3);
@@ -171,7 +171,7 @@ TEST(PaperLoss, AdjointsMatchDifferences) {
   }
 }
 
-TEST(PaperLoss, OfSilenceIsTheLargest) {
+TEST(PaperLoss, IsLargestForZeroChannels) {
   const PaperLoss loss(make_grid(), {}, 1e-3);
   const auto h = channel(antennas(7));
   const auto measured = loss.measure(h, kLineOfSight);

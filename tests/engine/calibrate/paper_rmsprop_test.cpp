@@ -8,7 +8,7 @@
 namespace rayloc::paper_rmsprop_test {
 namespace {
 
-TEST(Rmsprop, StepsAreAsLongAsTheirRatesWhateverTheGradient) {
+TEST(Rmsprop, StepLengthDependsOnlyOnTheRate) {
   Rmsprop descent({1e-3, 0.2}, {.decay = 0.9, .momentum = 0.0, .least = 1e-12});
   std::vector<double> x = {1.0, 1.0};
   descent.step(std::vector{500.0, -0.01}, x);
@@ -29,7 +29,7 @@ TEST(Rmsprop, MomentumCarriesOn) {
   EXPECT_NEAR(x[0], -1.6, 1e-9);
 }
 
-TEST(Rmsprop, HardlyMovesWhatHardlyMatters) {
+TEST(Rmsprop, BarelyMovesForTinyGradients) {
   Rmsprop descent({1.0}, {.decay = 0.9, .momentum = 0.6, .least = 1e-6});
   std::vector<double> x = {0.0};
   for (int i = 0; i < 100; ++i) {

@@ -39,7 +39,7 @@ TEST(PathErrors, AreAlikeAtAllAntennasOfAPath) {
   EXPECT_EQ(cross(other.all(0.015)), Value(0.0));
 }
 
-TEST(PathErrors, LoseWhatThePlaceInTheSquareTurns) {
+TEST(PathErrors, LoseThePhaseThatVariesWithinTheCell) {
   const std::vector<Value> one{1.0};
   PathErrors errors(2, 1);
   errors.add(0, ray(0, -10.0), {1.0, 0.0}, one, 0.25);
@@ -52,7 +52,7 @@ TEST(PathErrors, LoseWhatThePlaceInTheSquareTurns) {
 }
 
 // A wave scattered back depends on the place of the body's front, a wave that passes on does not.
-TEST(PathErrors, AFrontTakesThePhaseOfWhatComesBack) {
+TEST(PathErrors, AFrontOffsetAffectsOnlyBackscatteredPhases) {
   const RoomModel room = test::make_room();
   const PersonReference reference = test::learn_reference(room);
   const std::size_t antennas = room.access_points[0].cores.size();

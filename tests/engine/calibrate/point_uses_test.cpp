@@ -45,7 +45,7 @@ TEST(PointUses, LeaveEnoughToDecideAndToFitInSmallSurveys) {
   }
 }
 
-TEST(PointUses, NeverDecideByWhatNobodyHeard) {
+TEST(PointUses, NeverDecideByUnreceivedPoints) {
   auto points = received_points(40);
   for (std::size_t p = 0; p < 20; ++p) {
     points[p].h[0].clear();
@@ -58,7 +58,7 @@ TEST(PointUses, NeverDecideByWhatNobodyHeard) {
 }
 
 // Each point in its turn: no part of the room is always left out.
-TEST(PointUses, DrawEveryPointSoonerOrLater) {
+TEST(PointUses, EventuallyDrawEveryPoint) {
   const auto points = received_points(20);
   std::set<std::size_t> drawn;
   for (std::uint64_t seed = 1; seed <= 200; ++seed) {

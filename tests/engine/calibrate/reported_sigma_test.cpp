@@ -45,7 +45,7 @@ TEST_F(StatedWidthsTest, ARoomThatExplainsAllKeepsTheGaussian) {
   EXPECT_NEAR(width(0.1, 0.0), kWidth, 1e-12);
 }
 
-TEST_F(StatedWidthsTest, GrowWithWhatIsLeftUnexplained) {
+TEST_F(StatedWidthsTest, GrowWithTheUnexplainedShare) {
   double before = kWidth;
   for (const double unexplained : {0.02, 0.05, 0.1, 0.2, 0.5}) {
     const double now = width(0.1, unexplained);
@@ -54,19 +54,19 @@ TEST_F(StatedWidthsTest, GrowWithWhatIsLeftUnexplained) {
   }
 }
 
-TEST_F(StatedWidthsTest, AFaintSurfaceIsKnownFromItsPriorOnly) {
+TEST_F(StatedWidthsTest, AFaintSurfaceHasThePriorWidth) {
   const double width_now = width(1e-7, 0.3);
   EXPECT_GT(width_now, 0.8 * prior_);
   EXPECT_LT(width_now, 1.3 * prior_);
 }
 
 // A surface beyond its prior is more probably a cycle nearer to the plan.
-TEST_F(StatedWidthsTest, AFaintSurfaceFarFromThePlanIsDoubtedMore) {
+TEST_F(StatedWidthsTest, AFaintSurfaceFarFromThePlanIsWider) {
   EXPECT_GT(width(0.01, 0.3, 2.0 * prior_), 1.3 * width(0.01, 0.3, 0.0));
 }
 
 // By drawing, as below: an echo at the array turns all of its antenna's channel, at every point.
-TEST_F(StatedWidthsTest, AChainIsDoubtedByAnEchoOfTheWholeArray) {
+TEST_F(StatedWidthsTest, AnEchoOfTheWholeArrayWidensAChain) {
   constexpr double kUnexplained = 0.08;
   std::vector<double> sigma(unknowns_.size());
   const std::uint32_t gain = unknowns_.chain_gain(0, 1);
@@ -91,7 +91,7 @@ TEST_F(StatedWidthsTest, AChainIsDoubtedByAnEchoOfTheWholeArray) {
   EXPECT_NEAR(sigma[gain + 1], expected, 0.02 * expected);  // [rad]
 }
 
-TEST_F(StatedWidthsTest, WhatIsNotReleasedStaysUnstated) {
+TEST_F(StatedWidthsTest, UnreleasedParametersStayUnstated) {
   std::vector<double> sigma(unknowns_.size());
   JointState state;
   state.values.resize(unknowns_.size());
@@ -106,7 +106,7 @@ TEST_F(StatedWidthsTest, WhatIsNotReleasedStaysUnstated) {
 }
 
 // By drawing: the phase of an echo plus a weaker one of random phase, as an offset.
-TEST_F(StatedWidthsTest, AWeakEchoTurnsTheOffsetAsFarAsItsPhase) {
+TEST_F(StatedWidthsTest, AWeakEchoWidensTheOffsetByItsPhase) {
   constexpr double kCarried = 1.0;
   constexpr double kUnexplained = 0.2;  // the mean echo is 0.03 of it
   std::mt19937_64 random(1);

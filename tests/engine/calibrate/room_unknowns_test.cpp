@@ -86,7 +86,7 @@ TEST(RoomUnknowns, AnOffsetMovesOneFaceAlongItsNormal) {
   }
 }
 
-TEST(RoomUnknowns, MovesAndTurnsOneAccessPoint) {
+TEST(RoomUnknowns, MovesAndRotatesOneAccessPoint) {
   const Planned planned;
   const Pose& before = planned.room.access_points[1].array.pose;
   const Pose after = planned.changed("b.position.y", 0.004).access_points[1].array.pose;
@@ -144,7 +144,7 @@ TEST(RoomUnknowns, KeepsPermittivitiesPhysical) {
   }
 }
 
-TEST(RoomUnknowns, TurnsTheGainsOfOneChain) {
+TEST(RoomUnknowns, ScalesTheGainsOfOneChain) {
   const Planned planned;
   const std::size_t tones = planned.room.grid.size();
   const auto& before = planned.room.access_points[0].gains.gain;
@@ -157,7 +157,7 @@ TEST(RoomUnknowns, TurnsTheGainsOfOneChain) {
   EXPECT_NEAR(std::abs(louder[tones] - before[tones] * 1.2), 0.0, 1e-12);
 }
 
-TEST(RoomUnknowns, CouplesTwoAntennasOnTopOfWhatIsKnown) {
+TEST(RoomUnknowns, AddsToTheKnownCouplingOfTwoAntennas) {
   Planned planned;
   EXPECT_TRUE(planned.room.access_points[0].gains.coupling.empty());
   const auto first = planned.changed("a.core2/core0.coupling.im", 0.1).access_points[0].gains;
@@ -171,7 +171,7 @@ TEST(RoomUnknowns, CouplesTwoAntennasOnTopOfWhatIsKnown) {
   }
 }
 
-TEST(RoomUnknowns, CorrectsWhatOneSurfaceReflects) {
+TEST(RoomUnknowns, CorrectsTheReflectionOfOneSurface) {
   const Planned planned;
   const auto surface = planned.unknowns[planned.index("ceiling.-z.phase")].index;
   const RoomModel rotated = planned.changed("ceiling.-z.phase", 0.2);
@@ -181,7 +181,7 @@ TEST(RoomUnknowns, CorrectsWhatOneSurfaceReflects) {
   EXPECT_EQ(rotated.surface_correction[surface + 1], 1.0);
 }
 
-TEST(RoomUnknowns, ExpectsMoreOfFurnitureThanOfTheShell) {
+TEST(RoomUnknowns, HasWiderPriorsForFurnitureThanForTheShell) {
   const RoomModel room = test::make_surveyed_room({.points = 0}).plan;
   CalibrationPriors priors;
   priors.room_surface = 0.01;
@@ -206,7 +206,7 @@ TEST(RoomUnknowns, ExpectsMoreOfFurnitureThanOfTheShell) {
   }
 }
 
-TEST(RoomUnknowns, AreWhereTheirPlaceIsSaid) {
+TEST(RoomUnknowns, AreAtTheirStatedIndices) {
   const Planned planned;
   const RoomUnknowns& unknowns = planned.unknowns;
   const auto name = [&](std::size_t i) {

@@ -66,7 +66,7 @@ double slope(const SampleResidual& residual, const Eigen::MatrixXcd& columns, Ei
 // that it spans (1e-4 of the power): so much the differences differ.
 constexpr double kTolerance = 1e-3;
 
-TEST(SampleModel, ResidualDescribesTheSlopeOfWhatIsUnexplained) {
+TEST(SampleModel, ResidualMatchesTheSlopeOfTheUnexplainedPower) {
   const Surveyed& in = surveyed();
   const auto unknowns = in.all();
   for (std::size_t sample = 0; sample < in.traced.size(); ++sample) {
@@ -149,7 +149,7 @@ double largest_share(const Eigen::MatrixXcd& left_over) {
 }
 
 // A device within a metal cabinet: its frames are received, and the plan has no path to it.
-TEST(SampleModel, WhereNoRayLeadsEverythingIsUnexplained) {
+TEST(SampleModel, WithoutRaysEverythingIsUnexplained) {
   const Surveyed& in = surveyed();
   TracedSample shut = in.traced[0];
   for (auto& rays : shut.rays) {
@@ -165,7 +165,7 @@ TEST(SampleModel, WhereNoRayLeadsEverythingIsUnexplained) {
   EXPECT_EQ(in.model.unexplained(shut, measured, in.at()), measured.y.squaredNorm());
 }
 
-TEST(SampleModel, WeighsCoordinatesByWhatIsLeftOfThem) {
+TEST(SampleModel, WeighsCoordinatesByTheirResiduals) {
   const Surveyed& in = surveyed();
   const Eigen::Index q = in.model.nothing_left_over().rows();
   const SampleModel same = in.model.weighed(3.0 * Eigen::MatrixXcd::Identity(q, q));
@@ -227,7 +227,7 @@ TEST(SampleModel, DerivativesOfSomeAreThoseOfAll) {
   }
 }
 
-TEST(SampleModel, ScanGivesWhatIsUnexplainedAtEachValue) {
+TEST(SampleModel, ScanMatchesTheUnexplainedPowerAtEachValue) {
   const Surveyed& in = surveyed();
   const std::vector<double> values{-0.03, -0.001, 0.0, 0.02, 0.05};
   int scanned = 0;
@@ -250,7 +250,7 @@ TEST(SampleModel, ScanGivesWhatIsUnexplainedAtEachValue) {
 }
 
 // The model's coordinates leave out what the basis does not span, of the measured array `outside`.
-TEST(SampleModel, UnexplainedIsWhatTheCorrelationLacks) {
+TEST(SampleModel, UnexplainedPowerComplementsTheCorrelation) {
   const Surveyed& in = surveyed();
   for (std::size_t sample = 0; sample < in.traced.size(); ++sample) {
     const MeasuredSample measured = in.measured(sample);

@@ -138,7 +138,7 @@ std::size_t useful_sightings(const RoomModel& room,
   return useful;
 }
 
-TEST(SurveyPlan, SeesMoreThanPointsDrawnByLot) {
+TEST(SurveyPlan, CoversMoreThanRandomPoints) {
   const RoomModel room = test::make_room();
   const SurveyPlanOptions options{.points = 8};
   const auto planned = useful_sightings(room, plan_survey(room, options).points, options);
@@ -151,7 +151,7 @@ TEST(SurveyPlan, SeesMoreThanPointsDrawnByLot) {
   }
 }
 
-TEST(SurveyPlan, StandsOnlyWhereADeviceCan) {
+TEST(SurveyPlan, UsesOnlyFreePositions) {
   SurveyPlanOptions options{.points = 20};
   options.is_free = [](const Vec3d& p) { return p.x < 0.0; };
   const SurveyPlan plan = plan_survey(test::make_room(), options);
@@ -172,7 +172,7 @@ double length_of(Vec3d from, const std::vector<Vec3d>& points) {
   return length;
 }
 
-TEST(SurveyPlan, NoStretchOfTheWalkIsShorterTheOtherWayRound) {
+TEST(SurveyPlan, NoReversedSectionShortensTheWalk) {
   const RoomModel room = test::make_room();
   const std::vector<Vec3d> walk = plan_survey(room, {.points = 25}).points;
   for (auto first = walk.begin(); first != walk.end(); ++first) {

@@ -61,7 +61,7 @@ double chosen(const Survey& survey) {
   return evaluated[best_exponent(evaluated)].exponent;
 }
 
-TEST(TemperingExponent, IsWhatMakesTheEstimatesAsWideAsTheirErrors) {
+TEST(TemperingExponent, MatchesEstimateWidthsToTheirErrors) {
   for (const unsigned seed : {1U, 2U, 3U, 4U}) {
     EXPECT_GE(chosen(survey(kSigma, 0.0, seed)), 0.8) << seed;
     const double wide = chosen(survey(2.0 * kSigma, 0.0, seed));  // 0.25 by construction
@@ -77,7 +77,7 @@ TEST(TemperingExponent, DoesNotTakeTheSurveyForAnError) {
   EXPECT_LE(chosen(exact), 0.6);
 }
 
-TEST(TemperingExponent, OfHonestRegionsIsAboutOne) {
+TEST(TemperingExponent, CalibratedRegionsHaveADishonestyOfAboutOne) {
   double sum = 0.0;
   constexpr unsigned kSurveys = 40;
   for (unsigned seed = 0; seed < kSurveys; ++seed) {
@@ -97,7 +97,7 @@ TEST(TemperingExponent, FindsTheWidthThatIsLeft) {
   EXPECT_GE(evaluated.sigma_floor, 0.014);
 }
 
-TEST(TemperingExponent, CountsASpotWithoutAFixAsAnywhere) {
+TEST(TemperingExponent, CountsASpotWithoutAFixAsUniform) {
   const Survey one = survey(kSigma, 0.0);
   auto all = estimates(one, 1.0, 0.0);
   all.front() = {};
@@ -115,19 +115,19 @@ TemperingExponent evaluated(double exponent, double dishonesty, double mean) {
   return one;
 }
 
-TEST(BestExponent, IsTheMostHonestOfThoseThatAreAsGood) {
+TEST(BestExponent, IsTheBestCalibratedOfEqualScores) {
   const std::vector all = {
       evaluated(1.0, 5.0, 0.0), evaluated(0.8, 1.0, 0.05), evaluated(0.6, 3.0, 0.05)};
   EXPECT_EQ(best_exponent(all), 1U);
 }
 
-TEST(BestExponent, IsTheLeastOfTheHonest) {
+TEST(BestExponent, IsTheSmallestCalibratedOne) {
   const std::vector all = {
       evaluated(1.0, 1.0, 0.0), evaluated(0.8, 1.5, 0.05), evaluated(0.6, 2.0, 0.05)};
   EXPECT_EQ(best_exponent(all), 1U);
 }
 
-TEST(BestExponent, IsNoneThatTheScoreTellsToBeWorse) {
+TEST(BestExponent, IgnoresExponentsWithAWorseScore) {
   const std::vector all = {evaluated(1.0, 5.0, 0.0), evaluated(0.8, 0.5, 0.1)};
   EXPECT_EQ(best_exponent(all), 0U);
 }

@@ -187,7 +187,7 @@ TEST(TracedSample, CountsEveryReflectionOnASurface) {
   EXPECT_EQ(most, 2.0);
 }
 
-TEST(TracedSample, GivesTheFirstChainNoGainOfItsOwn) {
+TEST(TracedSample, HasNoGainParameterForTheFirstChain) {
   const Link link;
   const TracedSample here = link.here();
   for (std::size_t e = 0; e < here.rays.size(); ++e) {
@@ -202,7 +202,7 @@ TEST(TracedSample, GivesTheFirstChainNoGainOfItsOwn) {
   }
 }
 
-TEST(TracedSample, SaysWhoseItIs) {
+TEST(TracedSample, HasItsPointAndAccessPoint) {
   const TracedSample here = Link().here();
   EXPECT_EQ(here.point, 4U);
   EXPECT_EQ(here.access_point, 0U);

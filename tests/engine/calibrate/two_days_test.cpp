@@ -88,7 +88,7 @@ class TwoDaysTest : public ::testing::Test {
   const Channels empty_;
 };
 
-TEST_F(TwoDaysTest, TurnedChainsChangeNoAnswer) {
+TEST_F(TwoDaysTest, RotatedChainsChangeNoEstimate) {
   const std::vector<ReceivedDays> received_days = {received(room_, empty_)};
   const auto days = separate_days(room_, received_days);
   ASSERT_TRUE(days) << days.error().message;
@@ -127,7 +127,7 @@ TEST_F(TwoDaysTest, TurnedChainsChangeNoAnswer) {
 }
 
 // If the chains of a site were renewed first, the calibration has today's gains.
-TEST_F(TwoDaysTest, GainsOfTheCalibrationMayBeTodays) {
+TEST_F(TwoDaysTest, AcceptsGainsOfTheSecondDay) {
   const std::vector<ReceivedDays> received_days = {received(later_, empty_)};
   const auto days = separate_days(later_, received_days);
   ASSERT_TRUE(days) << days.error().message;
@@ -154,7 +154,7 @@ TEST_F(TwoDaysTest, ChainsThatAreAsTheyWereKeepTheirGains) {
 }
 
 // An object was moved: an echo of a hundredth of the power, 12 ns late.
-TEST_F(TwoDaysTest, WhatMovedIsNotTakenForAChain) {
+TEST_F(TwoDaysTest, AMovedObjectIsNotMistakenForAChain) {
   Channels today = empty_;
   for (std::vector<Value>& h : today) {
     double power = 0.0;
@@ -183,7 +183,7 @@ TEST_F(TwoDaysTest, WhatMovedIsNotTakenForAChain) {
 }
 
 // Echoes that have nothing to do with the room's, as strong as one another.
-TEST_F(TwoDaysTest, AnotherTransmitterIsNoOtherDay) {
+TEST_F(TwoDaysTest, RefusesAnotherTransmitterAsASecondDay) {
   Channels today = empty_;
   for (std::vector<Value>& h : today) {
     for (std::size_t j = 0; j < h.size(); ++j) {

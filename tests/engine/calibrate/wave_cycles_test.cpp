@@ -119,7 +119,7 @@ TEST_F(WaveCyclesTest, BringsTwoWallsBack) {
   EXPECT_LT(off(state, "west.+x"), 0.005);
 }
 
-TEST_F(WaveCyclesTest, SaysWhatElseEachSurfaceCouldBe) {
+TEST_F(WaveCyclesTest, ListsAlternativeCyclesOfEachSurface) {
   JointState state = settled_wrongly({});
   const WaveCycles cycles = settle(state);
   EXPECT_EQ(cycles.others.size(), 8U);  // four walls, to either side
@@ -129,7 +129,7 @@ TEST_F(WaveCyclesTest, SaysWhatElseEachSurfaceCouldBe) {
   EXPECT_NEAR(sigma[0], half_wave_ * std::sqrt(0.5), 1e-12);
 }
 
-TEST_F(WaveCyclesTest, StopsWhenItIsTold) {
+TEST_F(WaveCyclesTest, StopsOnRequest) {
   JointState state = settled_wrongly({{"west.+x", 1.0}});
   int asked = 0;
   settle(state, [&] { return ++asked < 3; });

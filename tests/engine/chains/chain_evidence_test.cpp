@@ -40,7 +40,7 @@ double share_above(const std::vector<double>& of_cell, const Vec3d& place) {
   return static_cast<double>(above) / static_cast<double>(of_cell.size());
 }
 
-TEST(ChainEvidence, WhoseChainsNobodyKnowsStillTellsMuchOfThePlace) {
+TEST(ChainEvidence, LocatesWithUnknownChains) {
   const double exponent = localizer()->room().likelihood_exponent;
   double whatever = 0.0;
   double accepted = 0.0;
@@ -74,7 +74,7 @@ TEST(ChainEvidence, WhoseChainsNobodyKnowsStillTellsMuchOfThePlace) {
   EXPECT_LT(whatever, accepted);
 }
 
-TEST(CellBelief, AnAccessPointThatMayBeWrongRulesNothingOut) {
+TEST(CellBelief, APossiblyFaultyAccessPointExcludesNoCell) {
   CellBelief belief(4);
   belief.receive(std::vector<double>{50.0, 0.0, 0.0, 0.0}, 0.1);
   belief.receive(std::vector<double>{0.0, 1.0, 1.0, 1.0}, 0.1);

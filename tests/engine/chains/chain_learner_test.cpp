@@ -79,7 +79,7 @@ TEST(ChainLearner, LeavesChainsAloneThatAreAsCalibrated) {
 }
 
 // Any phases and levels: nothing is a quarter of a turn.
-TEST(ChainLearner, LearnsWhatChainsMultiplyByAfterAPowerCycle) {
+TEST(ChainLearner, LearnsTheChainFactorsAfterAPowerCycle) {
   const std::vector<std::vector<Value>> cycles = {
       {1.0, std::polar(1.2, 1.0), std::polar(0.9, -2.6)},
       {1.0, 1.0, std::polar(1.0, std::numbers::pi)}};
@@ -108,7 +108,7 @@ TEST(ChainLearner, LearnsWhatChainsMultiplyByAfterAPowerCycle) {
   }
 }
 
-TEST(ChainLearner, WithdrawsWhatHasBecomeWrongAndLearnsAnew) {
+TEST(ChainLearner, WithdrawsWrongFactorsAndLearnsAnew) {
   const std::vector<Value> first = {1.0, std::polar(1.0, 2.0), std::polar(1.0, -1.2)};
   const std::vector<Value> second = {1.0, std::polar(1.0, -1.0), std::polar(1.0, 0.8)};
   ChainLearner learner(localizer());
@@ -135,7 +135,7 @@ TEST(ChainLearner, WithdrawsWhatHasBecomeWrongAndLearnsAnew) {
 }
 
 // A device at one place that resembles another place with rotated chains is evidence once.
-TEST(ChainLearner, TheSameAgainIsNoFurtherEvidence) {
+TEST(ChainLearner, RepeatedBurstsAddNoEvidence) {
   const std::vector<Value> factors = {1.0, 1.0, std::polar(1.0, 1.6)};
   ChainLearner learner(localizer());
   for (int i = 0; i < 30; ++i) {
@@ -151,7 +151,7 @@ TEST(ChainLearner, TheSameAgainIsNoFurtherEvidence) {
 
 // After a reported power cycle, no burst is used until the chains are learned, and the next program
 // uses the learned chains.
-TEST(ChainLearner, IsToldOfAPowerCycleAndKeepsWhatItLearned) {
+TEST(ChainLearner, LearnsAfterAReportedPowerCycleAndKeepsTheResult) {
   const std::vector<Value> factors = {1.0, std::polar(1.1, 0.6), std::polar(1.0, 3.0)};
   ChainLearner learner(localizer());
   learner.power_cycled(0, burst(0).front().time);

@@ -46,7 +46,7 @@ std::vector<CsiFrame> burst(int number, double turn) {
 }
 
 // The states of the chains are a sixteenth of a turn apart, and all are equally probable.
-TEST(CoarseFix, IsTheSameHoweverTheChainsHaveTurned) {
+TEST(CoarseFix, IsIndependentOfTheChainPhases) {
   constexpr double kStep = 2.0 * std::numbers::pi / 16.0;
   for (int i = 0; i < 5; ++i) {
     const LocationEstimate as_calibrated = locate_coarsely(*localizer(), burst(i, 0.0));
@@ -77,7 +77,7 @@ TEST(CoarseFix, ItsRegionsHoldThePlaces) {
   EXPECT_LT(width, std::hypot(3.0, 2.4));  // [m], of the room
 }
 
-TEST(CoarseFix, SaysWhyThereIsNone) {
+TEST(CoarseFix, ReportsTheReasonForNoFix) {
   const LocationEstimate of_nothing = locate_coarsely(*localizer(), {});
   EXPECT_FALSE(of_nothing.position);
   EXPECT_EQ(of_nothing.reason, "no frames");

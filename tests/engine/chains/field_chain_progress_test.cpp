@@ -9,7 +9,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-TEST(Field, ProgressOfLearningStatesWhatIsNeeded) {
+TEST(Field, ProgressOfLearningListsTheRequirements) {
   ChainState state;
   state.knowledge = ChainKnowledge::kLearning;
   state.bursts = 4;

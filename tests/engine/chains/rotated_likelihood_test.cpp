@@ -42,7 +42,7 @@ struct Scene {
   }
 };
 
-TEST(RotatedLikelihood, IsThatOfTheBurstTurnedBackInEveryState) {
+TEST(RotatedLikelihood, MatchesTheDerotatedBurstInEveryState) {
   const Scene scene;
   const RotationGrid grid(3);
   const ObservedArray as_received = scene.observed({1.0, 1.0, 1.0});
@@ -67,7 +67,7 @@ TEST(RotatedLikelihood, IsThatOfTheBurstTurnedBackInEveryState) {
   }
 }
 
-TEST(RotatedLikelihood, OfAnyFactorsIsThatOfTheArrayDividedByThem) {
+TEST(RotatedLikelihood, MatchesTheDividedArrayForAnyFactors) {
   const Scene scene;
   const std::vector<Value> factors = {1.0, std::polar(1.3, 0.7), std::polar(0.8, -2.1)};
   const std::vector<Value> undoing = {1.0, 1.0 / factors[1], 1.0 / factors[2]};
@@ -87,7 +87,7 @@ TEST(RotatedLikelihood, OfAnyFactorsIsThatOfTheArrayDividedByThem) {
 }
 
 // The likelihood of a corrected burst is that of the burst with the correction as a factor.
-TEST(RotatedLikelihood, OfABurstMultipliedByFactorsIsThatOfUndoingThem) {
+TEST(RotatedLikelihood, MatchesTheProductOfSuccessiveFactors) {
   const Scene scene;
   const ObservedArray received = scene.observed({1.0, std::polar(1.2, 0.4), std::polar(0.9, -1.0)});
   const std::vector<Value> factor = {1.0, std::polar(0.8, -0.5), std::polar(1.1, 0.9)};
@@ -119,7 +119,7 @@ TEST(RotatedLikelihood, CommonFactorOfAllChainsChangesNothing) {
               1e-6);
 }
 
-TEST(RotationGrid, StatesAreTurnsOfAllChainsButTheFirst) {
+TEST(RotationGrid, StatesRotateAllChainsButTheFirst) {
   const RotationGrid grid(3);
   EXPECT_EQ(grid.size(), 16U * 16U);
   EXPECT_EQ(grid.turn(17, 0), 0U);

@@ -5,14 +5,14 @@
 namespace rayloc::mac_address_test {
 namespace {
 
-TEST(MacAddress, PrintsWhatItParsed) {
+TEST(MacAddress, PrintsAParsedAddress) {
   const auto mac = parse_mac_address("02:52:4C:00:00:fe");
   ASSERT_TRUE(mac.has_value());
   EXPECT_EQ(to_string(*mac), "02:52:4c:00:00:fe");
   EXPECT_EQ(parse_mac_address("02-52-4c-00-00-fe").value(), *mac);
 }
 
-TEST(MacAddress, RefusesWhatIsNotOne) {
+TEST(MacAddress, RefusesInvalidAddresses) {
   for (const char* text : {"",
                            "02:52:4c:00:00",
                            "02:52:4c:00:00:0",

@@ -54,7 +54,7 @@ TEST(TonePlan, NoTonePlanTouchesTheCentre) {
   }
 }
 
-TEST(TonePlan, SpansTheSameBandwidthWhateverTheSpacing) {
+TEST(TonePlan, SpansTheSameBandwidthForAnySpacing) {
   for (const PhyFormat phy : kAll) {
     for (const int bandwidth : kBandwidths) {
       EXPECT_EQ(transform_size(phy, bandwidth) * tone_spacing_hz(phy), bandwidth * 1e6);

@@ -43,7 +43,7 @@ double mean_gain(const AntennaPattern& pattern) {
   return sum * kPi / (4.0 * kSteps * kSteps);
 }
 
-TEST(AntennaField, RadiatesWhatItIsFed) {
+TEST(AntennaField, RadiatesItsInputPower) {
   EXPECT_NEAR(mean_gain(AntennaPattern::kIsotropic), 1.0, 1e-5);
   EXPECT_NEAR(mean_gain(AntennaPattern::kDipole), 1.0, 1e-5);
   EXPECT_NEAR(mean_gain(AntennaPattern::kHalfWaveDipole), 1.0, 2e-3);  // 1.643 is rounded
@@ -68,7 +68,7 @@ TEST(AntennaField, Tr38901HasItsBeamAndItsFloor) {
 
 // Its 8 dBi are less than its directivity. Sionna RT's AntennaPattern.compute_gain states 9.826 dB
 // and an efficiency of 65.68 % for "tr38901".
-TEST(AntennaField, Tr38901LosesAThirdOfWhatItIsFed) {
+TEST(AntennaField, Tr38901LosesAThirdOfItsInputPower) {
   const double mean = mean_gain(AntennaPattern::kTr38901);
   EXPECT_NEAR(mean, 0.6568, 2e-4);
   EXPECT_NEAR(8.0 - 10.0 * std::log10(mean), 9.826, 1e-3);

@@ -150,7 +150,7 @@ struct Case {
 
 class AntennaGainTableError : public ::testing::TestWithParam<Case> {};
 
-TEST_P(AntennaGainTableError, NamesTheLineAndWhatToWrite) {
+TEST_P(AntennaGainTableError, ReportsTheLineAndTheRemedy) {
   const auto table = AntennaGainTable::parse(GetParam().text, "beam.csv");
   ASSERT_FALSE(table);
   EXPECT_EQ(table.error().kind, ErrorKind::kConfiguration);

@@ -70,7 +70,7 @@ TEST(CylinderModes, AbsorbWithLoss) {
   }
 }
 
-TEST(CylinderModes, OfAGoodConductorAreThoseOfAPerfectOne) {
+TEST(CylinderModes, MatchAPerfectConductorForAGoodOne) {
   const double x = 12.0;
   const CylinderModes modes = circular_modes(x, {1.0, -3.5e7}, 1.0, 20);
   std::vector<Complex<double>> h(21);

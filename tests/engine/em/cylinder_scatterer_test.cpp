@@ -301,7 +301,7 @@ TEST(CylinderScatterer, ThinBodyDoesNothing) {
   EXPECT_LT(std::abs(vertical(thread, source, observer)), 1e-3);
 }
 
-TEST(CylinderScatterer, LeavesOutWhatItsTheoryDoesNotHoldFor) {
+TEST(CylinderScatterer, OmitsDirectionsOutsideItsTheory) {
   const CylinderScatterer body = scatterer(person());
   // Above the body's head; and so steep that it is as good as above.
   EXPECT_EQ(std::abs(vertical(body, {0.1, 0.0, 2.4}, {1.0, 0.0, 1.0})), 0.0);

@@ -55,7 +55,7 @@ double over_half_space(double cos_in, const Value& value) {
   return sum * (0.5 * kPi / kZeniths) * (2.0 * kPi / kAzimuths);
 }
 
-TEST(ScatteringLobe, WhatIsScatteredIsWhatIsNotReflected) {
+TEST(ScatteringLobe, ScattersThePowerMissingFromTheReflection) {
   for (const Shape& shape : {kLambertian,
                              directive(1),
                              directive(4),

@@ -128,7 +128,7 @@ Cd half_plane(double kr, double from, double to, Wall wall) {
   return wave(to - from) + (wall == Wall::kHard ? 1.0 : -1.0) * wave(to + from);
 }
 
-TEST(WedgeDiffraction, OfAHalfPlaneIsExact) {
+TEST(WedgeDiffraction, IsExactForAHalfPlane) {
   for (const double wavelengths : {0.5, 2.0, 50.0}) {
     const ExactWedge wedge(2.0, kTurn * wavelengths);
     for (const double from : {0.3, 1.7, 4.0}) {

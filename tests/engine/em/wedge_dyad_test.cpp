@@ -109,7 +109,7 @@ WedgeDyad<double> jump(
 
 constexpr double kOff = 1e-9;
 
-TEST(WedgeDyad, OfAConductorIsSoftAndHard) {
+TEST(WedgeDyad, IsSoftAndHardForAConductor) {
   for (const double cos_edge : {0.0, 0.6}) {
     for (const double to : {0.3, 2.0, 4.4}) {
       const WedgeRay<double> ray{1.5, 0.8, to, 30.0};
@@ -156,7 +156,7 @@ TEST(WedgeDyad, JumpsByTheReflectionAtTheOtherFace) {
   EXPECT_NEAR(norm(found.im - expected.im), 0.0, 1e-7);
 }
 
-TEST(WedgeDyad, JumpsByWhatDoesNotGoThrough) {
+TEST(WedgeDyad, JumpsByTheBlockedField) {
   constexpr double kCosEdge = 0.4;
   for (const bool is_sheet : {false, true}) {
     const double n = is_sheet ? 2.0 : 1.6;
@@ -214,7 +214,7 @@ TEST(WedgeDyad, VanishesOnFaces) {
   }
 }
 
-TEST(WedgeDyad, OfNothingIsNothing) {
+TEST(WedgeDyad, VanishesForAThinFilm) {
   const Slab<double> film{{1.5, 0.0}, 1e-12};
   for (const double to : {0.9, 3.3, 4.2}) {
     expect_near(

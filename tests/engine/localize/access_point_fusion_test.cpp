@@ -35,7 +35,7 @@ double probability(const std::vector<double>& map, std::size_t cell) {
   return std::exp(kTemper * map[cell] - log_mean_exp(map, kTemper)) / 100.0;
 }
 
-TEST(AccessPointFusion, OneIsBelievedAsItIs) {
+TEST(AccessPointFusion, ASingleMapIsUnchanged) {
   const Maps maps{peak_at(7, 5.0)};
   const std::vector<double> faulty{0.01};
   const AccessPointFusion fusion(maps, kTemper, faulty);
@@ -47,7 +47,7 @@ TEST(AccessPointFusion, OneIsBelievedAsItIs) {
   EXPECT_NEAR(fusion.outlier(log_mean_exp(map, kTemper), 0.01), 0.02, 2e-4);
 }
 
-TEST(AccessPointFusion, ThoseThatAgreeAddUp) {
+TEST(AccessPointFusion, AgreeingMapsAddUp) {
   const Maps maps{peak_at(7, 6.0), peak_at(7, 6.0)};
   const std::vector<double> faulty{0.01, 0.01};
   const AccessPointFusion fusion(maps, kTemper, faulty);
@@ -58,7 +58,7 @@ TEST(AccessPointFusion, ThoseThatAgreeAddUp) {
   EXPECT_LT(fusion.faulty(0, 6.0), 0.02);  // mostly blunted
 }
 
-TEST(AccessPointFusion, OneAgainstTwoIsOutvotedHoweverSureItIs) {
+TEST(AccessPointFusion, TwoMapsOutvoteAContradictingThird) {
   const Maps maps{peak_at(7, 20.0), peak_at(7, 20.0), peak_at(60, 80.0)};
   const std::vector<double> faulty{0.01, 0.01, 0.01};
   const AccessPointFusion fusion(maps, kTemper, faulty);
@@ -69,7 +69,7 @@ TEST(AccessPointFusion, OneAgainstTwoIsOutvotedHoweverSureItIs) {
   EXPECT_LT(fusion.outlier(log_mean_exp(map, kTemper), 0.01), 0.05);
 }
 
-TEST(AccessPointFusion, TwoThatContradictEachOtherLeaveBothPlacesAndElsewhere) {
+TEST(AccessPointFusion, TwoContradictingMapsKeepBothPlacesAndRaiseTheOutlier) {
   const Maps maps{peak_at(7, 60.0), peak_at(60, 80.0)};
   const std::vector<double> faulty{0.01, 0.01};
   const AccessPointFusion fusion(maps, kTemper, faulty);
@@ -105,14 +105,14 @@ std::pair<double, double> mass_of(const Maps& maps) {
   return {mean, std::sqrt(square - mean * mean)};
 }
 
-TEST(AccessPointFusion, ThoseThatAgreeAreHardlyWidened) {
+TEST(AccessPointFusion, AgreeingMapsAreBarelyWidened) {
   const auto [mean, sigma] = mass_of({hill_at(50, 3), hill_at(50, 3), hill_at(50, 3)});
   EXPECT_NEAR(mean, 50.0, 0.01);
   EXPECT_GT(sigma, 3.0 / std::sqrt(3.0));
   EXPECT_LT(sigma, 1.7 * 3.0 / std::sqrt(3.0));
 }
 
-TEST(AccessPointFusion, ThoseThatContradictEachOtherByLittleAreWidenedToIt) {
+TEST(AccessPointFusion, SlightlyContradictingMapsAreWidened) {
   // Bumped: they are four standard deviations apart.
   const auto [mean, sigma] = mass_of({hill_at(38, 3), hill_at(50, 3), hill_at(62, 3)});
   EXPECT_NEAR(mean, 50.0, 0.1);
@@ -123,7 +123,7 @@ TEST(AccessPointFusion, ThoseThatContradictEachOtherByLittleAreWidenedToIt) {
   EXPECT_GT(wide, 4.0);  // unwidened: 2.1
 }
 
-TEST(AccessPointFusion, CellsThatWereNotLookedAtHaveNoMass) {
+TEST(AccessPointFusion, UnevaluatedCellsHaveNoMass) {
   Maps maps{std::vector<double>(100, -1e4)};
   maps[0][7] = 3.0;
   const std::vector<double> faulty{0.01};

@@ -150,7 +150,7 @@ TEST_F(BurstNoise, IsExactOfNoiseAlone) {
   EXPECT_NEAR(log_likelihood_with_noise(place, observed, observed.windows[0], 0), expected, 1e-4);
 }
 
-TEST_F(BurstNoise, OfAStrongDeviceIsNothing) {
+TEST_F(BurstNoise, HasNoEffectForAStrongDevice) {
   ObservedArray observed = received_with(1e-6);
   const auto traced = rays(kTruth);
   const PlaceModel place = model_.place({traced, offsets_, 0.007}, error_);

@@ -23,7 +23,7 @@ LocationEstimate single(double weight = 1.0) {
   return estimate;
 }
 
-TEST(CredibleRegion, OfAGaussianIsItsEllipse) {
+TEST(CredibleRegion, IsTheEllipseOfAGaussian) {
   // d^2 = dx^2 yy - 2 dx dy xy + dy^2 xx over the determinant, by hand.
   const double d2 = (0.3 * 0.3 * 0.09 - 2 * 0.3 * 0.2 * 0.01 + 0.2 * 0.2 * 0.04) / 0.0035;
   EXPECT_NEAR(*normalized_squared_error(single(), {1.3, 2.2, 7}), d2, 1e-12);
@@ -31,7 +31,7 @@ TEST(CredibleRegion, OfAGaussianIsItsEllipse) {
   EXPECT_EQ(*region_reaching(single(), {1, 2, 0}), 0.0);
 }
 
-TEST(CredibleRegion, DensityIsThatOfTheGaussianAndOfWhatIsLeftOver) {
+TEST(CredibleRegion, DensityIncludesTheGaussianAndTheResidual) {
   const double d2 = (0.3 * 0.3 * 0.09 - 2 * 0.3 * 0.2 * 0.01 + 0.2 * 0.2 * 0.04) / 0.0035;
   const double gaussian = std::exp(-d2 / 2) / (2 * M_PI * std::sqrt(0.0035));
   EXPECT_NEAR(stated_density(single(0.8), {1.3, 2.2, 0}, 10.0), 0.8 * gaussian + 0.02, 1e-12);
@@ -47,7 +47,7 @@ TEST(CredibleRegion, LeftOverProbabilityComesLast) {
   EXPECT_NEAR(*region_reaching(single(0.8), {100, 100, 0}), 0.8, 1e-12);
 }
 
-TEST(CredibleRegion, OfAMixtureHoldsItsProbability) {
+TEST(CredibleRegion, ContainsItsProbabilityForAMixture) {
   // Draws of the mixture itself lie in its region of probability p with probability p.
   LocationEstimate estimate = single();
   estimate.hypotheses = {{{0, 0, 0}, covariance(0.01, 0.002, 0.02), 0.5},

@@ -76,7 +76,7 @@ TEST(DelaySpread, ForgetsGainPhaseAndTimingOffset) {
   EXPECT_NEAR(late[0], near[0], 1e-18);
 }
 
-TEST(DelaySpread, OfSilenceIsZero) {
+TEST(DelaySpread, IsZeroForZeroChannels) {
   const DelaySpread spread(make_grid(), 1e-3);
   const std::vector<Value> silence(make_grid().size());
   EXPECT_EQ(spread.of(silence)[0], 0.0);

@@ -153,7 +153,7 @@ std::uint8_t core_of(const Localizer& by, std::size_t spot) {
   return cores[(spot / by.room().access_points.size()) % cores.size()];
 }
 
-TEST(Fault, NothingWrongIsNoAlarm) {
+TEST(Fault, NoFaultCausesNoAlarm) {
   Tally all;
   for (const std::size_t access_points : {1U, 2U, 3U}) {
     const Localizer& by = localizer(access_points);
@@ -224,7 +224,7 @@ TEST(Fault, JumpedPhaseOfAChain) {
 }
 
 // Its reflections locate the device; with other access points, at least half of the cases name it.
-TEST(Fault, CoveredAccessPoint) {
+TEST(Fault, ObstructedAccessPoint) {
   Tally all;
   for (const std::size_t access_points : {1U, 2U, 3U}) {
     const Localizer& by = localizer(access_points);

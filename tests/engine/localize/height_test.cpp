@@ -152,7 +152,7 @@ TEST(UnknownHeight, IsHandledByEveryLikelihood) {
   }
 }
 
-TEST(UnknownHeight, EvidenceTellsLayersAndKeepsToTheFocus) {
+TEST(UnknownHeight, EvidenceSeparatesLayersAndRespectsTheFocus) {
   const auto frames = test::frames_at(localizer().room(), {0.3, 0.2, 1.45});
   const RoomObservation observation = localizer().receive(frames);
   const auto free = localizer().evidence(observation, Localizer::Scan::kPlaces);

@@ -95,7 +95,7 @@ TEST(LaneKernel, FindsTheBestGain) {
   }
 }
 
-TEST(LaneKernel, AddsWhatIsTurned) {
+TEST(LaneKernel, SumsRotatedMeans) {
   constexpr std::size_t kTerms = 5;
   constexpr std::size_t kSize = 6;
   Random random;

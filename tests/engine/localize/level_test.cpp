@@ -49,7 +49,7 @@ TEST(Level, HasDiffusePowerByTheLengthOfTheShortestRay) {
   EXPECT_NEAR(traced_level_db(rays, error), 10.0 * std::log10((9e-6 + 1e-6) * 1.8), 1e-12);
 }
 
-TEST(Level, IsAGaussianOfWhatIsHeardLessWhatIsTracedAndTheOffset) {
+TEST(Level, IsAGaussianOfReceivedMinusTracedPower) {
   const auto received = received_level(access_point(), burst_of(kKnown, -81.0));
   ASSERT_TRUE(received);
   EXPECT_DOUBLE_EQ(received->traced_db, -43.5);
@@ -59,13 +59,13 @@ TEST(Level, IsAGaussianOfWhatIsHeardLessWhatIsTracedAndTheOffset) {
   EXPECT_DOUBLE_EQ(received->log_likelihood(-38.5), -2.0);  // two
 }
 
-TEST(Level, SaysNothingOfATransmitterThatIsNotKnown) {
+TEST(Level, IsAbsentForAnUnknownTransmitter) {
   const MacAddress stranger = *parse_mac_address("02:52:4c:00:00:03");
   EXPECT_FALSE(received_level(access_point(), burst_of(stranger, -81.0)));
   EXPECT_FALSE(received_level(RoomAccessPoint(), burst_of(kKnown, -81.0)));
 }
 
-TEST(Level, SaysNothingWhereTheBurstStatesNone) {
+TEST(Level, IsAbsentIfTheBurstStatesNoPower) {
   EXPECT_FALSE(received_level(access_point(), burst_of(kKnown, std::nullopt)));
 }
 

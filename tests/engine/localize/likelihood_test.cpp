@@ -129,7 +129,7 @@ TEST_P(EachLikelihood, CoarseIsALowerBound) {
   }
 }
 
-TEST_P(EachLikelihood, OfAPlaceWithoutRaysIsNotReachable) {
+TEST_P(EachLikelihood, APlaceWithoutRaysIsNotReachable) {
   EXPECT_FALSE(likelihood_->place({{}, {}, kCell}, link().error()).reachable);
 }
 
@@ -269,7 +269,7 @@ TEST(Likelihoods, MatchTheirFormulasWithDenseMatrices) {
   }
 }
 
-TEST(Likelihoods, FindADeviceWhoseDirectWayIsCovered) {
+TEST(Likelihoods, FindAnObstructedDevice) {
   const ObservationModel model(link().room().grid, 3);
   ModelError error;  // a room that is modelled well: reflections distinguish places
   error.plan_tolerance = 0.001;
@@ -360,7 +360,7 @@ TEST(Ray, ImagesStayWhenTheDeviceMoves) {
 }
 
 // The tracer's own derivative of a delay is that of the image.
-TEST(Ray, DelayChangesAsTheTracerSays) {
+TEST(Ray, DelayMatchesTheTracerDerivative) {
   const ReceiverTracer tracer = link().tracer().at(link().centre());
   const Paths paths = tracer.trace(link().device(kTruth));
   const auto derivatives = tracer.differentiate(
@@ -428,7 +428,7 @@ void expect_slopes_of_differences(const NearbyLikelihood& nearby) {
 TEST_P(Nearby, SlopeIsThatOfCentralDifferences) { expect_slopes_of_differences(*nearby_); }
 TEST_P(NearbyCovered, SlopeIsThatOfCentralDifferences) { expect_slopes_of_differences(*nearby_); }
 
-TEST_P(Nearby, IsWhatATraceFromThereGives) {
+TEST_P(Nearby, MatchesATraceFromTheMovedPlace) {
   for (const Vec3d moved : {Vec3d{}, Vec3d{0.013, 0.006, 0.0}, Vec3d{-0.01, 0.012, 0.0}}) {
     const auto rays = link().rays(kTruth + moved);
     const ObservationModel::Place place{rays, link().offsets(), kCell};

@@ -105,7 +105,7 @@ void expect_same(const LocationEstimate& a, const LocationEstimate& b) {
   }
 }
 
-TEST(LocalizerLevel, MovesTheMassToTheDistanceThatItSays) {
+TEST(LocalizerLevel, MovesTheMassToItsDistance) {
   const Localizer without = localizer_in(make_field());
   const Localizer with = localizer_in(with_level(make_field()));
   for (const double distance : {1.0, 2.0, 3.5}) {
@@ -136,7 +136,7 @@ TEST(LocalizerLevel, IsNotTempered) {
   EXPECT_LT(most, 1.25 * least);
 }
 
-TEST(LocalizerLevel, ChangesNothingWhereItIsNotKnownOrNotStated) {
+TEST(LocalizerLevel, ChangesNothingIfUnknownOrMissing) {
   const Localizer without = localizer_in(make_field());
   const Localizer with = localizer_in(with_level(make_field()));
   const auto silent = received_at(with.room(), std::nullopt);
@@ -151,7 +151,7 @@ TEST(LocalizerLevel, ChangesNothingWhereItIsNotKnownOrNotStated) {
 }
 
 // That of the antennas that are left was not learned.
-TEST(LocalizerLevel, IsNotBelievedWithADeadChain) {
+TEST(LocalizerLevel, IsIgnoredWithADeadChain) {
   RoomModel room = test::make_room();
   auto frames = test::frames_at(room, {0.3, 0.2, 1.2});
   for (CsiFrame& frame : frames) {
@@ -171,7 +171,7 @@ TEST(LocalizerLevel, IsNotBelievedWithADeadChain) {
   expect_same(estimate, usual);
 }
 
-TEST(LocalizerLevel, SaysNothingOfTheRoomAsAWhole) {
+TEST(LocalizerLevel, HasAMeanLikelihoodOfOneOverTheRoom) {
   const auto room = std::make_shared<const RoomModel>(make_field());
   const Grid grid(room->bounds_min, room->bounds_max, 1.2, 0.25);
   const AccessPointMap map(AccessPointMap::Source{room, 0, grid, LikelihoodKind::kPartial},

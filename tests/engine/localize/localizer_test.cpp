@@ -164,7 +164,7 @@ TEST(Localizer, GivesNoFixWithoutChainGains) {
             "access point a has no chain gains: calibrate the site first (rayloc calibrate)");
 }
 
-TEST(Localizer, LeavesOutAnAccessPointWithoutChainGainsAndSaysSo) {
+TEST(Localizer, OmitsAndReportsAnAccessPointWithoutChainGains) {
   RoomModel room = test::make_room();
   room.access_points[1].gains = {};
   const Vec3d truth{0.3, 0.2, 1.2};

@@ -36,7 +36,7 @@ TEST(DelayBasis, HoldsEveryEchoOfTheWindow) {
 }
 
 // The rays of the array's centre represent the traces of every element.
-TEST(ObservationModel, ExpectsWhatTheElementsWouldHear) {
+TEST(ObservationModel, PredictsTheChannelsOfTheElements) {
   const RoomModel room = test::make_room();
   const RoomAccessPoint& ap = room.access_points[0];
   const Vec3d position{0.4, -0.5, 1.2};
@@ -58,7 +58,7 @@ TEST(ObservationModel, ExpectsWhatTheElementsWouldHear) {
   EXPECT_GT(Aligner(room.grid).align(expected, traced).correlation, 0.999);
 }
 
-TEST(ObservationModel, LikelihoodPeaksAtThePlaceWhateverGainPhaseAndDelay) {
+TEST(ObservationModel, LikelihoodPeaksAtThePlaceForAnyGainPhaseAndDelay) {
   const RoomModel room = test::make_room();
   const RoomAccessPoint& ap = room.access_points[0];
   const auto offsets = offsets_of(ap.array);
@@ -102,7 +102,7 @@ TEST(ObservationModel, CoarseLikelihoodIsALowerBoundNearTheFull) {
 
 // The remaining mean of a ray is the mean of its phase, relative to the first ray's, over the
 // places where the point may be: compared with traces to such places.
-TEST(ObservationModel, OfASurveyedPointKnowsWhatIsLeftOnTheAverage) {
+TEST(ObservationModel, KnownFractionIsTheMeanOverSurveyErrors) {
   const RoomModel room = test::make_room();
   const AntennaArray& array = room.access_points[0].array;
   const Vec3d middle{0.4, -0.5, 1.2};
@@ -144,7 +144,7 @@ TEST(ObservationModel, OfASurveyedPointKnowsWhatIsLeftOnTheAverage) {
   EXPECT_LT(parts.back().known, 0.9);
 }
 
-TEST(ObservationModel, OfAPlaceWithoutRaysIsNotReachable) {
+TEST(ObservationModel, APlaceWithoutRaysIsNotReachable) {
   const RoomModel room = test::make_room();
   const ObservationModel model(room.grid, 3);
   EXPECT_FALSE(model.place({{}, {}, 0.05}, {}).reachable);

@@ -122,7 +122,7 @@ TEST(PaperDescent, StaysWithinTheBounds) {
   EXPECT_EQ(end.position, (Vec3d{3.0, 2.0, 1.2}));
 }
 
-TEST(PaperDescent, RateAndMomentumLimitTheWay) {
+TEST(PaperDescent, RateAndMomentumLimitTheDistance) {
   // METHODS C7: 0.03 / (1 - 0.6) a step.
   std::mt19937_64 random(1);
   const PlanBounds wide = {{-50.0, -50.0, 0.0}, {50.0, 50.0, 2.5}};

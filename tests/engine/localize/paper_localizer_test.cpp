@@ -179,7 +179,7 @@ TEST(PaperLocalizer, MoreStartsNeverEndHigher) {
   EXPECT_EQ(best.starts, 6U);
 }
 
-TEST(PaperLocalizer, AblationsChangeTheWay) {
+TEST(PaperLocalizer, AblationsChangeTheEstimate) {
   const RoomModel room = test::make_room();
   const auto frames = test::frames_at(room, {0.3, 0.2, kHeight});
   PaperLocalizerOptions options;
@@ -205,7 +205,7 @@ TEST(PaperLocalizer, StaysInTheRoom) {
   EXPECT_DOUBLE_EQ(estimate.position->y, room.bounds_min.y + 0.01);
 }
 
-TEST(PaperLocalizer, SaysWhyThereIsNoFix) {
+TEST(PaperLocalizer, ReportsTheReasonForNoFix) {
   RoomModel room = test::make_room();
   const auto frames = test::frames_at(room, {0.3, 0.2, kHeight});
   EXPECT_EQ(localizer().locate({}).reason, "no frames");
@@ -234,7 +234,7 @@ TEST(PaperLocalizer, LeavesOutASingleAntenna) {
             "access point a has a single antenna, and there is no ratio of one");
 }
 
-TEST(PaperLocalizer, RefusesWhatMakesNoSense) {
+TEST(PaperLocalizer, RefusesInvalidOptions) {
   EXPECT_FALSE(PaperLocalizer::create(nullptr, {}));
   std::vector<PaperLocalizerOptions> bad(5);
   bad[0].starts = 0;

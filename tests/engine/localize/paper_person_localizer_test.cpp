@@ -158,12 +158,12 @@ TEST_F(PaperPersonLocalizerTest, GoesOnWhereTheBodyWouldHoldADevice) {
   EXPECT_EQ(there.by_y, 0.0);
 }
 
-TEST_F(PaperPersonLocalizerTest, SaysWhyThereIsNoFix) {
+TEST_F(PaperPersonLocalizerTest, ReportsTheReasonForNoFix) {
   EXPECT_EQ(localizer().locate({}).reason, "no frames");
   EXPECT_FALSE(localizer().loss({}, {}));
 }
 
-TEST_F(PaperPersonLocalizerTest, RefusesWhatMakesNoSense) {
+TEST_F(PaperPersonLocalizerTest, RefusesInvalidInputs) {
   const auto shared = std::make_shared<const RoomModel>(room());
   PaperLocalizerOptions bad = paper_person_options();
   bad.starts = 0;

@@ -59,7 +59,7 @@ class PaperProof : public ::testing::Test {
   std::vector<CsiFrame> frames_;
 };
 
-TEST_F(PaperProof, LossIsNothingAtTheDevice) {
+TEST_F(PaperProof, LossIsZeroAtTheDevice) {
   const auto method = PaperLocalizer::create(room_, bare());
   EXPECT_LT(method->loss(frames_, kTruth)->value, 1e-6);
   EXPECT_GT(method->loss(frames_, kTruth + Vec3d{0.01, 0.0, 0.0})->value, 1e-4);
@@ -73,13 +73,13 @@ TEST_F(PaperProof, StaysWhereTheDeviceIs) {
   EXPECT_LT(from(0.0, 0.0, still).loss, 1e-6);
 }
 
-TEST_F(PaperProof, ComesBackFromACentimetreBesideAndNotFromThree) {
+TEST_F(PaperProof, ConvergesFromOneCentimetreButNotFromThree) {
   EXPECT_EQ(share_back(0.01), 1.0);
   EXPECT_LT(share_back(0.03), 0.3);
 }
 
 // Along a line through the room the loss has many hollows; the deepest is the device's.
-TEST_F(PaperProof, HasManyHollowsAndTheDeepestIsTheDevice) {
+TEST_F(PaperProof, HasManyLocalMinimaAndTheDeepestAtTheDevice) {
   const auto method = PaperLocalizer::create(room_, bare());
   double before = 0.0;
   double here = 0.0;

@@ -48,7 +48,7 @@ TEST(PaperSettings, PeopleHaveTheDefaultsOfTheDeviceFreeMethod) {
   EXPECT_THAT(paper_settings_help(), HasSubstr("(people: 0.1)"));
 }
 
-TEST(PaperSettings, EachSetsWhatItGetsAndNothingElse) {
+TEST(PaperSettings, EachSetsOnlyItsOwnOption) {
   std::set<std::string_view> keys;
   for (const PaperSetting& setting : paper_settings()) {
     EXPECT_TRUE(keys.insert(setting.key).second) << setting.key;
@@ -79,7 +79,7 @@ TEST(PaperSettings, ReadsAssignments) {
   EXPECT_EQ(options.descent.iterations, 7);
 }
 
-TEST(PaperSettings, RefuseWhatMeansNothing) {
+TEST(PaperSettings, RefuseInvalidValues) {
   EXPECT_THAT(refusal("alpha"), HasSubstr("KEY=VALUE"));
   EXPECT_THAT(refusal("alhpa=1"), HasSubstr("did you mean 'alpha'?"));
   EXPECT_THAT(refusal("alpha=-1"), HasSubstr("a number from 0"));

@@ -94,7 +94,7 @@ TEST(PathGrid, IsTracedOnceAndThenAFewCells) {
   EXPECT_EQ(store.refusals, 0);
 }
 
-TEST(PathGrid, WhatThisProgramWouldNotMakeIsRefusedAndReplaced) {
+TEST(PathGrid, RefusesAndReplacesGridsOfOtherPrograms) {
   const PathGrid right = small_grid();
   PathGrid wrong = right;
   for (auto& rays : wrong) {
@@ -115,7 +115,7 @@ TEST(PathGrid, WhatThisProgramWouldNotMakeIsRefusedAndReplaced) {
   }
 }
 
-TEST(PathGrid, KeyTellsApartWhateverTheRaysDependOn) {
+TEST(PathGrid, KeyDependsOnEveryInputOfTheRays) {
   const RoomModel room = test::make_room();
   const Grid grid(room.bounds_min, room.bounds_max, room.device.height, 0.05);
   const auto key = [&](auto change) {

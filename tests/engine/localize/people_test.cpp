@@ -61,7 +61,7 @@ class PeopleTest : public ::testing::Test {
   }
 };
 
-TEST_F(PeopleTest, TwoAreToldApart) {
+TEST_F(PeopleTest, TwoPeopleAreSeparated) {
   int two = 0;
   int placed = 0;
   int near = 0;
@@ -93,7 +93,7 @@ TEST_F(PeopleTest, OneIsLocatedAsByThePersonLocalizer) {
   }
 }
 
-TEST_F(PeopleTest, NobodyIsOneAnswer) {
+TEST_F(PeopleTest, AnEmptyRoomGivesOneEstimateWithoutAPosition) {
   const auto found = locate_people(localizer(), frames({}, 1));
   ASSERT_EQ(found.size(), 1U);
   EXPECT_FALSE(found[0].position);
@@ -101,7 +101,7 @@ TEST_F(PeopleTest, NobodyIsOneAnswer) {
   ASSERT_EQ(locate_people(localizer(), {}).size(), 1U);
 }
 
-TEST_F(PeopleTest, WithoutKnownPlacesNoSecondIsLookedFor) {
+TEST_F(PeopleTest, WithoutKnownPlacesOnlyOnePersonIsSought) {
   const PersonLocalizer unknown = make(std::nullopt);
   const auto received = frames({kPairs[0].one, kPairs[0].other}, 1);
   EXPECT_EQ(locate_people(unknown, received).size(), 1U);
@@ -113,7 +113,7 @@ TEST_F(PeopleTest, OneAccessPointIsNotEnough) {
   EXPECT_EQ(locate_people(localizer(), received).size(), 1U);
 }
 
-TEST_F(PeopleTest, ASecondStandsClearOfTheFirst) {
+TEST_F(PeopleTest, TheSecondPersonAvoidsTheCellOfTheFirst) {
   const auto observation = localizer().receive(frames({kPairs[0].one, kPairs[0].other}, 1));
   const double likelihood_exponent = localizer().reference().person.likelihood_exponent;
   const PersonMap alone = localizer().map(observation, likelihood_exponent);

@@ -101,7 +101,7 @@ class PersonFailureTest : public ::testing::TestWithParam<std::size_t> {
   }
 };
 
-TEST_P(PersonFailureTest, NothingWrong) {
+TEST_P(PersonFailureTest, NoFault) {
   const Outcome outcome = run("nothing wrong", 1, [](std::size_t, Channels&) {});
   EXPECT_LE(outcome.misses, 1U);
   EXPECT_GE(outcome.fixes, 20U);
@@ -153,7 +153,7 @@ TEST_P(PersonFailureTest, TheTransmitterWasMoved) {
   EXPECT_LE(run("transmitter moved", 1, spoil).misses, 1U);
 }
 
-TEST_P(PersonFailureTest, TheTransmitterIsCovered) {
+TEST_P(PersonFailureTest, TheTransmitterIsObstructed) {
   // Most of its line of sight is gone: a box is before it, and reflections by walls are left.
   const auto spoil = [this](std::size_t i, Channels& channels) {
     const RoomModel& room = localizer().room();
@@ -167,7 +167,7 @@ TEST_P(PersonFailureTest, TheTransmitterIsCovered) {
   EXPECT_LE(run("transmitter covered", 1, spoil).misses, 1U);
 }
 
-TEST_P(PersonFailureTest, AnotherTransmitterIsHeardUnderTheAddress) {
+TEST_P(PersonFailureTest, AnotherTransmitterWithTheSameAddress) {
   const auto spoil = [this](std::size_t i, Channels& channels) {
     const RoomModel& room = localizer().room();
     for (std::size_t a = 0; a < channels.size(); ++a) {

@@ -102,7 +102,7 @@ TEST_F(PersonLocalizerTest, StatesAWiderRegionForABodyOfAnotherBuild) {
   EXPECT_GE(covered, 19);
 }
 
-TEST_F(PersonLocalizerTest, SeesNobodyInTheEmptyRoom) {
+TEST_F(PersonLocalizerTest, FindsNoPersonInTheEmptyRoom) {
   for (unsigned seed = 1; seed <= 20; ++seed) {
     const auto estimate = localizer().locate(test::frames_past(
         *room(), {}, {}, {.count = 1 + static_cast<int>(seed % 8), .seed = seed}));
@@ -152,7 +152,7 @@ TEST_F(PersonLocalizerTest, GoesOnWithoutABlockedAccessPoint) {
   EXPECT_GE(fixes, 15);
 }
 
-TEST_F(PersonLocalizerTest, GoesOnWithTheAccessPointsThatHear) {
+TEST_F(PersonLocalizerTest, ContinuesWithTheRemainingAccessPoints) {
   const TargetPosition truth = places()[7];
   auto channels = test::channels_past(*room(), {truth}, PersonModel{}.body);
   channels[0].clear();
@@ -162,7 +162,7 @@ TEST_F(PersonLocalizerTest, GoesOnWithTheAccessPointsThatHear) {
   EXPECT_LT(error_of(estimate, truth), 0.1);
 }
 
-TEST_F(PersonLocalizerTest, SaysWhyThereIsNoFix) {
+TEST_F(PersonLocalizerTest, ReportsTheReasonForNoFix) {
   EXPECT_EQ(localizer().locate({}).reason, "no frames");
   auto frames = test::frames_past(*room(), {}, {}, {.count = 1});
   for (CsiFrame& frame : frames) {

@@ -28,7 +28,7 @@ std::vector<double> map_of(const Grid& g, const Function& function) {
   return map;
 }
 
-TEST(Posterior, OfAGaussianHasItsMomentsAndItsRadius) {
+TEST(Posterior, HasTheMomentsAndRadiusOfAGaussian) {
   const Grid g = grid();
   const double sigma = 0.2;
   LocationEstimate estimate;
@@ -53,7 +53,7 @@ TEST(Posterior, TemperWidens) {
   EXPECT_NEAR(wide.accuracy_m / sharp.accuracy_m, 2.0, 0.15);
 }
 
-TEST(Posterior, LeavesOverWhatTheMapMayBeWrongBy) {
+TEST(Posterior, ReservesTheErrorProbabilityOfTheMap) {
   const Grid g = grid();
   const auto map = map_of(g, [](const Vec3d& p) { return gaussian(p, 0.0, 0.0, 0.08); });
   LocationEstimate sure;
@@ -67,7 +67,7 @@ TEST(Posterior, LeavesOverWhatTheMapMayBeWrongBy) {
 }
 
 // Four fifths are at one place; to hold 95 % of all a radius needs three quarters of the rest.
-TEST(Posterior, HoldsWhatIsAnywhereWhereMuchIsLeftOver) {
+TEST(Posterior, WidensTheRadiusForALargeResidual) {
   const Grid g = grid();
   const auto map = map_of(g, [](const Vec3d& p) { return gaussian(p, 0.0, 0.0, 0.08); });
   LocationEstimate lost;
@@ -80,7 +80,7 @@ TEST(Posterior, HoldsWhatIsAnywhereWhereMuchIsLeftOver) {
   EXPECT_NEAR(static_cast<double>(inside) / static_cast<double>(g.size()), 0.77, 0.03);
 }
 
-TEST(Posterior, KnowsWhereInTheCellsTheMassIs) {
+TEST(Posterior, UsesTheMomentsWithinACell) {
   const Grid g = grid();
   std::vector<double> map(g.size(), -100.0);
   const std::size_t cell = 1000;
@@ -97,7 +97,7 @@ TEST(Posterior, KnowsWhereInTheCellsTheMassIs) {
 }
 
 // Nine tenths of a cell's mass are within millimetres, the rest somewhere in the cell.
-TEST(Posterior, StatesTheCoreOfAHillAndItsFoot) {
+TEST(Posterior, HasTheCoreAndTheTailOfAPeak) {
   const Grid g = grid();
   std::vector<double> map(g.size(), -100.0);
   const std::size_t cell = 1000;
@@ -165,7 +165,7 @@ TEST(Posterior, IsNotAmbiguousForABroadHill) {
   EXPECT_TRUE(ridge(0.4).ambiguous);
 }
 
-TEST(Posterior, PrefersAHillToASpike) {
+TEST(Posterior, PrefersABroadPeakToASpike) {
   const Grid g = grid();
   const auto map = map_of(g, [](const Vec3d& p) {
     return std::log(3.0 * std::exp(gaussian(p, -1.0, 0.5, 0.01)) +
@@ -177,7 +177,7 @@ TEST(Posterior, PrefersAHillToASpike) {
 }
 
 // The heaviest hill has two fifths, the others are side by side.
-TEST(Posterior, IsWhereHalfOfTheMassIsNear) {
+TEST(Posterior, IsNearHalfOfTheMass) {
   const Grid g = grid();
   const auto map = map_of(g, [](const Vec3d& p) {
     return std::log(4.0 * std::exp(gaussian(p, -1.0, 0.5, 0.05)) +
@@ -211,7 +211,7 @@ TEST(SmallestHalfMassDisc, HoldsHalfAndIsTheSmallest) {
   EXPECT_TRUE(smallest_half_mass_disc(g, corner, 0.12).contains(g.centre(g.size() - 1)));
 }
 
-TEST(Posterior, OfAFlatMapIsNoPosition) {
+TEST(Posterior, AFlatMapGivesNoPosition) {
   const Grid g = grid();
   LocationEstimate estimate;
   summarise_posterior(g, std::vector<double>(g.size(), -7.0), {}, estimate);

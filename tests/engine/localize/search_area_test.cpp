@@ -68,7 +68,7 @@ TEST(SearchArea, TakesTheShareThatIsOutside) {
 }
 
 // No other access point contradicts the first; the scene does.
-TEST(SearchArea, OfADeviceBesideItThereIsNoPosition) {
+TEST(SearchArea, GivesNoPositionForADeviceOutsideTheArea) {
   const auto room = std::make_shared<const RoomModel>(half_room());
   const Localizer localizer = *Localizer::create(room, {});
   int none = 0;

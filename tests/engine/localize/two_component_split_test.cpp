@@ -34,12 +34,12 @@ std::vector<HillMass> parts_of(const std::vector<Hill>& hills) {
   return parts;
 }
 
-TEST(TwoComponentSplit, OfOneGaussianAreNotTwo) {
+TEST(TwoComponentSplit, OneGaussianIsNotSplit) {
   EXPECT_FALSE(two_component_split(parts_of({{1.0, 0.0, 0.03}})));
   EXPECT_FALSE(two_component_split(std::vector<HillMass>{{1.0, 0.3, 0.2, 1e-4, 0.0, 1e-4}}));
 }
 
-TEST(TwoComponentSplit, AreFoundAgain) {
+TEST(TwoComponentSplit, RecoversBothComponents) {
   const auto parts = parts_of({{0.8, 0.01, 0.005}, {0.2, -0.01, 0.05}});
   const auto two = two_component_split(parts);
   ASSERT_TRUE(two);
@@ -54,7 +54,7 @@ TEST(TwoComponentSplit, AreFoundAgain) {
 }
 
 // Mean and covariance of both together are those of the hill.
-TEST(TwoComponentSplit, AddUpToTheHill) {
+TEST(TwoComponentSplit, KeepsTheMomentsOfThePeak) {
   const auto parts = parts_of({{0.6, 0.02, 0.01}, {0.4, -0.02, 0.06}});
   const auto two = two_component_split(parts);
   ASSERT_TRUE(two);

@@ -153,7 +153,7 @@ TEST(Burst, SeesMotion) {
   EXPECT_GT(burst->motion_residual, 0.2);
 }
 
-TEST(Burst, RefusesFramesItCannotUseAndSaysWhy) {
+TEST(Burst, RefusesUnusableFramesWithAReason) {
   const OfdmGrid grid = vht40();
   auto frames = frames_of(channel(grid, 8), grid, 10, 1e-3);
   frames[1].cores = {0, 1, 2};
@@ -183,7 +183,7 @@ TEST(Burst, WithoutAUsableFrameIsAnErrorThatCounts) {
   EXPECT_EQ(burst.error().message, "no usable frame among 3 (3 missing_core)");
 }
 
-TEST(Burst, OfOneFrameBoundsTheNoise) {
+TEST(Burst, BoundsTheNoiseOfASingleFrame) {
   const OfdmGrid grid = vht40();
   const auto frames = frames_of(channel(grid, 11), grid, 1, 1e-2);
   const auto burst = combine_burst(frames, request_of(grid));

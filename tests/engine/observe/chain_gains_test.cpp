@@ -28,7 +28,7 @@ ChainGains example() {
   return {{5.19e9, 312'500.0, {-2, -1, 1, 2}}, {2, 0, 3}, random_values(kCores * kTones, 1), {}};
 }
 
-TEST(ChainGains, AreTakenOutOfWhatTheChainsReport) {
+TEST(ChainGains, AreRemovedFromReportedChannels) {
   const ChainGains gains = example();
   const auto field = random_values(kCores * kTones, 2);
   auto h = field;

@@ -144,7 +144,7 @@ TEST(RatioAmplitude, WithoutSmoothingIsTheAmplitudeOfTheRatio) {
   }
 }
 
-TEST(RatioAmplitude, OfSilenceIsZeroAndHasNoSlope) {
+TEST(RatioAmplitude, IsZeroWithoutSlopeForZeroChannels) {
   const OfdmGrid grid = make_grid();
   const RatioAmplitude amplitude(grid);
   const std::vector<Value> silence(3 * grid.size());

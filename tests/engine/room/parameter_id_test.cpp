@@ -20,7 +20,7 @@ TEST(ParameterIds, NameAsFilesDo) {
   EXPECT_EQ(parse_parameter_id("ap1.yaw_offset"), (ParameterId{"ap1", Quantity::kYawOffset}));
 }
 
-TEST(ParameterIds, KeepNamesThatTheyDoNotKnow) {
+TEST(ParameterIds, KeepUnknownNames) {
   EXPECT_EQ(parse_parameter_id("roof.colour"), (ParameterId{"roof.colour", Quantity::kOther}));
   EXPECT_EQ(to_string(parse_parameter_id("roof.colour")), "roof.colour");
 }

@@ -75,7 +75,7 @@ TEST_F(RadioMapTest, TwoPathsHaveTheSpreadOfTheirPowers) {
   }
 }
 
-TEST_F(RadioMapTest, WhatNoPathReachesIsSaid) {
+TEST_F(RadioMapTest, MarksCellsWithoutAnyPath) {
   const PathTracer tracer(scene_, {.max_depth = 1});
   const RadioMapGrid below = radio_map_grid({1.0, 1.0, 0.0}, {2.0, 2.0, 0.0}, -2.0, 1.0);
   const RadioMap map = radio_map(tracer, antenna_at({0.0, 0.0, 2.0}), below);

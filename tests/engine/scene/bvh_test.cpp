@@ -134,7 +134,7 @@ std::shared_ptr<const Scene> wall() {
                           test::kConcrete);
 }
 
-TEST(Bvh, WallBlocksWhatCrossesIt) {
+TEST(Bvh, WallBlocksCrossingSegments) {
   const auto scene = wall();
   EXPECT_TRUE(scene->is_blocked({{-1, 0, 1}, {1, 0, 1}}));
   EXPECT_FALSE(scene->is_blocked({{-1, 0, 3}, {1, 0, 3}}));
@@ -156,7 +156,7 @@ TEST(Bvh, PathAlongAWallIsNotLost) {
   EXPECT_FALSE(scene->is_blocked({{1e-12, -0.9, 1}, {1e-12, 0.9, 1}}));  // a hair above
 }
 
-TEST(Bvh, DeviceMountedOnAWallIsHeard) {
+TEST(Bvh, DeviceMountedOnAWallIsReachable) {
   const auto scene = wall();
   EXPECT_FALSE(scene->is_blocked({{0, 0, 1}, {2, 0.5, 1}}));
   EXPECT_FALSE(scene->is_blocked({{-2, 0, 1}, {1e-12, 0, 1}}));

@@ -193,7 +193,7 @@ TEST(Field, DoorwayByAKeyholeEdgeStaysOpen) {
   }
 }
 
-TEST(Field, FaceThatCannotBeCutSaysWhatIsWrong) {
+TEST(Field, InvalidFacesAreReportedWithTheReason) {
   EXPECT_EQ(refusal_of({{0, 0, 0}, {3, 0, 0}, {1, 2, 0}, {2, 2.5, 0}}),
             "its edges from corner 2 to 3 and from 4 to 1 cross each other; cut the face "
             "into triangles in the program that made it");

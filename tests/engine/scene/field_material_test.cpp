@@ -130,14 +130,14 @@ TEST(Field, MaterialKeepsItsValuesUnderAnItuId) {
   EXPECT_EQ(none.material, of_table("wood", "wood", 0.1));
 }
 
-TEST(Field, MaterialWithoutValuesIsVacuumAndSaysSo) {
+TEST(Field, MaterialWithoutValuesIsReportedAsVacuum) {
   const Read found = read("x", bsdf("radio-material", "x", ""));
   EXPECT_EQ(found.material, (RadioMaterial{"x", 1.0, 0.0, 0.1}));
   ASSERT_EQ(found.notes.size(), 1U);
   EXPECT_NE(found.notes[0].message.find("it is read as vacuum"), std::string::npos);
 }
 
-TEST(Field, MaterialThatScattersIsReadAndSaysWhereItCounts) {
+TEST(Field, ScatteringMaterialIsReadWithANoteOnItsUse) {
   const std::string rest = number("xpd_coefficient", "0.1") +
                            R"(<integer name="alpha_r" value="4"/>)" + number("alpha_i", "8") +
                            number("lambda_", "0.3") +
@@ -159,7 +159,7 @@ TEST(Field, MaterialThatScattersIsReadAndSaysWhereItCounts) {
   EXPECT_FALSE(smooth.material.scattering.is_rough());
 }
 
-TEST(Field, MaterialNamesWhatWasNotReadOfIt) {
+TEST(Field, MaterialListsItsUnreadProperties) {
   struct Case {
     std::string bsdf;
     std::vector<std::string> expected;
@@ -275,7 +275,7 @@ TEST(Field, MaterialOfReferencesInACircleEnds) {
             std::string::npos);
 }
 
-TEST(Field, MaterialsOfOneNameAreOneOrToldApart) {
+TEST(Field, MaterialsOfOneNameAreMergedOrRenamed) {
   const std::string two =
       bsdf("diffuse", "mat-itu_wood", "") + bsdf("diffuse", "itu_wood", number("thickness", "0.1"));
   const std::string shapes =

@@ -202,7 +202,7 @@ std::string with_properties(const std::string& vertex, const std::string& face) 
          "end_header\n0 0 0\n1 0 0\n1 1 0\n3 0 1 2\n";
 }
 
-TEST(Field, PlyVerticesWithoutACoordinateAreAnErrorThatNamesWhatTheyHave) {
+TEST(Field, PlyVerticesWithoutACoordinateAreRefusedWithTheirProperties) {
   const std::string list = "property list uchar int vertex_indices\n";
   EXPECT_THAT(
       read(with_properties("property float x\nproperty float y\nproperty float height\n", list))
@@ -220,7 +220,7 @@ TEST(Field, PlyVerticesWithoutACoordinateAreAnErrorThatNamesWhatTheyHave) {
               AllOf(HasSubstr("no property z"), HasSubstr("list z")));
 }
 
-TEST(Field, PlyFacesWithoutTheirListAreAnErrorThatNamesWhatTheyHave) {
+TEST(Field, PlyFacesWithoutTheirListAreRefusedWithTheirProperties) {
   const std::string xyz = "property float x\nproperty float y\nproperty float z\n";
   EXPECT_THAT(read(with_properties(xyz, "property list uchar int corners\n")).error,
               AllOf(HasSubstr("wall.ply:7:"),

@@ -41,7 +41,7 @@ Mesh grid_wall(double width, double height, std::uint32_t nu, std::uint32_t nv) 
   return mesh;
 }
 
-TEST(Field, OutlineOfATurnedSubdividedWallKeepsItsFourCorners) {
+TEST(Field, OutlineOfARotatedSubdividedWallKeepsItsFourCorners) {
   std::mt19937_64 random(25);
   std::uniform_int_distribution<std::uint32_t> parts(1, 7);
   std::uniform_real_distribution<double> side(0.2, 12.0);

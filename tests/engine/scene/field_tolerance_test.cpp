@@ -217,7 +217,7 @@ std::string scene_error(const std::string& mesh, const std::string& transform) {
   return scene ? "no error" : scene.error().message;
 }
 
-TEST(Field, RoomAtMapCoordinatesIsToldHowToComeHome) {
+TEST(Field, RoomAtMapCoordinatesGetsATranslation) {
   const std::vector<Vec3d> floor{{691000, 5334000, 520.25},
                                  {691004, 5334000, 520.25},
                                  {691004, 5334003, 520.25},
@@ -239,7 +239,7 @@ TEST(Field, RoomAtMapCoordinatesIsToldHowToComeHome) {
       << message;
 }
 
-TEST(Field, MeshKnowsTheRoundingOfItsFile) {
+TEST(Field, MeshHasTheRoundingOfItsFile) {
   const std::vector<Vec3d> floor{{300, 0, 0}, {304, 0, 0}, {304, 3, 0}};
   const auto floats = read_ply(binary_ply(floor, false), "a.ply");
   const auto doubles = read_ply(binary_ply(floor, true), "a.ply");

@@ -67,7 +67,7 @@ void expect_refused(const std::vector<Mistake>& mistakes) {
   }
 }
 
-TEST(Field, SceneXmlNamesWhatItDidNotReadOfAShape) {
+TEST(Field, SceneXmlReportsUnreadPartsOfAShape) {
   expect_refused({
       {shape(R"(<transform name="toWorld"><scale x="2"/></transform>)"),
        "3:35",
@@ -101,7 +101,7 @@ TEST(Field, SceneXmlNamesWhatItDidNotReadOfAShape) {
   });
 }
 
-TEST(Field, SceneXmlNamesWhatItDidNotReadOfATransform) {
+TEST(Field, SceneXmlReportsUnreadPartsOfATransform) {
   const auto step = [](const std::string& text) {
     return shape("<transform name=\"to_world\">\n" + text + "</transform>");
   };
@@ -127,7 +127,7 @@ TEST(Field, SceneXmlNamesWhatItDidNotReadOfATransform) {
   });
 }
 
-TEST(Field, SceneXmlNamesWhatItDidNotReadOfTheScene) {
+TEST(Field, SceneXmlReportsUnreadPartsOfTheScene) {
   const std::string good = shape("");
   expect_refused({
       {good + "<Shape type=\"cube\"/>", "4:1", "<Shape> of the scene is not read; did you mean"},
@@ -146,7 +146,7 @@ TEST(Field, SceneXmlNamesWhatItDidNotReadOfTheScene) {
             std::string::npos);
 }
 
-TEST(Field, SceneXmlSaysAllMistakesInTheOrderOfTheFile) {
+TEST(Field, SceneXmlReportsAllMistakesInTheOrderOfTheFile) {
   const std::string message =
       error_of(parse_rest(shape(R"(<float name="thickness" value="0.3"/>)") +
                           "<shape type=\"cube\" id=\"box\"><transform name=\"toWorld\"/><ref "
@@ -156,7 +156,7 @@ TEST(Field, SceneXmlSaysAllMistakesInTheOrderOfTheFile) {
   EXPECT_NE(message.find("there is no <bsdf> with the id 'glass'"), std::string::npos) << message;
 }
 
-TEST(Field, SceneXmlSaysAManyMistakesBriefly) {
+TEST(Field, SceneXmlLimitsTheNumberOfReportedMistakes) {
   std::string rest;
   for (int i = 0; i < 5'000; ++i) {
     rest += R"(<shape type="cube" id="w)" + std::to_string(i) + "\"><flaot name=\"x\"/></shape>\n";
@@ -185,7 +185,7 @@ TEST(Field, SceneXmlRefusesTwoMaterialsOfOneShape) {
                    "shape 'wall' has 2 materials ("}});
 }
 
-TEST(Field, SceneXmlLeavesOutWhatOnlyTheEyeNeeds) {
+TEST(Field, SceneXmlIgnoresVisualElements) {
   const auto scene = parse(
       "<scene version=\"3.0.0\" xmlns=\"urn:x\">\n"
       "<integrator type=\"path\"><integer name=\"max_depth\" value=\"12\"/></integrator>"
@@ -335,7 +335,7 @@ TEST(Field, PlyRefusesWordsThatBeginLikeNumbers) {
   }
 }
 
-TEST(Field, SceneXmlSaysThatItIsUtf16) {
+TEST(Field, SceneXmlReportsUtf16) {
   std::string wide;
   for (const char c : "<scene version=\"3.0.0\"></scene>") {
     wide += {c, '\0'};
@@ -383,7 +383,7 @@ TEST(Field, SceneXmlWarnsOfAxesThatAreNoUnitVectors) {
 }
 
 // Deliberate omissions are documented, name by name.
-TEST(Field, ScenePageListsWhatIsLeftOut) {
+TEST(Field, ScenePageListsIgnoredElements) {
   std::ostringstream text;
   text << std::ifstream(test::source_path("/engine/scene/FILES.md")).rdbuf();
   const std::string readme = text.str();

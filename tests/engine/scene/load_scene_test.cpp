@@ -59,7 +59,7 @@ TEST(LoadScene, MeetingRoomIsReadWhole) {
   EXPECT_NEAR(scene->bounds_max().z, 2.82, 1e-6);
 }
 
-TEST(LoadScene, OverridesReplaceOnlyWhatTheyState) {
+TEST(LoadScene, OverridesReplaceOnlyTheirOwnValues) {
   SceneOptions changed = options();
   changed.materials["concrete"].thickness = 0.3;
   changed.materials["concrete"].conductivity = 0.05;
@@ -231,7 +231,7 @@ TEST(LoadScene, ObjIsReadLikePly) {
   EXPECT_NE(error_of(parse(xml, options(), "v 0 0 0\n")).find("a.obj"), std::string::npos);
 }
 
-TEST(Scene, RefusesWhatNoLoaderWouldLetThrough) {
+TEST(Scene, RefusesInvalidInputs) {
   Scene::Input input;
   input.carrier_hz = test::kCarrier;
   input.materials = {test::kConcrete};

@@ -13,7 +13,7 @@ namespace rayloc::moved_surfaces_test {
 namespace {
 
 // Every face ends at its requested place, and the box stays closed.
-TEST(MovedSurfaces, FacesOfATurnedBoxMoveByTheirOffsets) {
+TEST(MovedSurfaces, FacesOfARotatedBoxMoveByTheirOffsets) {
   Mesh box = test::box_mesh({-0.4, -0.3, -0.2}, {0.4, 0.3, 0.2});
   const Mat3d turn = rotation_from_yaw_pitch_roll(0.7, 0.2, -0.4);
   for (Vec3d& v : box.vertices) {

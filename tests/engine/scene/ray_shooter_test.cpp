@@ -177,7 +177,7 @@ TEST(RayShooter, ShootsStreamsOfAnySize) {
   }
 }
 
-TEST(RayShooter, MissesWhatIsNotThere) {
+TEST(RayShooter, MissesAbsentSurfaces) {
   const auto scene = test::make_scene(
       {{"sheet", test::rectangle_mesh({1, -1, -1}, {0, 2, 0}, {0, 0, 2})}}, test::kConcrete);
   EXPECT_EQ(shot(*scene, {0, 0, 0}, {1, 0, 0}).surface, 0U);

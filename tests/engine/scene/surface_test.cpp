@@ -91,7 +91,7 @@ TEST(Surface, ParallelPlanesStayApart) {
   EXPECT_EQ(planar_surfaces(mesh).size(), 2U);
 }
 
-TEST(Solid, BoxIsClosedAndKnowsInsideFromOutside) {
+TEST(Solid, BoxIsClosedAndSeparatesInsideFromOutside) {
   const Mesh box = test::box_mesh({0, 0, 0}, {1, 2, 3});
   const Solid solid = classify_solid(box);
   EXPECT_EQ(solid.shells, 1);
@@ -115,7 +115,7 @@ TEST(Solid, OpenMeshHasNoInside) {
   EXPECT_EQ(classify_solid(box).shells, 0);
 }
 
-TEST(Solid, OneTriangleTurnedRoundOpensIt) {
+TEST(Solid, OneReversedTriangleOpensIt) {
   Mesh box = test::box_mesh({0, 0, 0}, {1, 2, 3});
   std::swap(box.triangles[0][0], box.triangles[0][1]);
   EXPECT_EQ(classify_solid(box).shells, 0);

@@ -75,7 +75,7 @@ TEST(Wedges, BoxHasTwelveRightAngles) {
   }
 }
 
-TEST(Wedges, TurningFacesRoundChangesNothing) {
+TEST(Wedges, ReversedFacesChangeNothing) {
   Mesh mesh = box_mesh({0, 0, 0}, {1, 2, 3});
   for (std::size_t i = 0; i < mesh.triangles.size(); i += 3) {
     std::swap(mesh.triangles[i][0], mesh.triangles[i][1]);
@@ -135,7 +135,7 @@ TEST(Wedges, HoleHasEdgesToo) {
       wedges.begin(), wedges.end(), [](const Wedge& wedge) { return wedge.is_free(); }));
 }
 
-TEST(Wedges, WhatStandsOnTheFloorHasNoneThere) {
+TEST(Wedges, AreAbsentWhereABoxMeetsTheFloor) {
   // Half of the box is over the edge of the floor.
   const std::vector<Wedge> wedges =
       wedges_of({rectangle_mesh({0, 0, 0}, {4, 0, 0}, {0, 4, 0}), box_mesh({3, 1, 0}, {5, 2, 1})});

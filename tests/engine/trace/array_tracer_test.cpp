@@ -104,7 +104,7 @@ TEST(ArrayTracer, GradientOfAnArrayMatchesDifferences) {
   }
 }
 
-TEST(ArrayTracer, RefusesDerivativesOfPlaneWavesAndOfWhatHasNone) {
+TEST(ArrayTracer, RefusesUnsupportedDerivatives) {
   RadioMaterial earth = test::kConcrete;
   earth.thickness = kHalfSpace;
   const PathTracer tracer(test::make_scene(

@@ -23,7 +23,7 @@ Surface screen(double x, double y0, double y1) {
   return {{{1, 0, 0}, x}, {{c[0], c[1], c[2]}, {c[0], c[2], c[3]}}};
 }
 
-TEST(Clip, CutsOffWhatIsBehindThePlane) {
+TEST(Clip, RemovesThePartBehindThePlane) {
   Polygon polygon = rectangle(0, 0, 4, 0, 1);
   Polygon scratch;
   clip({{0, 1, 0}, 1.0}, polygon, scratch);
@@ -35,7 +35,7 @@ TEST(Clip, CutsOffWhatIsBehindThePlane) {
   EXPECT_TRUE(polygon.empty());
 }
 
-TEST(Clip, LeavesWhatIsInsideAsItIs) {
+TEST(Clip, LeavesAnInsidePolygonUnchanged) {
   const Polygon whole = rectangle(0, 0, 4, 0, 1);
   Polygon polygon = whole;
   Polygon scratch;
@@ -51,7 +51,7 @@ TEST(Grown, MovesEveryEdgeOutwards) {
   }
 }
 
-TEST(BeamPlanes, HoldWhatTheApexSeesThroughTheWindow) {
+TEST(BeamPlanes, BoundTheViewOfTheApexThroughTheWindow) {
   const Polygon window = rectangle(2, -1, 1, -1, 1);
   for (const double side : {-1.0, 1.0}) {
     const Vec3d apex{2 + 2 * side, 0, 0};
@@ -71,7 +71,7 @@ TEST(BeamPlanes, HoldWhatTheApexSeesThroughTheWindow) {
   }
 }
 
-TEST(BeamPlanes, HoldWhatEveryApexSees) {
+TEST(BeamPlanes, BoundTheViewsOfAllApexes) {
   const Polygon window = rectangle(2, -1, 1, -1, 1);
   const std::vector<Vec3d> apexes{{0, 0.3, 0}, {0.1, -0.2, 0.4}, {-0.2, 0, -0.1}};
   std::vector<Plane<double>> planes;
@@ -123,7 +123,7 @@ TEST(BeamShadow, KeepsItsMarginToEdgesAndEnds) {
   EXPECT_FALSE(BeamShadow(apex, nullptr, 0.05).hides(screen(0.04, -9, 9), window));
 }
 
-TEST(BeamShadow, OfAMirrorBeginsAtTheMirror) {
+TEST(BeamShadow, BeginsAtTheMirror) {
   const Plane<double> mirror{{1, 0, 0}, 1.5};
   const BeamShadow shadow({0, 0, 0}, &mirror, kMargin);
   EXPECT_FALSE(shadow.hides(screen(1, -1, 1), rectangle(2, -0.5, 0.5, -1, 1)));

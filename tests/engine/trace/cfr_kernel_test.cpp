@@ -131,7 +131,7 @@ TEST(CfrKernel, TonesFarApartAreAllowed) {
   }
 }
 
-TEST(CfrKernel, NoPathIsSilenceAndNoToneNothing) {
+TEST(CfrKernel, NoPathsOrTonesGiveZeroOrEmptyResults) {
   EXPECT_EQ(forward({}, grid_from_to(-1, 1)), std::vector<Complex64>(3));
   EXPECT_TRUE(forward(random_paths(3, 4), {5.25e9, 312'500.0, {}}).empty());
   const CfrKernel kernel(grid_from_to(-1, 1));

@@ -216,7 +216,7 @@ TEST(Diffuse, DensityIsThatOfFinePatches) {
 }
 
 // One patch, received all around: it scatters S^2 of the power that a smooth one would reflect.
-TEST(Diffuse, PatchScattersWhatItDoesNotReflect) {
+TEST(Diffuse, PatchScattersTheUnreflectedPower) {
   for (const SurfaceScattering& scattering : {kLambertian, kBackscattering}) {
     const auto scene =
         test::make_scene({{"floor", test::rectangle_mesh({-1, -1, 0}, {2, 0, 0}, {0, 2, 0})}},
@@ -405,7 +405,7 @@ TEST(Diffuse, DerivativeByPlaceIsThatOfTheWholeIntegral) {
   EXPECT_NEAR(derivatives->power(0) / numeric, 1.0, 1e-4);
 }
 
-TEST(Diffuse, WhatHasNoDerivativeIsRefused) {
+TEST(Diffuse, RefusesUnsupportedDerivatives) {
   const Transmitter transmitter = transmitter_in_room();
   const Receiver receiver = receiver_in_room();
   const auto message_of = [&](const RadioMaterial& material, const Parameter& parameter) {

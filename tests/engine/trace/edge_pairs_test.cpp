@@ -96,7 +96,7 @@ Cd field_of_line(const PathTracer& tracer,
 
 // Where the way goes along the strip the second edge matters; the wave along it vanishes, so that
 // all of it is slope.
-TEST(EdgePairs, OfAStripAreAsMomentsSay) {
+TEST(EdgePairs, MatchTheMethodOfMomentsForAStrip) {
   for (const double width : {1.0, 2.0, 4.0}) {
     const PathTracer over_one(strip(width), over_edges(1));
     const PathTracer over_two(strip(width), over_two_edges(2));

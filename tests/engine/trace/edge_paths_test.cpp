@@ -93,7 +93,7 @@ Cd field(const Complex<double>& a, double length) {
   return Cd{a.re, a.im} * std::polar(1.0, -2.0 * std::numbers::pi * length / kWavelength);
 }
 
-TEST(EdgePaths, WayOverTheEdgeIsTheShortest) {
+TEST(EdgePaths, PathOverTheEdgeIsTheShortest) {
   const auto scene = half_plane(kMetal);
   const Vec3d from{1.0, 2.0, 0.3};
   const Vec3d to{0.7, -3.0, 2.1};
@@ -134,7 +134,7 @@ TEST(EdgePaths, PowerIsThatOfTheHalfPlane) {
   EXPECT_NEAR(path->a.im, free * relative.im, 1e-3 * free);
 }
 
-TEST(EdgePaths, HiddenEdgesAreNotHeard) {
+TEST(EdgePaths, HiddenEdgesGiveNoPath) {
   const Vec3d from{1.0, 2.0, 0.3};
   const Vec3d to{0.7, -3.0, 2.1};
   const test::NamedMesh sheet{"sheet", test::rectangle_mesh({0, 0, -50}, {100, 0, 0}, {0, 0, 100})};
@@ -382,7 +382,7 @@ TEST(EdgePaths, RoundedMeshesHaveTheSame) {
   }
 }
 
-TEST(EdgePaths, OffIsAsIfThereWereNone) {
+TEST(EdgePaths, DisabledEdgesLeaveOtherPathsUnchanged) {
   const auto scene = furnished(test::kConcrete);
   const Transmitter transmitter = transmitter_at({-1.7, 0.3, 1.8});
   const Receiver receiver = receiver_at({1.6, 1.2, 0.7});

@@ -95,7 +95,7 @@ TEST(Field, CoplanarSheetsAreTheLimitOfAGap) {
   }
 }
 
-TEST(Field, ThingThatStandsOnTheFloorIsTheLimitOfAGap) {
+TEST(Field, ObjectOnTheFloorIsTheLimitOfAGap) {
   const Mesh slab = test::box_mesh({-3, -3, -0.2}, {3, 3, 0});
   const Mesh thing = test::box_mesh({-0.5, -0.5, 0}, {0.5, 0.5, 1.2});
   for (const bool thing_first : {false, true}) {

@@ -161,7 +161,7 @@ TEST(Field, SubdivisionLeavesThePathsOfARoomOfFloats) {
   }
 }
 
-TEST(Field, TurnedSubdividedWallReflectsUpToItsCorners) {
+TEST(Field, RotatedSubdividedWallReflectsUpToItsCorners) {
   std::mt19937_64 random(250);
   std::uniform_real_distribution<double> share(0.0, 1.0);
   for (int trial = 0; trial < 300; ++trial) {
@@ -189,7 +189,7 @@ TEST(Field, TurnedSubdividedWallReflectsUpToItsCorners) {
 }
 
 // A sheet of 2 x 2 quads rotated about a diagonal in its plane, of which a quarter was lost.
-TEST(Field, CornerOfASheetTurnedByARotateElementReflects) {
+TEST(Field, CornerOfASheetInARotateElementReflects) {
   const std::string xml =
       "<scene version='2.1.0'>"
       "<bsdf type='radio-material' id='mat-m'><float name='relative_permittivity' value='5.0'/>"

@@ -185,7 +185,7 @@ Vec3d random_place(std::mt19937& random) {
 
 // Roots that share a tree: near each other; one on the other side of a sheet's plane; one within a
 // box. Asked often, too.
-TEST(ImageTree, GivesEachRootWhatItsOwnTreeGives) {
+TEST(ImageTree, GivesEachRootTheChainsOfItsOwnTree) {
   std::mt19937 random(17);
   std::uniform_real_distribution<double> nearby(-0.1, 0.1);
   std::size_t compared = 0;
@@ -280,7 +280,7 @@ TEST(ImageTree, FindsTheSameWhereItIsAskedOften) {
   EXPECT_GT(compared, 10'000U);
 }
 
-TEST(ImageTree, FindsWhatASearchThroughAllSequencesFinds) {
+TEST(ImageTree, MatchesAnExhaustiveSearch) {
   std::mt19937 random(3);
   std::size_t compared = 0;
   for (int i = 0; i < 20; ++i) {
@@ -384,7 +384,7 @@ TEST(ImageTree, KeepsAMirrorThatASoftEdgeHides) {
 }
 
 // With soft edges: what the tree leaves out has no weight.
-TEST(ImageTree, LeavesOutOnlyWhatSoftEdgesStopWholly) {
+TEST(ImageTree, OmitsOnlyChainsOfZeroWeight) {
   std::mt19937 random(9);
   std::size_t left_out = 0;
   std::size_t given = 0;

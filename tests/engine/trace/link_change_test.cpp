@@ -65,7 +65,7 @@ TEST(LinkChange, LeavesTheSceneWhereOnlyEndsChange) {
   EXPECT_NEAR(changed->receiver.position.x, link.receivers().front().position.x + 0.3, 1e-12);
 }
 
-TEST(LinkChange, RefusesWhatIsNoChangeOfThisScene) {
+TEST(LinkChange, RefusesInvalidChanges) {
   const TracedLink link = TracedLink::of("box", {.max_depth = 1});
   const auto refused = [&](const Parameter& parameter, double by) {
     const auto changed = change_link(of(link), std::array{parameter}, std::array{by});

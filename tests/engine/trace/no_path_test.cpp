@@ -41,12 +41,12 @@ constexpr Vec3d kInTheRoom{0.53, 0.47, 1.1};
 constexpr Vec3d kInTheBlock{2.13, 1.41, 1.05};
 constexpr Vec3d kOutside{6.0, 1.5, 1.0};
 
-TEST(NoPath, DeviceInsideAWallHearsNothing) {
+TEST(NoPath, DeviceInsideAWallReceivesNothing) {
   expect_silence(room(test::kConcrete), {}, kInTheBlock, kInTheRoom);
   expect_silence(room(test::kConcrete), {}, kInTheRoom, kInTheBlock);
 }
 
-TEST(NoPath, ClosedRoomIsSilentOutside) {
+TEST(NoPath, ClosedRoomSendsNothingOutside) {
   expect_silence(room(test::kConcrete), {}, kInTheRoom, kOutside);
   expect_silence(room(test::kConcrete), {.max_depth = 0}, kInTheRoom, kOutside);
 }

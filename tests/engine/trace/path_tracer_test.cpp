@@ -102,7 +102,7 @@ TEST(PathTracer, CornerReflectorSendsBack) {
   EXPECT_NEAR(std::cos(both.theta_t()), std::cos(both.theta_r()), 1e-12);
 }
 
-TEST(PathTracer, ColocatedEndsHearTheEcho) {
+TEST(PathTracer, ColocatedEndsReceiveTheEcho) {
   const auto scene = ground(test::kConcrete);
   const Vec3d here{0.3, 0.2, 1.7};
   const Paths paths = PathTracer(scene).trace(transmitter_at(here), receiver_at(here));
@@ -175,7 +175,7 @@ TEST(PathTracer, IsInvariantUnderRigidMotion) {
   }
 }
 
-TEST(PathTracer, BoxInTheWayBlocks) {
+TEST(PathTracer, BoxInBetweenBlocks) {
   const Vec3d tx{-2, 0, 1};
   const Vec3d rx{2, 0, 1};
   const auto scene =
@@ -184,7 +184,7 @@ TEST(PathTracer, BoxInTheWayBlocks) {
   EXPECT_EQ(PathTracer(scene).trace(transmitter_at({-2, 0, 3}), receiver_at({2, 0, 3})).size(), 2U);
 }
 
-TEST(PathTracer, DeviceInsideAClosedBoxHearsNothingFromOutside) {
+TEST(PathTracer, DeviceInsideAClosedBoxReceivesNothingFromOutside) {
   const auto scene =
       test::make_scene({{"box", test::box_mesh({0, 0, 0}, {1, 1, 1})}}, test::kConcrete);
   const PathTracer tracer(scene);
@@ -245,7 +245,7 @@ TEST(PathTracer, PathsComeInCanonicalOrder) {
   EXPECT_TRUE(paths[0].interactions.empty());
 }
 
-TEST(PathTracer, ReceiverTracerGivesWhatTraceGives) {
+TEST(PathTracer, ReceiverTracerMatchesTrace) {
   const PathTracer tracer(meeting_room());
   const Receiver rx = receiver_at({-1.4, 1.05, 1.2});
   const ReceiverTracer at = tracer.at(rx);
@@ -261,7 +261,7 @@ TEST(PathTracer, ReceiverTracerGivesWhatTraceGives) {
   }
 }
 
-TEST(ArrayElements, StandWhereTheArrayIs) {
+TEST(ArrayElements, FollowThePoseOfTheArray) {
   AntennaArray array;
   array.pose = {{1, 2, 3}, {kPi / 2, 0, 0}};
   array.element_offset = {{0, -0.089, 0}, {0, 0, 0}, {0, 0.089, 0}};

@@ -48,7 +48,7 @@ TEST(Paths, CfrMatchesSumOverPaths) {
   }
 }
 
-TEST(Paths, NoPathIsSilence) {
+TEST(Paths, NoPathGivesZeroChannels) {
   const auto h = Paths().cfr({5.19e9, 312'500.0, {-1, 1}});
   EXPECT_EQ(h, (std::vector<std::complex<double>>{0.0, 0.0}));
 }

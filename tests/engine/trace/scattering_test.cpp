@@ -85,7 +85,7 @@ std::shared_ptr<const Scene> meeting_room() {
   return std::make_shared<const Scene>(std::move(*scene));
 }
 
-TEST(Scattering, BodyInTheWayTakesTheDirectPathAway) {
+TEST(Scattering, BodyOnTheLineOfSightCancelsTheDirectPath) {
   const TargetTracer past = tracer(nothing(), TargetBody{}, 0);
   for (const auto polarization : {Polarization::kVertical, Polarization::kHorizontal}) {
     const Transmitter tx = transmitter_at({-2.0, 0.1, 1.1}, polarization);
@@ -99,7 +99,7 @@ TEST(Scattering, BodyInTheWayTakesTheDirectPathAway) {
   }
 }
 
-TEST(Scattering, PairHasTheDelayOfTheWayByTheBody) {
+TEST(Scattering, PairHasTheDelayOfThePathViaTheBody) {
   const TargetTracer past = tracer(nothing(), TargetBody{}, 0);
   const Vec3d tx{-2.0, 0.0, 1.0};
   const Vec3d rx{1.5, 0.0, 1.0};
@@ -346,7 +346,7 @@ TEST(Scattering, WavesReachTheBodyThroughAWall) {
   EXPECT_LT(std::abs(direct + channel((*paths)[0])), 0.3 * std::abs(direct));
 }
 
-TEST(Scattering, RefusesWhatItCannotDo) {
+TEST(Scattering, RefusesInvalidBodiesAndPositions) {
   const auto scene = nothing();
   const auto message = [&](const TargetBody& body, const ScatteringOptions& options = {}) {
     const auto created = TargetTracer::create(scene, body, options);

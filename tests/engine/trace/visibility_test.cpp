@@ -128,7 +128,7 @@ TEST(Visibility, StepIsSmoothAndSymmetric) {
 }
 
 // An L of two rectangles, and the distance from its boundary.
-TEST(Visibility, SurfaceThatIsNotConvexKnowsItsBoundary) {
+TEST(Visibility, NonConvexSurfaceUsesItsBoundary) {
   Mesh mesh;
   mesh.vertices = {{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}, {1, 2, 0}, {0, 2, 0}};
   mesh.triangles = {{0, 1, 2}, {0, 2, 3}, {0, 3, 5}, {3, 4, 5}};

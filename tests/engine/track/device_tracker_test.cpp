@@ -97,7 +97,7 @@ std::vector<double> numbers_of(const std::vector<DeviceUpdate>& updates) {
 
 // One evaluation of the whole room is enough to leave a wrong place: it then counts for all the
 // time since the one before it.
-TEST(DeviceTracker, LeavesAWrongPlaceByALookAtTheWholeRoom) {
+TEST(DeviceTracker, LeavesAWrongPlaceByEvaluatingTheWholeRoom) {
   constexpr int kJump = 1500;   // [ms], when it is followed
   constexpr int kLater = 6500;  // [ms], more than from one look to the next
   DeviceTracker tracker(localizer(3), DeviceTrackerOptions{});
@@ -123,7 +123,7 @@ TEST(DeviceTracker, LeavesAWrongPlaceByALookAtTheWholeRoom) {
 
 // A track that one access point leads astray is led back by the first burst of those that join,
 // before the next evaluation of the whole room is due.
-TEST(DeviceTracker, LooksAtTheWholeRoomWhenAccessPointsJoin) {
+TEST(DeviceTracker, EvaluatesTheWholeRoomWhenAccessPointsJoin) {
   constexpr int kJoin = 1700;  // [ms], before the next look is due
   // The last one is at rest: its channel is always the same.
   const std::vector<std::pair<Vec3d, double>> swings = {
@@ -174,7 +174,7 @@ TEST(DeviceTracker, ATrackTakesLittleMemory) {
 
 // The results of a device depend on none of the others: the same numbers whether bursts come
 // together, one after the other or in reverse order, and on one thread.
-TEST(DeviceTracker, SaysTheSameWhateverTheOrderOfDevices) {
+TEST(DeviceTracker, GivesTheSameResultForAnyOrderOfDevices) {
   constexpr int kDevices = 4;
   enum class Mode { kTogether, kInOrder, kBackwards, kSerial };
   std::map<Mode, std::map<MacAddress, std::vector<double>>> estimates;
@@ -270,7 +270,7 @@ TEST(DeviceTracker, StatesTheSpeedOfAWalk) {
 }
 
 // Later bursts through the same channel carry no new information.
-TEST(DeviceTracker, RegionOfAStandingDeviceStaysHonest) {
+TEST(DeviceTracker, RegionOfAMotionlessDeviceStaysCalibrated) {
   int places = 0;
   double first_accuracy = 0.0;
   double last_accuracy = 0.0;
@@ -303,7 +303,7 @@ TEST(DeviceTracker, RegionOfAStandingDeviceStaysHonest) {
 
 // Cells are centimetres wide, and three access points resolve millimetres: also of a device at
 // rest, whose later bursts carry no new information.
-TEST(DeviceTracker, KnowsThePlaceWithinACell) {
+TEST(DeviceTracker, LocatesWithinACell) {
   RoomModel room = room_of(3);
   for (RoomAccessPoint& ap : room.access_points) {  // as good as what is simulated of it
     ap.error.plan_tolerance = 0.001;
@@ -327,7 +327,7 @@ TEST(DeviceTracker, KnowsThePlaceWithinACell) {
   }
 }
 
-TEST(DeviceTracker, SameChannelHeardAgainIsNoMoreThanASnapshot) {
+TEST(DeviceTracker, RepeatedChannelAddsNoMoreThanASnapshot) {
   DeviceTracker tracker(localizer(), {});
   std::vector<DeviceUpdate> updates;
   const Vec3d truth{-0.4, -0.5, 1.2};
@@ -367,7 +367,7 @@ TEST(DeviceTracker, GoesThroughTheLifeOfATrack) {
   EXPECT_EQ(tracker.size(), 0U);
 }
 
-TEST(DeviceTracker, CoastingGrowsTheRegionAndHearingEndsIt) {
+TEST(DeviceTracker, CoastingGrowsTheRegionAndReceptionEndsIt) {
   DeviceTracker tracker(localizer(3), {});
   std::vector<DeviceUpdate> updates;
   for (int ms = 0; ms <= 1000; ms += 50) {

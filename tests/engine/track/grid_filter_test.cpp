@@ -92,14 +92,14 @@ MotionModel surely(double change_odds) {
   return motion;
 }
 
-TEST(FreeSpace, ThingsAreNotFreeAndTablesArePassedAbove) {
+TEST(FreeSpace, TallFurnitureBlocksAndTablesDoNot) {
   const auto space = divided_room();
   EXPECT_EQ(space->free[cell_near(space->grid, 1.25, 0.5)], 0);
   EXPECT_EQ(space->free[cell_near(space->grid, -0.75, 0.5)], 1);
   EXPECT_EQ(space->free[cell_near(space->grid, 1.25, -0.5)], 1);
 }
 
-TEST(FreeSpace, HullAroundAnAccessPointIsNoThing) {
+TEST(FreeSpace, HullAroundAnAccessPointIsFree) {
   const auto scene =
       test::make_scene({{"room", test::box_mesh({-2, -1, 0}, {2, 1, 2})}}, test::kConcrete);
   const Grid grid({-2, -1, 0}, {2, 1, 2}, kHeight, 0.1);
@@ -150,7 +150,7 @@ TEST(GridFilter, WalkSpreadsAtItsSpeed) {
   EXPECT_NEAR(mean_x(filter, space->grid), 0.05, 1e-3);
 }
 
-TEST(GridFilter, WalkThatTurnsEndsNearer) {
+TEST(GridFilter, ChangingDirectionShortensAWalk) {
   const auto space = empty_room();
   std::vector<double> variances;
   for (const double direction_time : {1e6, 1.0, 0.3}) {
@@ -178,7 +178,7 @@ TEST(GridFilter, WalkGoesOnWhereItWasGoing) {
   EXPECT_GT(mean_x(filter, space->grid), before + 0.1);
 }
 
-TEST(GridFilter, StandingTargetStays) {
+TEST(GridFilter, MotionlessTargetStays) {
   const auto space = empty_room();
   GridFilter filter(space, surely(1e20));
   filter.weigh_change(0.0);  // it is at rest
@@ -187,7 +187,7 @@ TEST(GridFilter, StandingTargetStays) {
   EXPECT_GT(filter.mass()[cell_near(space->grid, 0.05, 0.05)], 1.0 - 1e-9);
 }
 
-TEST(GridFilter, ChangeTellsAWalkFromAStand) {
+TEST(GridFilter, ChangeSeparatesWalkingFromRest) {
   const auto space = empty_room();
   GridFilter filter(space, {});
   filter.weigh_change(0.0);
@@ -196,7 +196,7 @@ TEST(GridFilter, ChangeTellsAWalkFromAStand) {
   EXPECT_NEAR(filter.stationary(), 0.5, 1e-6);
 }
 
-TEST(GridFilter, WindowHoldsWhatTheWholeRoomHolds) {
+TEST(GridFilter, WindowMatchesTheWholeRoom) {
   const auto space = empty_room();
   GridFilter whole(space, {});
   put_at(whole, space->grid, 1.0, -1.0);
@@ -219,7 +219,7 @@ TEST(GridFilter, WindowHoldsWhatTheWholeRoomHolds) {
   EXPECT_NEAR(mean_x(narrowed, space->grid), mean_x(whole, space->grid), 0.01);
 }
 
-TEST(GridFilter, OneWrongBurstIsForgiven) {
+TEST(GridFilter, RecoversFromOneWrongBurst) {
   const auto space = empty_room();
   GridFilter filter(space, {});
   for (int i = 0; i < 3; ++i) {

@@ -87,7 +87,7 @@ class PersonTracking : public ::testing::Test {
 
 using enum TrackState;
 
-TEST_F(PersonTracking, FollowsAWalkAndLosesWhoHasLeft) {
+TEST_F(PersonTracking, FollowsAWalkAndLosesADepartedPerson) {
   auto tracker = PersonTracking::tracker();
   Updates updates;
 
@@ -145,7 +145,7 @@ TEST_F(PersonTracking, FollowsAWalkAndLosesWhoHasLeft) {
 
 // The place that the whole room ranks first is among those of a tracker that evaluates likely cells
 // only, and both use the same moments.
-TEST_F(PersonTracking, LooksWhereSomebodyMayBeAndSaysWhatTheWholeRoomSays) {
+TEST_F(PersonTracking, LimitedSearchMatchesTheWholeRoom) {
   constexpr double kSamePlace = 0.15;  // [m]
   auto quick = PersonTracking::tracker();
   auto exhaustive = PersonTracking::tracker({.is_exhaustive = true});
@@ -169,7 +169,7 @@ TEST_F(PersonTracking, LooksWhereSomebodyMayBeAndSaysWhatTheWholeRoomSays) {
 }
 
 // However little the moments indicate, a person whose evidence is not clear any more is lost.
-TEST_F(PersonTracking, DoubtsWhomItDoesNotSeeClearly) {
+TEST_F(PersonTracking, LosesAPersonAfterUnclearEvidence) {
   PersonTrackerOptions options;
   options.lose_after = std::chrono::seconds(100);
   options.unclear_after = std::chrono::seconds(2);
@@ -225,7 +225,7 @@ TEST_F(PersonTracking, CoastsAtFixedTimesHoweverOftenItIsAsked) {
   expect_same(once, silent);
 }
 
-TEST_F(PersonTracking, IsSureOfWhoIsSeenAgain) {
+TEST_F(PersonTracking, ConfirmsACoastingPersonAgain) {
   auto tracker = PersonTracking::tracker();
   Updates updates;
   see(tracker, 0.0, 6, updates);
@@ -236,7 +236,7 @@ TEST_F(PersonTracking, IsSureOfWhoIsSeenAgain) {
   EXPECT_EQ(tracker.counters().lost, 0U);
 }
 
-TEST_F(PersonTracking, ForgetsSoonWhomItHardlySaw) {
+TEST_F(PersonTracking, ForgetsABrieflySeenPersonSoon) {
   auto tracker = PersonTracking::tracker();
   Updates updates;
   see(tracker, 0.0, 2, updates);
@@ -285,7 +285,7 @@ TEST_F(PersonTracking, EndsWhenTimeMayGoBack) {
   EXPECT_EQ(tracker.counters().lost, 1U);
 }
 
-TEST_F(PersonTracking, NumbersTracksAsItIsTold) {
+TEST_F(PersonTracking, NumbersTracksAsConfigured) {
   auto tracker = PersonTracking::tracker({.first_number = 2, .number_step = 3});
   Updates updates;
   see(tracker, 0.0, 1, updates);
@@ -295,7 +295,7 @@ TEST_F(PersonTracking, NumbersTracksAsItIsTold) {
 }
 
 // The error of a body that is not round stays while one access point sees one side of it.
-TEST_F(PersonTracking, BelievesOneSideOfABodyLess) {
+TEST_F(PersonTracking, WidensRegionsAfterOneSidedEvidence) {
   PersonReference reference = test::learn_reference(*room());
   reference.person.front_sigma = 0.03;
   const auto uneven = std::make_shared<const PersonLocalizer>(

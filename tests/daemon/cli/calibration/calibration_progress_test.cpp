@@ -9,7 +9,7 @@ namespace {
 
 CalibrationProgress fitting() { return {{"fit", 12, 0.31214, 0.8713}, 0.5, 57}; }
 
-TEST(CalibrationProgressText, SaysWhatIsDoneAndWhatIsLeft) {
+TEST(CalibrationProgressText, ReportsProgressAndRemainingTime) {
   EXPECT_EQ(progress_text("joint", fitting(), 19.6, 100),
             "joint: about 20 s left, 57 points, fit, step 12, loss 0.3121, held-out 0.871");
   EXPECT_EQ(progress_text("joint", fitting(), std::nullopt, 100),
@@ -32,7 +32,7 @@ TEST(CalibrationProgressText, FitsIntoTheLine) {
   EXPECT_EQ(progress_text("joint", fitting(), 19.6, 20), "joint: about 20 s l");
 }
 
-TEST(CalibrationProgressText, GuessesWhatIsLeftFromWhatThisRunDid) {
+TEST(CalibrationProgressText, EstimatesTheRemainingTimeFromThisRunOnly) {
   EXPECT_FALSE(seconds_left(1.0, 0.0, 0.01));
   EXPECT_DOUBLE_EQ(seconds_left(10.0, 0.0, 0.25).value(), 30.0);
   // Gone on from half of the work: the first half took no time of this run.

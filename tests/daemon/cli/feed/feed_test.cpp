@@ -38,7 +38,7 @@ TEST(MessageFilter, PassesEverythingUnlessAsked) {
   }
 }
 
-TEST(MessageFilter, KnowsTargetsByTopicAndByName) {
+TEST(MessageFilter, MatchesTargetsByTopicAndByName) {
   for (const char* wanted : {"02:00:00:00:00:01", "phone"}) {
     const MessageFilter filter{.targets = {"someone", wanted}};
     EXPECT_TRUE(filter.passes(location()));
@@ -50,7 +50,7 @@ TEST(MessageFilter, KnowsTargetsByTopicAndByName) {
   EXPECT_FALSE(MessageFilter{.targets = {""}}.passes(zone_event()));
 }
 
-TEST(MessageFilter, KnowsKindAccuracyAndConfidenceOfLocations) {
+TEST(MessageFilter, MatchesKindAccuracyAndConfidenceOfLocations) {
   EXPECT_TRUE(MessageFilter{.kind = "filtered"}.passes(location()));
   EXPECT_FALSE(MessageFilter{.kind = "snapshot"}.passes(location()));
   EXPECT_FALSE(MessageFilter{.kind = "snapshot"}.passes(zone_event()));
@@ -69,7 +69,7 @@ TEST(MessageFilter, KnowsKindAccuracyAndConfidenceOfLocations) {
   EXPECT_FALSE(MessageFilter{.min_confidence = 0.0}.passes(heartbeat()));
 }
 
-TEST(MessageFilter, KnowsZonesOfLocationsAndEvents) {
+TEST(MessageFilter, MatchesZonesOfLocationsAndEvents) {
   EXPECT_TRUE(MessageFilter{.zones = {"desk"}}.passes(location()));
   EXPECT_FALSE(MessageFilter{.zones = {"door"}}.passes(location()));
   MessageFilter often{.zones = {"door"}};
@@ -83,7 +83,7 @@ TEST(MessageFilter, KnowsZonesOfLocationsAndEvents) {
   EXPECT_FALSE(both.passes(location()));
 }
 
-TEST(FeedWriter, SaysWhatAZoneEventIs) {
+TEST(FeedWriter, DescribesAZoneEvent) {
   FeedWriter writer(FeedFormat::kText);
   writer.add(zone_event());
   EXPECT_EQ(
@@ -110,7 +110,7 @@ TEST(FeedWriter, NamesTheMethodThatIsCompared) {
   EXPECT_EQ(csv.without_form(), 1U);
 }
 
-TEST(FeedWriter, SaysWhatToDoubt) {
+TEST(FeedWriter, ListsAmbiguityAndWarnings) {
   v1::Envelope suspect = location();
   v1::Quality& quality = *suspect.mutable_location()->mutable_quality();
   quality.set_ambiguous(true);
@@ -124,7 +124,7 @@ TEST(FeedWriter, SaysWhatToDoubt) {
       << text;
 }
 
-TEST(FeedWriter, HoldsGeojsonUntilTheHeartbeatSaysWhereTheSiteIs) {
+TEST(FeedWriter, HoldsGeojsonUntilAHeartbeatGivesTheGeoreference) {
   FeedWriter writer(FeedFormat::kGeojson);
   writer.add(location());
   writer.add(zone_event());

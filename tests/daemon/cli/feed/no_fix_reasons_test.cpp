@@ -29,7 +29,7 @@ TEST(Field, ReasonsWithoutAFixAreCountedTheMostFrequentFirst) {
             "31 without a fix: no chain gains, calibrate the site (30); no frames (1)");
 }
 
-TEST(Field, ReasonsWithoutAFixThatNobodyWouldReadAreCountedTogether) {
+TEST(Field, RareReasonsWithoutAFixAreCountedTogether) {
   NoFixReasons reasons;
   for (int i = 0; i < 100; ++i) {
     reasons.count(without_fix("reason " + std::to_string(i)));

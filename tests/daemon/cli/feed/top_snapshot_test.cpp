@@ -6,7 +6,7 @@
 namespace rayloc::cli::top_snapshot_test {
 namespace {
 
-TEST(UsualSnapshot, IsBesideTheUsualPortAlone) {
+TEST(UsualSnapshot, ExistsOnlyForTheUsualPort) {
   EXPECT_EQ(usual_snapshot("tcp://127.0.0.1:5560"), "tcp://127.0.0.1:5561");
   EXPECT_EQ(usual_snapshot("tcp://[::1]:5560"), "tcp://[::1]:5561");
   EXPECT_EQ(usual_snapshot("tcp://office.example:5560"), "tcp://office.example:5561");

@@ -62,7 +62,7 @@ TEST(TextTable, AlignsByCharacters) {
   EXPECT_EQ(cut("abc", 3), "abc");
 }
 
-TEST(TextTable, LeavesOutWhatMattersLeastWhereThereIsNoRoom) {
+TEST(TextTable, OmitsTheLeastImportantColumnsWhenNarrow) {
   TextTable table({"name", ">x", ">z", "state"});
   table.may_lack({"z", "state"});
   table.add({"phone", "1.25", "0.90", "confirmed"});
@@ -79,7 +79,7 @@ TEST(TextTable, BreaksSentencesAtSpaces) {
   EXPECT_EQ(wrapped("a immeasurable", 4, 2), (std::vector<std::string>{"a", "  immeasurable"}));
 }
 
-TEST(TopModel, KnowsRatesFromWhatCame) {
+TEST(TopModel, ComputesRatesFromReceivedMessages) {
   TopModel model;
   for (int i = 0; i < 50; ++i) {  // ten a second
     model.add("t", location(static_cast<std::uint64_t>(i) + 1, 100, kFiltered), kStart + i * 100ms);
@@ -95,7 +95,7 @@ TEST(TopModel, KnowsRatesFromWhatCame) {
   EXPECT_FALSE(model.datagram_rate("ap2"));
 }
 
-TEST(TopModel, TellsAgesByTheClockOfTheDaemon) {
+TEST(TopModel, MeasuresAgesByTheClockOfTheDaemon) {
   TopModel model;
   model.add("t", location(1, 100, kFiltered), kStart);
   model.add("h", heartbeat(107, 0), kStart + 7s);
@@ -146,7 +146,7 @@ TEST(TopModel, ForgetsTheSilentAndBoundsItsMemory) {
   EXPECT_TRUE(model.targets().empty());
 }
 
-TEST(TopView, CountsPeopleWhereTheyAreLookedFor) {
+TEST(TopView, CountsPeopleWherePersonTrackingIsOn) {
   TopModel model;
   v1::Envelope beat = heartbeat(100, 0);
   model.add("h", beat, kStart);
@@ -207,7 +207,7 @@ TEST(TopView, FitsIntoEightyColumns) {
 }
 
 // 0.9 is not yet inside, and 0.1 not yet outside.
-TEST(TopView, TellsWhoIsInAZoneByItsEventsAlone) {
+TEST(TopView, ListsZoneMembersFromZoneEventsOnly) {
   TopModel model;
   for (const auto& [track, probability] : {std::pair{4, 0.9}, {5, 0.1}}) {
     v1::Envelope each = location(static_cast<std::uint64_t>(track), 100, kFiltered);
@@ -228,7 +228,7 @@ TEST(TopView, TellsWhoIsInAZoneByItsEventsAlone) {
 }
 
 // As the live map counts (tests/e2e/map_modules_test.js).
-TEST(TopView, CountsAsLostWhatIsInNoEstimate) {
+TEST(TopView, CountsFramesWithoutAnEstimateAsLost) {
   TopModel model;
   model.add("h",
             parsed("epoch: 1 sequence: 1 heartbeat { sources { access_point: 'ap1' "
@@ -250,7 +250,7 @@ TEST(TopView, CountsAsLostWhatIsInNoEstimate) {
             (std::vector<std::string>{"ap1", "receiving", "100", "-", "67", "7", "11", "10", "-"}));
 }
 
-TEST(TopModel, CountsNoRateOfWhatWasSaidBefore) {
+TEST(TopModel, CountsNoRateOfRepeatedMessages) {
   TopModel model;
   model.add("t", location(1, 100, kFiltered), kStart, true);
   const TopModel::Stream& stream = TopModel::shown(model.targets().at("person-4"));
@@ -259,7 +259,7 @@ TEST(TopModel, CountsNoRateOfWhatWasSaidBefore) {
   EXPECT_GT(TopModel::rate(TopModel::shown(model.targets().at("person-4")), kStart + 1s), 0.0);
 }
 
-TEST(TopView, TellsWhatToDoubtAndWhy) {
+TEST(TopView, ShowsWarningsWithTheirReasons) {
   TopModel model;
   v1::Envelope suspect = location(1, 100, kFiltered);
   v1::Quality& quality = *suspect.mutable_location()->mutable_quality();
@@ -284,7 +284,7 @@ TEST(TopView, TellsWhatToDoubtAndWhy) {
   EXPECT_EQ(text_of(model, kStart).find("ap1"), std::string::npos) << text_of(model, kStart);
 }
 
-TEST(TopView, SaysSoWhenNothingHasComeYet) {
+TEST(TopView, ReportsThatNoHeartbeatHasArrived) {
   EXPECT_EQ(text_of(TopModel(), kStart), "no heartbeat yet\n");
 }
 
@@ -300,7 +300,7 @@ TEST(Field, TopShowsWhyLessIsLocated) {
       << text;
 }
 
-TEST(Field, AgesAreForPeople) {
+TEST(Field, AgesAreRounded) {
   EXPECT_EQ(age_text(0.023330128), "0.0 s");
   EXPECT_EQ(age_text(-0.1), "0.0 s");
   EXPECT_EQ(age_text(59.6), "60 s");

@@ -235,7 +235,7 @@ TEST_F(CalibrateClosedLoop, PromisesToGoOnOnlyWhereItCan) {
   EXPECT_EQ(report("stopped").at("methods").size(), 1U);
 }
 
-TEST_F(CalibrateClosedLoop, BothMethodsStandSideBySide) {
+TEST_F(CalibrateClosedLoop, ReportsBothMethodsSideBySide) {
   ASSERT_NO_FATAL_FAILURE(survey(4));
   const Finished run = calibrate("paper", {"--method", "paper", "--compare"});
   ASSERT_EQ(run.status, 0) << run.err;

@@ -249,7 +249,7 @@ TEST_F(RechainVerb, ThePipelineWarnsOfANewPowerCycleAndNotOfTheOldOne) {
   EXPECT_TRUE(warnings[3].empty()) << "of another time of the recording";
 }
 
-TEST_F(RechainVerb, RefusesWhatItCannotUse) {
+TEST_F(RechainVerb, RefusesUnusableInputs) {
   const std::string one = write("one.csv", std::string(kHeader) + "5000,5001,0.4,-0.2,1.2\n");
   simulate("7", "one", one, "");
   // The recording holds no fixed transmitter, and a device at one place.

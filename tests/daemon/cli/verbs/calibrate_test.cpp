@@ -264,7 +264,7 @@ TEST_F(CalibrateVerb, RefusesTooFewPoints) {
 }
 
 // As few as are taken leave none to check with.
-TEST_F(CalibrateVerb, SaysThatNoPointWasHeldOut) {
+TEST_F(CalibrateVerb, ReportsThatNoPointWasHeldOut) {
   const Finished run =
       calibrate({"--capture", "ap1=" + kSite + "/calibration-ap1.pcap.gz", "--points", points(4)});
   ASSERT_EQ(run.status, 0) << run.err;
@@ -274,7 +274,7 @@ TEST_F(CalibrateVerb, SaysThatNoPointWasHeldOut) {
   EXPECT_EQ(run.err.find("median error"), std::string::npos) << run.err;
 }
 
-TEST_F(CalibrateVerb, SaysWhyNoPointCanBeUsed) {
+TEST_F(CalibrateVerb, ExplainsThatNoPointIsUsable) {
   const fs::path site = copied_site();
   const std::string text = read_text(site / "site.toml");
   std::ofstream(site / "site.toml") << testing::edited_text(text, "core = 2", "core = 1");
@@ -346,7 +346,7 @@ class Field : public CalibrateVerb {
   fs::path site_;
 };
 
-TEST_F(Field, CalibrateNamesATurnedAccessPointAndWritesNoSite) {
+TEST_F(Field, CalibrateReportsARotatedAccessPointAndWritesNoSite) {
   state("yaw_deg = -37", "yaw_deg = 143");
   const Finished refused = calibrate_gains({"--quiet"});
   EXPECT_EQ(refused.status, 79) << refused.err;
@@ -414,7 +414,7 @@ TEST_F(Field, CalibrateStillRefusesAFolderThatHoldsMoreThanItsReports) {
 }
 
 // Points whose rows are in disorder: no mistake that has a name, and no calibration.
-TEST_F(Field, CalibrateSaysThatASurveyInDisorderIsNoSuccess) {
+TEST_F(Field, CalibrateRejectsASurveyInDisorder) {
   std::ifstream in(kSite + "/calibration.csv");
   std::vector<std::string> times;
   std::vector<std::string> places;

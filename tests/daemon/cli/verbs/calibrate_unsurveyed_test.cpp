@@ -56,7 +56,7 @@ class UnsurveyedVerb : public ::testing::Test {
       fs::path(::testing::TempDir()) / ("unsurveyed_" + std::to_string(::getpid()));
 };
 
-TEST_F(UnsurveyedVerb, FindsChainsAndWallsWhereNobodySaysWhereTheDeviceWas) {
+TEST_F(UnsurveyedVerb, EstimatesChainsAndWallsFromUnsurveyedDevices) {
   if (std::getenv("RAYLOC_UNSURVEYED") == nullptr) {
     GTEST_SKIP() << "takes three minutes of CPU: tests/soak/run unsurveyed 1";
   }
@@ -96,7 +96,7 @@ TEST_F(UnsurveyedVerb, FindsChainsAndWallsWhereNobodySaysWhereTheDeviceWas) {
 }
 
 // raylocd learns the chains from the plan alone; `rayloc replay` does the same.
-TEST_F(UnsurveyedVerb, LearnsChainsOfAPlanFromWhomItHears) {
+TEST_F(UnsurveyedVerb, LearnsTheChainsOfAPlanFromObservedDevices) {
   ASSERT_EQ(rayloc({"calibrate", kSite, "--unsurveyed", "--out", path("plan")}).status, 0);
   ASSERT_EQ(rayloc({"replay",
                     path("plan"),
@@ -131,7 +131,7 @@ TEST_F(UnsurveyedVerb, LearnsChainsOfAPlanFromWhomItHears) {
   EXPECT_GT(located, 50U);
 }
 
-TEST_F(UnsurveyedVerb, SaysWhatIsMissing) {
+TEST_F(UnsurveyedVerb, ReportsMissingArguments) {
   const Finished points =
       calibrate(kSite, {"walk"}, "points", {"--points", kSite + "/calibration.csv"});
   EXPECT_EQ(points.status, 64);

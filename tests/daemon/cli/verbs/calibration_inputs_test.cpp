@@ -106,7 +106,7 @@ TEST_F(CalibrationInputsTest, ReadsRowsThatFollowEachOtherAtOnce) {
             "none");
 }
 
-TEST_F(CalibrationInputsTest, RefusesARecordingThatHeardOnlyFixedTransmitters) {
+TEST_F(CalibrationInputsTest, RefusesARecordingOfFixedTransmittersOnly) {
   Site site = bundled_site();
   for (SiteTransmitter& transmitter : site.transmitters) {
     transmitter.role = TransmitterRole::kFixed;
@@ -116,7 +116,7 @@ TEST_F(CalibrationInputsTest, RefusesARecordingThatHeardOnlyFixedTransmitters) {
   EXPECT_TRUE(contains(message, "frames of fixed transmitters"));
 }
 
-TEST_F(CalibrationInputsTest, NamesTheAccessPointThatHeardNothingAtThatTime) {
+TEST_F(CalibrationInputsTest, ReportsAnAccessPointWithoutFramesAtThatTime) {
   const auto message =
       error_with("t_start,t_end,x,y,z\n1600000000.0,1600000000.5,-1.54,-1.1,1.2\n");
   EXPECT_TRUE(
@@ -135,7 +135,7 @@ TEST_F(CalibrationInputsTest, TakesTheBoundsOfTheSceneWhereTheSiteStatesNone) {
   EXPECT_TRUE(contains(error_with(far, with_bounds(site, room)), "outside of the room"));
 }
 
-TEST_F(CalibrationInputsTest, NamesTheAccessPointThatHeardOnlyStrangers) {
+TEST_F(CalibrationInputsTest, ReportsAnAccessPointThatReceivedOnlyUnlistedDevices) {
   Site site = bundled_site();
   for (SiteTransmitter& transmitter : site.transmitters) {
     transmitter.mac.octets[5] += 0x40;
@@ -203,7 +203,7 @@ class SurveyOfTwoPoints : public CalibrationInputsTest {
   }
 };
 
-TEST_F(SurveyOfTwoPoints, IsThatOfTheListedDeviceWhoeverElseIsHeard) {
+TEST_F(SurveyOfTwoPoints, SelectsTheListedDeviceAmongOthers) {
   const auto inputs = read(bundled_site(), {"first", "second"});
   ASSERT_TRUE(inputs) << inputs.error().message;
   for (const SurveyedFrames& spot : inputs->points) {
@@ -216,7 +216,7 @@ TEST_F(SurveyOfTwoPoints, IsThatOfTheListedDeviceWhoeverElseIsHeard) {
   EXPECT_EQ(inputs->refused[0].what, "02:52:4c:00:00:aa");
 }
 
-TEST_F(SurveyOfTwoPoints, IsThatOfWhoIsHeardAtMostPointsWhereNoneIsListed) {
+TEST_F(SurveyOfTwoPoints, SelectsTheMostFrequentDeviceIfNoneIsListed) {
   Site site = bundled_site();
   site.transmitters.clear();
   const auto inputs = read(site, {"first", "second"});
@@ -235,7 +235,7 @@ TEST_F(SurveyOfTwoPoints, IsReadFromSeveralRecordingsInAnyOrder) {
 }
 
 // A checkpoint of the one must not be gone on from with the other.
-TEST_F(CalibrationInputsTest, TellsExchangedRecordingsApart) {
+TEST_F(CalibrationInputsTest, DistinguishesExchangedRecordings) {
   std::ofstream(points_) << "t_start,t_end,x,y,z\n" << kRightRow;
   const auto content = [&](const std::string& first, const std::string& second) {
     const auto file = [](const std::string& ap) {

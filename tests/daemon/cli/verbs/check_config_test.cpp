@@ -76,7 +76,7 @@ TEST_F(CheckConfig, GoodOneExitsWithZero) {
   EXPECT_EQ(rayloc("check-config --quiet " + file).output, "");
 }
 
-TEST(Field, CheckConfigSaysThatASiteCannotLocate) {
+TEST(Field, CheckConfigReportsASiteThatCannotLocate) {
   const Outcome outcome = rayloc("check-config " + kSite.string());
   EXPECT_EQ(outcome.status, 0) << "raylocd starts with it";
   EXPECT_THAT(outcome.output,
@@ -120,7 +120,7 @@ TEST_F(CheckConfig, SecretsAreReadAsRaylocdReadsThem) {
               HasSubstr("set token_file"));
 }
 
-TEST_F(CheckConfig, RootIsToldWhatItsServiceCannotRead) {
+TEST_F(CheckConfig, RootGetsAWarningOfFilesItsServiceCannotRead) {
   const std::string key = write("privacy.key", std::string(32, 'k') + "\n");
   fs::permissions(key, fs::perms::owner_read | fs::perms::owner_write);
   const Outcome outcome =
@@ -166,7 +166,7 @@ TEST_F(CheckConfig, DefaultConfigurationIsAFileToStartFrom) {
   EXPECT_THAT(shown.output, HasSubstr("ring_frames = 8192  # default\n"));
 }
 
-TEST_F(CheckConfig, ConfigNeedsToKnowWhat) {
+TEST_F(CheckConfig, ConfigNeedsASubcommand) {
   EXPECT_EQ(rayloc("config").status, 64);
   EXPECT_THAT(rayloc("config schema").output, StartsWith("{\n  \"$schema\""));
 }

@@ -239,7 +239,7 @@ TEST(Field, ReplayMakesNoFixOfSeveralAccessPointsInOneRecording) {
   EXPECT_THAT(finished.err, HasSubstr("allow"));
 }
 
-TEST(Field, VerbsSayWhatACaptureInMonitorModeIs) {
+TEST(Field, VerbsExplainACaptureInMonitorMode) {
   const EditedRecording recording;
   std::string air = test::pcap_header(test::Endian::kLittle, false, 127);
   for (std::uint32_t i = 0; i < 20; ++i) {

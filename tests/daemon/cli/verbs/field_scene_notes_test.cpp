@@ -62,7 +62,7 @@ class FieldSceneNotes : public ::testing::Test {
   fs::path folder_;
 };
 
-TEST_F(FieldSceneNotes, ReachWhoChecksTheScene) {
+TEST_F(FieldSceneNotes, SceneCheckReportsThem) {
   const Finished checked = RaylocProcess({"scene", "check", folder_, "--json"}).wait();
   ASSERT_EQ(checked.status, 0) << checked.err;
   const auto json = nlohmann::json::parse(checked.out);
@@ -73,7 +73,7 @@ TEST_F(FieldSceneNotes, ReachWhoChecksTheScene) {
   EXPECT_THAT(kinds, ::testing::IsSupersetOf({"material", "rotation_axis", "left_out"}));
 }
 
-TEST_F(FieldSceneNotes, ReachWhoWorksWithTheScene) {
+TEST_F(FieldSceneNotes, VerbsThatUseTheSceneReportThem) {
   const Finished traced =
       RaylocProcess({"trace", folder_, "--tx", "1,1,1", "--rx", "2,2,1"}).wait();
   ASSERT_EQ(traced.status, 0) << traced.err;

@@ -195,7 +195,7 @@ class Walk {
   std::vector<SurveyPoint> points_;
 };
 
-TEST(Field, ClockIsFoundFromWhereADeviceStandsThoughItAlwaysTransmits) {
+TEST(Field, ClockOffsetIsFoundFromThePausesOfADevice) {
   for (const bool transmits_between : {false, true}) {
     const Walk walk(transmits_between);
     for (const int shift : {3600, -40, 75}) {

@@ -101,13 +101,13 @@ TEST(Frames, ValuesAreAscendingAndRawIsAsOnTheWire) {
   EXPECT_LT(std::abs(undone - first_frame().channel(0, 0, 2)), 100.0 / 2048);
 }
 
-TEST(Frames, WithoutJsonALineIsForPeople) {
+TEST(Frames, WithoutJsonPrintsReadableLines) {
   const Finished finished = RaylocProcess({"frames", recording()}).wait();
   EXPECT_NE(finished.out.find("vht 40 MHz  sequence 543/37600  cores 0,1,2,3"), std::string::npos);
   EXPECT_NE(finished.out.find("144 datagrams, 144 decoded"), std::string::npos);
 }
 
-TEST(Frames, SaysWhatIsWrongByExitStatus) {
+TEST(Frames, ReportsErrorsByExitStatus) {
   EXPECT_EQ(RaylocProcess({"frames"}).wait().status, 64);
   const Finished format = RaylocProcess({"frames", "--format", "axcsi", recording()}).wait();
   EXPECT_EQ(format.status, 64);

@@ -319,7 +319,7 @@ TEST_F(ReferenceVerb, RefusesADayThatIsNone) {
   EXPECT_FALSE(fs::exists(path("no-day")));
 }
 
-TEST_F(ReferenceVerb, SaysThatPeopleNeedAReference) {
+TEST_F(ReferenceVerb, ReportsThatPeopleNeedAReference) {
   const auto snapshots = replay("calibrated", "later");
   ASSERT_FALSE(snapshots.empty());
   EXPECT_EQ(snapshots[0]["mode"], "FIX_MODE_NO_FIX");
@@ -327,7 +327,7 @@ TEST_F(ReferenceVerb, SaysThatPeopleNeedAReference) {
               HasSubstr("rayloc reference"));
 }
 
-TEST_F(ReferenceVerb, RefusesWhatCannotBeAReference) {
+TEST_F(ReferenceVerb, RefusesUnusableRecordings) {
   const auto refused = [](const std::vector<std::string>& arguments) {
     std::vector<std::string> all = {"reference"};
     all.insert(all.end(), arguments.begin(), arguments.end());

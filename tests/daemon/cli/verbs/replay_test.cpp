@@ -21,7 +21,7 @@ Finished replay(std::vector<std::string> arguments) {
   return RaylocProcess(std::move(arguments)).wait();
 }
 
-TEST(Replay, NeedsToKnowWhichAccessPointRecorded) {
+TEST(Replay, NeedsTheAccessPointOfEachRecording) {
   const Finished finished = replay({kSite, kRecording});
   EXPECT_EQ(finished.status, 64);
   EXPECT_NE(finished.err.find("ap1, ap2, ap3"), std::string::npos) << finished.err;
@@ -87,7 +87,7 @@ TEST(Replay, StatesNoFixWithoutACalibration) {
   EXPECT_NE(finished.out.find("no_fix_reason"), std::string::npos);
 }
 
-TEST(Replay, SaysWhichMethodWasAsked) {
+TEST(Replay, ReportsTheRequestedMethod) {
   for (const std::string method : {"rayloc", "paper"}) {
     const Finished finished =
         replay({kSite, "ap1=" + kRecording, "--burst", "2s", "--quiet", "--method", method});
@@ -96,7 +96,7 @@ TEST(Replay, SaysWhichMethodWasAsked) {
   }
 }
 
-TEST(Replay, RefusesWhatItCannotGoOnWith) {
+TEST(Replay, RefusesUnusableCarriedState) {
   const std::string capture = "ap1=" + kRecording;
   const Finished time = replay({kSite, capture, "--from", "yesterday"});
   EXPECT_EQ(time.status, 64);
@@ -118,7 +118,7 @@ class CutReplay : public test::VerbFolder {
 
 // Without a calibration each burst states only its start and end. A replay that continues from a
 // carried record prints the same bytes as the rest of the whole replay.
-TEST_F(CutReplay, IsGoneOnWith) {
+TEST_F(CutReplay, ContinuesFromCarriedState) {
   const std::string whole = replayed({"--carried-out", path("carried.jsonl")});
   const std::string rest =
       replayed({"--carried", path("carried.jsonl"), "--from", "2024-06-10T06:30:00Z"});

@@ -54,7 +54,7 @@ TEST_F(SceneMap, WritesPicturesAndArraysOfASite) {
   EXPECT_EQ(again.status, 64) << again.err;
 }
 
-TEST_F(SceneMap, ComparesAntennasThatHangNowhereYet) {
+TEST_F(SceneMap, ComparesProposedAntennas) {
   const Finished made = map({kCorridor,
                              "--antenna",
                              "-8,0,2.2",
@@ -76,7 +76,7 @@ TEST_F(SceneMap, ComparesAntennasThatHangNowhereYet) {
   EXPECT_FALSE(fs::exists(out("one/strongest.png"))) << "of one there is no loudest";
 }
 
-TEST_F(SceneMap, SaysWhatIsMissing) {
+TEST_F(SceneMap, ReportsMissingArguments) {
   const auto refused = [&](std::vector<std::string> arguments, int status, const char* words) {
     arguments.insert(arguments.end(), {"--out", out("none")});
     const Finished run = map(arguments);

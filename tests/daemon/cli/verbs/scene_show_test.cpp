@@ -73,7 +73,7 @@ TEST_F(SceneShow, DrawsThePathsOfADeviceToAnAccessPoint) {
   EXPECT_TRUE(texts.contains("3.77 x 3.09 x 2.94 m, 19 objects, 5.19 GHz, 6 paths to depth 1"));
 }
 
-TEST_F(SceneShow, LeavesWeakPathsOutAndSaysSo) {
+TEST_F(SceneShow, OmitsWeakPathsAndReportsTheirCount) {
   const std::vector<std::string> link{
       kCorridor, "--tx", "-3,0.3,1.2", "--rx", "9,-0.5,2", "--depth", "1", "--range", "6"};
   ASSERT_EQ(show(link, "corridor.svg").status, 0);
@@ -102,7 +102,7 @@ TEST_F(SceneShow, DrawsTheSamePictureEachTime) {
   EXPECT_EQ(content("a.svg"), content("b.svg"));
 }
 
-TEST_F(SceneShow, NoPathIsSaidAndTheRoomDrawn) {
+TEST_F(SceneShow, ReportsThatNoPathExistsAndDrawsTheRoom) {
   const Finished finished = show({kSite, "--tx", "0,0,0.73"}, "room.svg");
   EXPECT_EQ(finished.status, 0);
   EXPECT_EQ(finished.err,

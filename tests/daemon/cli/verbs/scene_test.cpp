@@ -123,7 +123,7 @@ TEST_F(SceneVerb, RoomIsASceneThatCheckReads) {
   EXPECT_TRUE(json["warnings"].empty()) << json["warnings"];
 }
 
-TEST_F(SceneVerb, ImportMakesWhatCheckReadsAndRefusesWithoutATrace) {
+TEST_F(SceneVerb, ImportWritesAValidSceneOrLeavesNoTrace) {
   const std::string model = file("room.obj",
                                  "o floor\nv 0 0 0\nv 4 0 0\nv 4 0 -3\nv 0 0 -3\nf 1 2 3 4\n"
                                  "o ceiling\nv 0 2.5 0\nv 4 2.5 0\nv 4 2.5 -3\nv 0 2.5 -3\n"
@@ -256,7 +256,7 @@ class Field : public SceneVerb {
 };
 
 // The step that the check advises makes the scene valid.
-TEST_F(Field, RoomCheckNamesCentimetresAndWhatToWrite) {
+TEST_F(Field, RoomCheckReportsCentimetresAndTheRemedy) {
   write_office(R"(<scale value="100"/>)");
   const std::string message = refusal();
   EXPECT_NE(message.find("its vertices are in centimetres"), std::string::npos) << message;
@@ -265,7 +265,7 @@ TEST_F(Field, RoomCheckNamesCentimetresAndWhatToWrite) {
   expect_good();
 }
 
-TEST_F(Field, RoomCheckNamesTheAxisThatIsUpAndWhatToWrite) {
+TEST_F(Field, RoomCheckReportsTheUpAxisAndTheRemedy) {
   write_office(R"(<rotate x="1" angle="-90"/>)");
   const std::string message = refusal();
   EXPECT_NE(message.find("its floor and ceiling lie along y"), std::string::npos) << message;
@@ -360,7 +360,7 @@ TEST_F(SceneVerb, UnusableScenesAreRefused) {
   expect_refused(check({}), "has no material 'woood'; did you mean 'wood'?");
 }
 
-TEST_F(SceneVerb, NeedsToKnowWhat) {
+TEST_F(SceneVerb, NeedsASubcommand) {
   EXPECT_EQ(RaylocProcess({"scene"}).wait().status, 64);
   EXPECT_EQ(RaylocProcess({"scene", "room"}).wait().status, 64);
   EXPECT_EQ(RaylocProcess({"scene", "check"}).wait().status, 64);

@@ -188,7 +188,7 @@ TEST(Field, SendTakesFilesOfOneAccessPointAsOneRecording) {
   }
 }
 
-TEST(Field, SendLeavesOutADamagedStampAndSaysSo) {
+TEST(Field, SendOmitsAndReportsADamagedStamp) {
   Port port;
   const std::string file =
       recording("send_damaged.pcap", {{0, "a"}, {10, "b"}, {3'600'000, "c"}, {20, "d"}, {30, "e"}});
@@ -217,7 +217,7 @@ TEST(Send, RepeatsTheRecordingAtARate) {
   unlink(file.c_str());
 }
 
-TEST(Send, SaysWhatIsWrong) {
+TEST(Send, ReportsInvalidArgumentsAndFiles) {
   EXPECT_EQ(rayloc("send x.pcap y.pcap --to 127.0.0.1:1 2>/dev/null").status, 64);
   EXPECT_EQ(rayloc("send x.pcap --to nowhere 2>/dev/null").status, 64);
   EXPECT_EQ(rayloc("send x.pcap --to 127.0.0.1:1 --speed 0 2>/dev/null").status, 64);
@@ -235,7 +235,7 @@ TEST(Send, SaysWhatIsWrong) {
 // A port that is free now; another program could take it, which the recorder would report.
 std::string free_address() { return Port().address(); }
 
-TEST(Record, WritesWhatSendSends) {
+TEST(Record, WritesTheDatagramsOfSend) {
   const std::string address = free_address();
   const std::string sent = recording("record_in.pcap", {{0, "one"}, {1, ""}, {2, "three"}});
   const std::string out = test::temporary_path("record_out.pcap");
@@ -333,7 +333,7 @@ TEST(Send, AnUnknownTransportListsThoseThereAre) {
   }
 }
 
-TEST(Record, SaysWhatIsWrong) {
+TEST(Record, ReportsInvalidArguments) {
   EXPECT_EQ(rayloc("record --out x.pcap 2>/dev/null").status, 64);
   EXPECT_EQ(rayloc("record --interface nowhere0 --out x.pcap 2>/dev/null").status, 69);
   const Port taken;

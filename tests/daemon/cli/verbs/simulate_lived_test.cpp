@@ -167,7 +167,7 @@ TEST_F(SimulateLived, AWalkSendsAFrameAtEachRowAndItsTruthIsAWalk) {
   EXPECT_THAT(read("truth.csv"), HasSubstr("\n100.050000000,0.400000,-0.200000,"));
 }
 
-TEST_F(SimulateLived, ASecondDayThatOnlyCyclesThePowerTurnsChainsAlone) {
+TEST_F(SimulateLived, APowerCycleOnTheSecondDayChangesOnlyChainPhases) {
   const auto day = write("day.toml", "base = \"none\"\nchain_phase_deg = 180\n");
   const std::vector<std::string> common = {"--impairments", "none", "--frames", "1"};
   const Json first = report("points.csv", common);
@@ -217,7 +217,7 @@ TEST_F(SimulateLived, TheUsualSecondDayIsReportedAndTheSameBytesForASeed) {
               HasSubstr("1 of 3 things were moved"));
 }
 
-TEST_F(SimulateLived, RefusesWhatCannotBe) {
+TEST_F(SimulateLived, RefusesInvalidOptions) {
   struct Case {
     std::string points;
     std::vector<std::string> options;

@@ -172,7 +172,7 @@ TEST_F(SimulateVerb, ChannelsDifferByTheErrorsOfTheModelAnewAtEachPoint) {
   EXPECT_NE(channels({"--model-error", "--seed", "1"}), drawn);
 }
 
-TEST_F(SimulateVerb, RefusesWhatItCannotSimulate) {
+TEST_F(SimulateVerb, RefusesInvalidInputs) {
   const auto file = write("points.csv", points(2, 1, 0.0, 100));
   const auto radio = write("radio.toml", "snr_db = 20\njitter = 3\n");
   const std::string out = "ap1=" + path("a.pcap");
@@ -204,7 +204,7 @@ TEST_F(SimulateVerb, RefusesWhatItCannotSimulate) {
   EXPECT_FALSE(fs::exists(path("a.pcap")));
 }
 
-TEST_F(SimulateVerb, SaysFromWhichPointsNothingIsHeard) {
+TEST_F(SimulateVerb, ReportsThePointsWithoutAnyPath) {
   const auto file =
       write("points.csv", "t_start,t_end,x,y,z\n100,101,0.4,0.2,1.1\n200,201,9,0.2,1.1\n");
   const Finished finished =
@@ -217,7 +217,7 @@ TEST_F(SimulateVerb, SaysFromWhichPointsNothingIsHeard) {
 }
 
 // The whole way, with the default impairments: calibrated on one survey, located on another.
-TEST_F(SimulateVerb, WhatIsSimulatedIsCalibratedAndLocatedToCentimetres) {
+TEST_F(SimulateVerb, SimulatedSurveysCalibrateAndLocateToCentimetres) {
   const auto survey = write("survey.csv", points(6, 5, 0.0, 1000));
   const auto truth = write("truth.csv", points(4, 4, 0.11, 5000));
   const auto simulated = nlohmann::json::parse(simulate(survey, "survey", 1));

@@ -104,7 +104,7 @@ TEST(Sub, FollowsADaemonThatIsRestarted) {
             "06:13:20.000  location   a snapshot: 1.50, 0.00, 0.00 m, 0 frames of 0 access points");
 }
 
-TEST(Sub, SaysWhatADaemonLost) {
+TEST(Sub, ReportsTheLossesOfADaemon) {
   Publisher publisher = publisher_on_loopback();
   const RaylocProcess process(
       {"sub", "v1/heartbeat/", "--endpoint", publisher.endpoint(), "--count", "1"});
@@ -147,7 +147,7 @@ TEST(Sub, PrintsGeojsonByTheGeoreferenceOfTheHeartbeat) {
               1e-9);
 }
 
-TEST(Sub, SaysWhatGeojsonLacks) {
+TEST(Sub, ReportsAMissingGeoreferenceForGeojson) {
   Publisher publisher = publisher_on_loopback();
   const RaylocProcess process({"sub", "--endpoint", publisher.endpoint(), "--format", "geojson"});
   wait_for_subscriptions(publisher, 2);

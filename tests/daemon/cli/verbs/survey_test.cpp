@@ -198,7 +198,7 @@ TEST_F(SurveyVerb, EnterTakesThePlannedPointThatHasNoRowYet) {
   EXPECT_EQ((*points)[1].position, (Vec3d{0.4, 0.2, 1.2}));
 }
 
-TEST_F(SurveyVerb, WarnsOfAnAccessPointThatHearsNothing) {
+TEST_F(SurveyVerb, WarnsOfAnAccessPointWithoutFrames) {
   const std::uint16_t received_port = free_port();
   const std::uint16_t silent = free_port();
   const SimulatedDevice device(received_port);
@@ -212,7 +212,7 @@ TEST_F(SurveyVerb, WarnsOfAnAccessPointThatHearsNothing) {
   EXPECT_EQ(load_points_csv(path("points.csv"))->size(), 1U);
 }
 
-TEST_F(SurveyVerb, WritesNoRowWhenNothingWasHeard) {
+TEST_F(SurveyVerb, WritesNoRowWithoutFrames) {
   ASSERT_EQ(survey("0.5,0.2,1.2\nq\n",
                    "--timeout 0.2 --listen ap1=127.0.0.1:" + std::to_string(free_port())),
             0);
@@ -221,7 +221,7 @@ TEST_F(SurveyVerb, WritesNoRowWhenNothingWasHeard) {
   EXPECT_THAT(read("out"), HasSubstr("\"points\":0"));
 }
 
-TEST_F(SurveyVerb, FramesOfAFixedTransmitterSayNothingAboutTheDevice) {
+TEST_F(SurveyVerb, FramesOfAFixedTransmitterDoNotCount) {
   const std::uint16_t port = free_port();
   const SimulatedDevice fixed(port, kFixed);
   ASSERT_EQ(survey("0.5,0.2,1.2\nq\n",
@@ -233,7 +233,7 @@ TEST_F(SurveyVerb, FramesOfAFixedTransmitterSayNothingAboutTheDevice) {
 }
 
 // The site lists the device that is carried about.
-TEST_F(SurveyVerb, FramesOfAStrangersPhoneSayNothingEither) {
+TEST_F(SurveyVerb, FramesOfAnUnlistedPhoneDoNotCount) {
   const std::uint16_t port = free_port();
   const SimulatedDevice stranger(port, kStranger);
   ASSERT_EQ(survey("0.5,0.2,1.2\nq\n",
@@ -323,7 +323,7 @@ TEST_F(SurveyVerb, ContinuesOnlyAFileOfItsOwnKind) {
   EXPECT_EQ(read("points.csv"), "t_start,t_end,x,y,z\n1,2,0,0,1");
 }
 
-TEST_F(SurveyVerb, IsToldWhereToListen) {
+TEST_F(SurveyVerb, NeedsAListenAddress) {
   EXPECT_EQ(survey("q\n", ""), 64);
   EXPECT_EQ(survey("q\n", "--listen ap9=127.0.0.1:1"), 64);
   EXPECT_THAT(read("err"), HasSubstr("ap1, ap2, ap3"));

@@ -190,7 +190,7 @@ class TopTest : public ::testing::Test {
   TestPublisher publisher_;
 };
 
-TEST_F(TopTest, ShowsWhatIsPublishedAndGivesTheTerminalBack) {
+TEST_F(TopTest, ShowsPublishedMessagesAndRestoresTheTerminal) {
   TopOnTerminal top(publisher_);
   ASSERT_TRUE(speaking_until([&] { return contains(top.picture(), "02:52:4c:00:00:01"); }))
       << top.shown();
@@ -276,7 +276,7 @@ TEST_F(TopTest, PrintsOneTableWhereThereIsNoTerminal) {
   }
 }
 
-TEST_F(TopTest, KnowsWhoIsWhereFromTheBeginning) {
+TEST_F(TopTest, ASnapshotGivesZoneMembersFromTheBeginning) {
   for (const bool asks : {true, false}) {
     std::vector<std::string> arguments = {"top", "--once", "--endpoint", publisher_.endpoint()};
     if (asks) {
@@ -297,7 +297,7 @@ TEST_F(TopTest, KnowsWhoIsWhereFromTheBeginning) {
   }
 }
 
-TEST(Top, SaysThatNobodyIsThere) {
+TEST(Top, ReportsThatNoDaemonIsRunning) {
   const Finished finished =
       RaylocProcess({"top", "--once", "--endpoint", "ipc:///nowhere/at/all", "--timeout", "0.3"})
           .wait();

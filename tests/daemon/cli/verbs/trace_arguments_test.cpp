@@ -19,7 +19,7 @@ TEST(NumberList, ReadsPoints) {
   EXPECT_EQ(*parse_point("--tx", "-1,0,.5"), (Vec3d{-1, 0, 0.5}));
 }
 
-TEST(NumberList, RefusesAnythingElseAndSaysWhatToWrite) {
+TEST(NumberList, RefusesInvalidListsWithAnExample) {
   for (const char* text : {"",
                            "1",
                            "1,2",
@@ -76,7 +76,7 @@ TEST(GradientArgument, SelectsTheParametersBehindPower) {
   EXPECT_EQ((*parameters)[1].parameter, Parameter::object_translation(1, 2));
 }
 
-TEST(GradientArgument, RefusesWhatItDoesNotKnow) {
+TEST(GradientArgument, RefusesUnknownNames) {
   for (const char* text : {"rx",
                            "power",
                            "power:",

@@ -232,7 +232,7 @@ TEST_F(TrainPlaces, CifiIsTrainedKeptAndUsed) {
             content(path("cifi") + "/training/cifi.f32"));
 }
 
-TEST_F(TrainPlaces, GoesOnWithWhatWasInterrupted) {
+TEST_F(TrainPlaces, ContinuesAnInterruptedTraining) {
   const std::vector<std::string> more = {"--baseline", "epochs=4", "images=2"};
   const std::string checkpoint = path("broken") + "/training/cifi.checkpoint.json";
   const RaylocProcess process(train_arguments("cifi", "broken", more));
@@ -322,7 +322,7 @@ TEST_F(TrainPlaces, DscpLearnsFromPeople) {
               HasSubstr("no fixed transmitter of the site is received at the time of any"));
 }
 
-TEST_F(TrainPlaces, MethodsOfWalkersRefuseInWords) {
+TEST_F(TrainPlaces, MethodsForWalkersRefuseMissingInputs) {
   const Finished start = replay("reference", "witraj", "people");
   EXPECT_EQ(start.status, 64);
   EXPECT_THAT(start.err,

@@ -117,7 +117,7 @@ class TrainVerb : public ::testing::Test {
   }
 };
 
-TEST_F(TrainVerb, LeavesASiteThatSaysWhatItWasLearnedFrom) {
+TEST_F(TrainVerb, WritesASiteThatNamesItsTrainingData) {
   ASSERT_EQ(trained().status, 0) << trained().err;
   EXPECT_THAT(trained().err, HasSubstr("held out: median error"));
   const std::string toml = content(path("trained") + "/training/spotfi.toml");
@@ -158,7 +158,7 @@ TEST_F(TrainVerb, LocatesBetterThanTheMiddleOfTheRoom) {
   EXPECT_LT(report["median_m"].get<double>(), 0.7 * report["room_centre_median_m"].get<double>());
 }
 
-TEST_F(TrainVerb, LetsOneAccessPointLocateWhereItKnowsTheLevel) {
+TEST_F(TrainVerb, LetsOneAccessPointLocateWithAPathLossLaw) {
   ASSERT_EQ(replay("trained", 1, {}, "one.jsonl").status, 0);
   EXPECT_THAT(content(path("one.jsonl")), Not(HasSubstr("a bearing and no range")));
   ASSERT_EQ(replay("calibrated", 1, {}, "none.jsonl").status, 0);
@@ -169,7 +169,7 @@ TEST_F(TrainVerb, LetsOneAccessPointLocateWhereItKnowsTheLevel) {
   EXPECT_THAT(content(path("room.jsonl")), HasSubstr("it ends at the walls of the room"));
 }
 
-TEST_F(TrainVerb, RefusesInWords) {
+TEST_F(TrainVerb, RefusesInvalidOptionsWithAMessage) {
   const auto refusal = [](const std::vector<std::string>& more) {
     return replay("trained", 1, more, "refused.jsonl");
   };
@@ -201,7 +201,7 @@ Finished replay_of(const std::string& site, const std::string& method, const std
 }
 
 // The site without its walls, and without what it states of their materials.
-TEST_F(TrainVerb, M3SaysWhatItNeeds) {
+TEST_F(TrainVerb, M3ReportsMissingRequirements) {
   const Finished one_channel = replay_of(path("trained"), "m3", "device");
   EXPECT_EQ(one_channel.status, 0) << one_channel.err;
   EXPECT_THAT(one_channel.out,
@@ -241,7 +241,7 @@ TEST_F(TrainVerb, EveryMethodRefusesTheKindThatItDoesNotLocate) {
   }
 }
 
-TEST_F(TrainVerb, BeginsWhereItIsTold) {
+TEST_F(TrainVerb, BeginsAtTheGivenStart) {
   const auto begun = [](const std::string& method, const std::string& start) {
     return rayloc({"replay",
                    path("trained"),

@@ -49,7 +49,7 @@ TEST(CalibrationReportJson, GivesTheMedianOfThePointsHeldOut) {
 }
 
 // A method may look deeper into the room than a fix does.
-TEST(CalibrationReportJson, TellsWhatTheMethodSawFromWhatAFixSees) {
+TEST(CalibrationReportJson, SeparatesMethodCorrelationFromLocatedCorrelation) {
   const auto json = to_json(test::sample_report());
   EXPECT_DOUBLE_EQ(json.at("heldout").at("a").at("after_as_located"), 0.88);
   EXPECT_DOUBLE_EQ(json.at("heldout").at("a").at("quartiles_after_as_located").at(0), 0.87);
@@ -84,7 +84,7 @@ TEST(CalibrationReportJson, ListsParametersWithUnitsAndUnboundedOnesWithoutSigma
   EXPECT_TRUE(json.at("parameters").at(2).at("prior_sigma").is_null());
 }
 
-TEST(CalibrationReportJson, ListsWhatMovedMostFirst) {
+TEST(CalibrationReportJson, ListsTheLargestChangesFirst) {
   const auto json = to_json(test::sample_report());
   EXPECT_EQ(json.at("moved").at(0).at("name"), "west.+x.offset");
   EXPECT_DOUBLE_EQ(json.at("moved").at(0).at("prior_sigmas"), 1.2);
@@ -148,7 +148,7 @@ TEST(CalibrationReport, StatesNoErrorWhereNothingWasFixed) {
 }
 
 // The paper's loss wanders, and its rays explain another share of the floor plan.
-TEST(CalibrationReportHtml, TellsWhereEachMethodStartedAndTheLossThatItKept) {
+TEST(CalibrationReportHtml, ShowsTheStartAndTheKeptLossOfEachMethod) {
   CalibrationReport report = test::sample_report();
   RoomCalibration& paper = report.methods.back().calibration;
   paper.points[1].before = 0.41;
@@ -219,7 +219,7 @@ TEST(CalibrationReport, HoldsACalibrationWithoutPointsOrHistory) {
   EXPECT_TRUE(page.contains("No parameter was fitted."));
 }
 
-TEST(CalibrationReport, SaysThatItWasInterrupted) {
+TEST(CalibrationReport, ReportsAnInterruptedRun) {
   CalibrationReport report = test::sample_report();
   EXPECT_FALSE(Page(report).contains("interrupted"));
   report.methods.front().calibration.interrupted = true;

@@ -64,7 +64,7 @@ TEST(Field, CalibrationVerdictFailsWhereHalfOfThePointsHaveNoFix) {
             std::string::npos);
 }
 
-TEST(Field, CalibrationVerdictSaysNothingOfFewPointsNorOfAnInterruptedRun) {
+TEST(Field, CalibrationVerdictIgnoresFewPointsAndInterruptedRuns) {
   CalibrationReport report = report_with(0.7, 0.3, 0);
   report.methods.front().calibration.interrupted = true;
   EXPECT_TRUE(judged(report).is_success());
@@ -74,7 +74,7 @@ TEST(Field, CalibrationVerdictSaysNothingOfFewPointsNorOfAnInterruptedRun) {
   EXPECT_TRUE(judged(report).is_success());
 }
 
-TEST(Field, CalibrationVerdictTellsWhatWasTriedWhereNothingWasFound) {
+TEST(Field, CalibrationVerdictListsTheTriedMistakes) {
   CalibrationVerdict verdict = judged(report_with(0.7, 0.3, 3));
   verdict.tried = {mistake(TriedMistake::Kind::kArray, 0.21)};
   add_carriers({mistake(TriedMistake::Kind::kCarrier, 0.22)}, verdict);
@@ -88,7 +88,7 @@ TEST(Field, CalibrationVerdictTellsWhatWasTriedWhereNothingWasFound) {
 }
 
 // Both reports, JSON and HTML, contain the verdict and its reasons.
-TEST(Field, CalibrationVerdictStandsInBothReports) {
+TEST(Field, CalibrationVerdictAppearsInBothReports) {
   CalibrationReport report = report_with(0.7, 0.3, 3);
   EXPECT_TRUE(to_json(report).at("verdict").at("success"));
   EXPECT_EQ(to_html(report).find("This calibration is no success"), std::string::npos);
@@ -103,7 +103,7 @@ TEST(Field, CalibrationVerdictStandsInBothReports) {
 }
 
 // The report begins with the expected accuracy, for a reader who reads no further.
-TEST(Expectation, SaysHowWellASiteWillLocate) {
+TEST(Expectation, ReportsTheExpectedAccuracyOfASite) {
   CalibrationReport report = report_with(0.3, 0.9, 3);
   report.fixes.back().median_error_m = 0.041;
   EXPECT_EQ(

@@ -104,7 +104,7 @@ TEST_F(CheckpointFile, IsRefusedWhenBroken) {
   EXPECT_FALSE(load(R"({"inputs": "these inputs"})"));
 }
 
-TEST_F(CheckpointFile, SaysWhenThereIsNone) {
+TEST_F(CheckpointFile, ReportsAMissingCheckpoint) {
   const auto read = load_checkpoint(file_, "these inputs", room_, 2);
   ASSERT_FALSE(read);
   EXPECT_NE(read.error().message.find("no interrupted calibration"), std::string::npos);

@@ -111,7 +111,7 @@ TEST(HeldOutFixes, SpotsAtOtherHeightsDoNotCount) {
   EXPECT_EQ(none.sigma_floor, recorded().room->sigma_floor);
 }
 
-TEST(HeldOutFixes, FewSpotsTellNothing) {
+TEST(HeldOutFixes, FewSpotsLeaveTheCertaintyUnchanged) {
   const HeldOutSpot alone{recorded().places.front(), recorded().frames.front()};
   const auto fixes = fit_certainty_of(recorded().room, std::vector(3, alone), 0.005);
   ASSERT_TRUE(fixes);

@@ -88,7 +88,7 @@ TEST_F(LevelStage, FitsNothingWhereNoPowerIsConstant) {
   EXPECT_TRUE(refused_.empty());
 }
 
-TEST_F(LevelStage, SaysWhereTooFewPointsStateALevel) {
+TEST_F(LevelStage, RefusesTooFewPointsForAPathLossLaw) {
   EXPECT_TRUE(fit(9).empty());
   ASSERT_EQ(refused_.size(), 1U);
   EXPECT_EQ(refused_[0].what, "c 02:52:4c:00:00:01");

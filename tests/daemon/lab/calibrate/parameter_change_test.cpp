@@ -46,7 +46,7 @@ TEST(ParameterChanges, WarnOfOffsetsKnownToNoHalfWave) {
   EXPECT_EQ(caution({{0.03, 0.0, 0.009}, parse_parameter_id("ap1.position.x"), "m", 0.05}), "");
 }
 
-TEST(ParameterChanges, WarnOfWhatLiesFarFromThePrior) {
+TEST(ParameterChanges, WarnOfValuesFarFromThePrior) {
   EXPECT_EQ(caution({{0.031, 0.0, 0.001}, parse_parameter_id("wall.+x.offset"), "m", 0.01}),
             "beyond three sigmas of what was assumed");
 }

@@ -61,7 +61,7 @@ TEST(SurfaceDisplacements, AreUnknownBetweenDifferentScenes) {
   EXPECT_TRUE(surface_displacements(scene, *other).empty());
 }
 
-TEST(DisplacementPlan, ColoursWhatMovedMost) {
+TEST(DisplacementPlan, ColoursTheLargestDisplacements) {
   auto report = test::sample_report();
   EXPECT_FALSE(has_line(draw_displacements(report), draw::signed_colour(1.0)));
   std::vector<double> offset(report.before.scene->surfaces().size());

@@ -102,7 +102,7 @@ TEST(Chart, KeepsToTheLimitsOfAnAxis) {
   EXPECT_EQ(lines[0].points.size(), 2U);
 }
 
-TEST(Chart, SaysThatItHasNoData) {
+TEST(Chart, ShowsThatItHasNoData) {
   EXPECT_TRUE(has_text(draw_chart(chart_of({})), "no data"));
   EXPECT_FALSE(has_text(draw_chart(chart_of({{0, 1}, {1, 2}})), "no data"));
 }

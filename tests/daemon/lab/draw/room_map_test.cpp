@@ -79,7 +79,7 @@ TEST_F(RoomMapTest, CellsAreSquaresUnderTheLinesOfTheRoom) {
   EXPECT_LT(west.corners[1].x, east.corners[0].x);
 }
 
-TEST_F(RoomMapTest, NamesStandInPlaceOfTheScale) {
+TEST_F(RoomMapTest, NamesReplaceTheScale) {
   map_.names = {{"north", share_colour(0.2)}, {"south", share_colour(0.8)}};
   std::vector<std::string> texts;
   for (const Shape& shape : draw_room_map(map_).shapes) {

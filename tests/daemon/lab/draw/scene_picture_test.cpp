@@ -87,7 +87,7 @@ double pixels_per_metre(const Drawing& drawing) {
   return 1.0;
 }
 
-TEST(ScenePicture, PlanNamesWhatIsThere) {
+TEST(ScenePicture, PlanLabelsObjectsAndMaterials) {
   const auto scene = meeting_room();
   const std::set<std::string> texts = texts_of(draw_scene(picture_of(*scene), View::kPlan));
   for (const char* text : {"a <room> & more",

@@ -63,7 +63,7 @@ TEST(SceneFaces, OutlineIsThatOfTheSurfaceAndItsHoles) {
   EXPECT_NEAR(outline, 2.0 * (4.0 + 3.0) + 2.0 * (1.0 + 2.0), 1e-12);
 }
 
-TEST(SceneFaces, NormalsOfBodiesPointOutwardsHoweverTheMeshIsTurned) {
+TEST(SceneFaces, NormalsOfBodiesPointOutwardsForAnyMeshOrientation) {
   Mesh inside_out = test::box_mesh({1, 1, 1}, {2, 2, 2});
   for (auto& triangle : inside_out.triangles) {
     std::swap(triangle[1], triangle[2]);
@@ -113,7 +113,7 @@ TEST(MeshSection, CutThroughCornersIsStillClosed) {
   EXPECT_NEAR(area_of(section.loops[0]), 6.0, 1e-12);
 }
 
-TEST(SceneParts, TellFloorsWallsAndFurnitureApart) {
+TEST(SceneParts, DistinguishFloorsWallsAndFurniture) {
   const auto scene =
       load_scene(test::data_path("/sites/meeting_room/scene.xml"), {test::kCarrier, {}});
   ASSERT_TRUE(scene) << scene.error().message;
@@ -141,14 +141,14 @@ TEST(Labels, TakeTheFirstPlaceThatIsClear) {
   EXPECT_EQ(labels.texts()[1].at.x, 100.0);
 }
 
-TEST(Labels, LeaveOutWhatHasNoPlace) {
+TEST(Labels, OmitTextsWithoutAFreePlace) {
   Labels labels;
   labels.reserve(label(0, 0));
   labels.place({label(5, 2)});
   EXPECT_TRUE(labels.texts().empty());
 }
 
-TEST(Labels, KnowThatAnUprightTextIsTall) {
+TEST(Labels, ReserveTheHeightOfUprightTexts) {
   Labels labels;
   Text upright = label(0, 0);
   upright.degrees = 90.0;

@@ -106,7 +106,7 @@ TEST(ErrorStatistics, WithMissesOnlyThereIsNoMean) {
   EXPECT_EQ(s.below_1, 0.0);
 }
 
-TEST(ErrorStatistics, BestOfFiveLooksAtTheFiveHeaviestHypotheses) {
+TEST(ErrorStatistics, BestOfFiveUsesTheFiveHeaviestHypotheses) {
   LocationEstimate estimate = off_by(2.0);
   for (const double x : {2.0, 1.5, 0.25, 1.0, 3.0, 0.0}) {
     estimate.hypotheses.push_back({{x, 0, 0}, estimate.covariance, 0.1});
@@ -114,7 +114,7 @@ TEST(ErrorStatistics, BestOfFiveLooksAtTheFiveHeaviestHypotheses) {
   EXPECT_DOUBLE_EQ(*statistics_of({estimate}).best_of_5_median_m, 0.25);
 }
 
-TEST(ErrorStatistics, WhatStatesNoUncertaintyHasNoCoverageRatherThanNone) {
+TEST(ErrorStatistics, EstimatesWithoutUncertaintyHaveNoCoverage) {
   const ErrorStatistics s = statistics_of({unsure(0.2), unsure(0.4), no_fix()});
   EXPECT_NEAR(s.median_m, 0.4, 1e-12);
   EXPECT_FALSE(s.coverage_50);
@@ -157,7 +157,7 @@ TEST(ErrorStatistics, IntervalsOfASkillAreOfBothMediansOnTheSameDraws) {
   EXPECT_NEAR(s.ci95.at("skill_room_centre")[1], 0.5, 1e-12);
 }
 
-TEST(ErrorStatistics, PointsThatAreNoNewsOfEachOtherAreDrawnTogether) {
+TEST(ErrorStatistics, DependentPointsAreResampledTogether) {
   std::vector<LocationEstimate> once;
   std::vector<LocationEstimate> thrice;
   for (int i = 1; i <= 30; ++i) {

@@ -52,7 +52,7 @@ TEST(EstimatesFile, ReadsLocationsAsJsonLines) {
       *to_json(location_at(1s + 1ns)) + "\n\n" + *to_json(location_at(2s)) + "\r\n", "e"));
 }
 
-TEST(EstimatesFile, KnowsWhatStatesNoUncertainty) {
+TEST(EstimatesFile, RecognisesEstimatesWithoutUncertainty) {
   v1::Location location = location_at(1s);
   EXPECT_TRUE(read_estimates(*to_json(location), "e")->front().estimate.is_uncertainty_stated);
   location.clear_hypotheses();
@@ -120,7 +120,7 @@ TEST(EstimatesFile, ErrorsNameFileLineAndColumn) {
   EXPECT_FALSE(read_estimates(*to_json(location), "e.jsonl"));
 }
 
-TEST(EstimatesFile, SaysWhenTheFileCannotBeRead) {
+TEST(EstimatesFile, ReportsAnUnreadableFile) {
   EXPECT_EQ(load_estimates("/nowhere").error().message, "/nowhere: cannot be read");
   EXPECT_FALSE(load_estimates("/tmp"));
   EXPECT_TRUE(read_estimates("", "e")->empty());

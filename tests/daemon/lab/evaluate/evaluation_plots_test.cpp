@@ -55,7 +55,7 @@ TEST(EvaluationPlots, TheMapShowsHitsAndMisses) {
   EXPECT_EQ(count<draw::Line>(located), count<draw::Line>(missed) + 1);
 }
 
-TEST(EvaluationPlots, CoverageIsDrawnOnlyOfWhatIsStated) {
+TEST(EvaluationPlots, CoverageIsDrawnOnlyOfStatedUncertainty) {
   LocationEstimate unsure = at(0.1);
   unsure.is_uncertainty_stated = false;
   const LocationEstimate sure = at(0.1);

@@ -38,7 +38,7 @@ class FingerprintMapTest : public ::testing::Test {
 };
 
 // Gain, phase and timing of every frame are others the second time.
-TEST_F(FingerprintMapTest, FindsThePointThatTheDeviceStandsOnAgain) {
+TEST_F(FingerprintMapTest, FindsThePointOfTheDeviceAgain) {
   for (const Vec3d& place : places_) {
     EXPECT_EQ(map_.nearest(frames_at(room_, place, {.seed = 2})), place);
   }
@@ -48,7 +48,7 @@ TEST_F(FingerprintMapTest, DoesWithOneAccessPointOfTheSurvey) {
   EXPECT_EQ(map_.nearest(only(frames_at(room_, places_[2], {.seed = 3}), 1)), places_[2]);
 }
 
-TEST_F(FingerprintMapTest, PrefersAPointThatTheSameAccessPointsHeard) {
+TEST_F(FingerprintMapTest, PrefersPointsOfTheSameAccessPoints) {
   FingerprintMap map(room_.grid, access_points_of(room_));
   const auto here = frames_at(room_, places_[0], {.seed = 4});
   ASSERT_TRUE(map.add(places_[0], here));
@@ -57,7 +57,7 @@ TEST_F(FingerprintMapTest, PrefersAPointThatTheSameAccessPointsHeard) {
   EXPECT_EQ(map.nearest(here), places_[0]);
 }
 
-TEST_F(FingerprintMapTest, SaysNothingWithoutFramesOrPoints) {
+TEST_F(FingerprintMapTest, GivesNoResultWithoutFramesOrPoints) {
   EXPECT_FALSE(map_.nearest({}));
   FingerprintMap empty(room_.grid, access_points_of(room_));
   EXPECT_FALSE(empty.add(places_[0], {}));

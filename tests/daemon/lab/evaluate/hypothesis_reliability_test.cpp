@@ -49,13 +49,13 @@ TEST(HypothesisReliability, BelongsToOneOnlyWithinItsRegionOf99Percent) {
   EXPECT_FALSE(outcomes_of(estimate, {1.001 * edge, 0, 0}).hypotheses[0].happened);
 }
 
-TEST(HypothesisReliability, OfTwoThatOverlapTheDenserOneIsRight) {
+TEST(HypothesisReliability, TheDenserOfTwoOverlappingHypothesesIsRight) {
   const LocationEstimate estimate = estimate_of({{0.0, 0.5}, {0.1, 0.4}}, 0.1);
   EXPECT_TRUE(outcomes_of(estimate, {0.09, 0, 0}).hypotheses[1].happened);
   EXPECT_TRUE(outcomes_of(estimate, {0.04, 0, 0}).hypotheses[0].happened);
 }
 
-TEST(HypothesisReliability, LeavesOutWhatStatesNoHypotheses) {
+TEST(HypothesisReliability, OmitsEstimatesWithoutHypotheses) {
   LocationEstimate none;
   const LocationEstimate without = estimate_of({}, 1.0);
   EXPECT_TRUE(outcomes_of(none, {}).left_over.empty());

@@ -33,7 +33,7 @@ TEST(Condition, AxesOfChartsAreNumbers) {
   EXPECT_FALSE(condition_number(condition, "paper.smoothing"));
 }
 
-TEST(Condition, WorldsDifferByWhatIsSimulatedOnly) {
+TEST(Condition, WorldsDifferOnlyBySimulatedSettings) {
   const Condition one = default_condition();
   Condition other = one;
   other.method = "paper";

@@ -96,7 +96,7 @@ TEST(ExperimentFile, PeopleHaveThePapersDefaultsForPeople) {
   EXPECT_EQ(person.paper_options().centre_weight, 2.0);
 }
 
-TEST(ExperimentFile, RefusesMoreConditionsThanAnybodyWaitsFor) {
+TEST(ExperimentFile, RefusesTooManyConditions) {
   std::string list = "[0";
   for (int i = 1; i < 101; ++i) {
     list += ", " + std::to_string(i);

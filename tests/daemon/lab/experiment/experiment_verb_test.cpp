@@ -29,7 +29,7 @@ std::string content(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-TEST(ExperimentVerb, WritesOneReportThreeTimes) {
+TEST(ExperimentVerb, WritesOneReportInThreeFormats) {
   const test::SmallRoomFolder folder("experiment-verb-test");
   const std::string file = folder.write("e.toml", kExperiment);
   const std::string out = folder.path() / "out";

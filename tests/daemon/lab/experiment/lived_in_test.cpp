@@ -53,7 +53,7 @@ class LivedInStudy : public ::testing::Test {
   Condition condition_;
 };
 
-TEST_F(LivedInStudy, HeightsAreDrawnAboutTheOneThatTheModelKnows) {
+TEST_F(LivedInStudy, HeightsAreDrawnAroundTheModelHeight) {
   condition_.spots = 400;
   condition_.depth = 0;
   const StudyLayout flat = world();
@@ -79,7 +79,7 @@ TEST_F(LivedInStudy, HeightsAreDrawnAboutTheOneThatTheModelKnows) {
   EXPECT_EQ(received(expected), received(layout));
 }
 
-TEST_F(LivedInStudy, TiltsAndPowersChangeWhatIsHeardAndNotWhere) {
+TEST_F(LivedInStudy, TiltsAndPowersChangeReceivedFramesButNotPositions) {
   const StudyLayout plain = world();
   condition_.tilt_deg = 35;
   const StudyLayout tilted = world();
@@ -93,7 +93,7 @@ TEST_F(LivedInStudy, TiltsAndPowersChangeWhatIsHeardAndNotWhere) {
 }
 
 // The usual second day, in the model too: the response of each chain changes as a whole.
-TEST_F(LivedInStudy, ASecondDayHasOtherChainsAndTheModelMayNotKnowThem) {
+TEST_F(LivedInStudy, ASecondDayScalesEachChainAsAWhole) {
   const StudyLayout first = world();
   condition_.second_day = "default";
   const StudyLayout second = world();
@@ -162,7 +162,7 @@ TEST_F(LivedInStudy, ReportsOfOtherStudiesHaveNoSuchColumns) {
   EXPECT_THAT(reported_keys(without), ::testing::Contains("paper.alpha"));
 }
 
-TEST_F(LivedInStudy, RefusesWhatCannotBe) {
+TEST_F(LivedInStudy, RefusesInvalidConditions) {
   EXPECT_THAT(refused("height_sigma_m = -0.1\n"), HasSubstr("height_sigma_m"));
   EXPECT_THAT(refused("tilt_deg = 200\n"), HasSubstr("tilt_deg"));
   EXPECT_THAT(refused("chains = \"yesterday\"\n"),

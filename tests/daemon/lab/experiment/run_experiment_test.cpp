@@ -113,7 +113,7 @@ paper.iterations = 2
 }
 
 // A walk is evaluated every 0.1 s; a method that needs more frames states so.
-TEST_F(RunExperiment, FollowsPeopleWhoWalk) {
+TEST_F(RunExperiment, EvaluatesWalkingPeople) {
   const auto walking = parse_experiment(R"(name = "walking"
 [defaults]
 room = "room.toml"

@@ -23,7 +23,7 @@ Condition condition_of(double boxes) {
   return condition;
 }
 
-TEST(Furnish, PutsClutterBesideWhatIsThere) {
+TEST(Furnish, PlacesClutterBesideExistingFurniture) {
   const auto furnished = furnish(plan(), condition_of(3), 1, 0);
   ASSERT_TRUE(furnished) << furnished.error().message;
   ASSERT_EQ(furnished->boxes.size(), 4U);
@@ -52,7 +52,7 @@ TEST(Furnish, DependsOnSeedAndLayoutAlone) {
   EXPECT_NE(first->boxes[2].centre, other->boxes[2].centre);
 }
 
-TEST(Furnish, SaysWhatDoesNotFit) {
+TEST(Furnish, ReportsBoxesAndAccessPointsThatDoNotFit) {
   const auto crowded = furnish(plan(), condition_of(60), 1, 0);
   ASSERT_FALSE(crowded);
   EXPECT_THAT(crowded.error().message, HasSubstr("no room for 60 boxes"));
@@ -87,7 +87,7 @@ TEST(Misplace, MovesWallsAndBoxesByTheStatedDeviation) {
   EXPECT_NEAR(std::sqrt(sum / kLayouts), 0.01, 0.001);
 }
 
-TEST(IsInBox, TurnsWithTheBox) {
+TEST(IsInBox, FollowsTheRotationOfTheBox) {
   RoomPlan room = plan();
   room.boxes[0].size = {1.0, 0.2, 1.5};
   room.boxes[0].yaw = 0.5 * std::acos(-1.0);
@@ -110,7 +110,7 @@ class SimulateWorld : public ::testing::Test {
   Condition condition_;
 };
 
-TEST_F(SimulateWorld, HearsEverySpotWithEveryAccessPoint) {
+TEST_F(SimulateWorld, ReceivesEverySpotAtEveryAccessPoint) {
   condition_.access_points = 2;
   condition_.layouts = 2;
   const auto layouts = simulate_world(condition_, 1);
@@ -149,7 +149,7 @@ TEST_F(SimulateWorld, SpotsAreWhereTheyWereAskedFor) {
               HasSubstr("hardly a place with sight \"nlos\""));
 }
 
-TEST_F(SimulateWorld, HearsAFixedTransmitterPastPeopleAndPastNobody) {
+TEST_F(SimulateWorld, ReceivesAFixedTransmitterWithAndWithoutPeople) {
   condition_.kind = "person";
   condition_.access_points = 2;
   const auto layouts = simulate_world(condition_, 1);

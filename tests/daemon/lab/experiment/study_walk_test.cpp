@@ -48,7 +48,7 @@ TEST(StudyWalk, StaysWhereAPersonMayBe) {
 }
 
 // The step has the stated length, and no turn is narrower than stated.
-TEST(StudyWalk, HasTheStatedSpeedAndTurnsNoFasterThanStated) {
+TEST(StudyWalk, KeepsTheStatedSpeedAndMinimumRadius) {
   const WalkShape shape{.speed = 0.8, .duration = 20.0, .rate = 400.0};
   const std::vector<Vec3d> walk = walk_of(shape, 7);
   const double step = shape.speed / shape.rate;
@@ -63,7 +63,7 @@ TEST(StudyWalk, HasTheStatedSpeedAndTurnsNoFasterThanStated) {
 }
 
 // Another rate samples the same way: methods that need other rates are compared on it.
-TEST(StudyWalk, IsTheSameWayAtAnotherRate) {
+TEST(StudyWalk, RateDoesNotChangeTheRoute) {
   const std::vector<Vec3d> often = walk_of({.duration = 8.0, .rate = 400.0}, 3);
   const std::vector<Vec3d> seldom = walk_of({.duration = 8.0, .rate = 100.0}, 3);
   for (std::size_t i = 0; i < seldom.size(); ++i) {
@@ -72,7 +72,7 @@ TEST(StudyWalk, IsTheSameWayAtAnotherRate) {
   }
 }
 
-TEST(StudyWalk, IsNotDrawnWhereNobodyCanTurn) {
+TEST(StudyWalk, GivesNoWalkIfEveryRouteIsTooNarrow) {
   RandomStream random = random_stream(1, "walk");
   const auto narrow = [](const Vec3d& place) { return place.y > 1.4 && place.y < 1.6; };
   EXPECT_TRUE(draw_walk({}, any_place, narrow, random).empty());

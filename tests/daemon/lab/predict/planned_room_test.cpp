@@ -11,7 +11,7 @@ namespace {
 
 Site meeting_room() { return *load_site(test::data_path("/sites/meeting_room")); }
 
-TEST(PlannedRoom, HasChainsWithoutGainsAndWhatACalibrationLeaves) {
+TEST(PlannedRoom, HasUnitChainGainsAndPostCalibrationErrors) {
   const auto room = planned_room(meeting_room(), {});
   ASSERT_TRUE(room) << room.error().message;
   ASSERT_EQ(room->access_points.size(), 3U);

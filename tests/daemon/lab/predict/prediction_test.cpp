@@ -36,7 +36,7 @@ TEST(Prediction, PlacesAreInTheRoomAndInNoSolid) {
   }
 }
 
-TEST(Prediction, OfThreeAccessPointsIsBetterThanOfOne) {
+TEST(Prediction, ThreeAccessPointsImproveOnOne) {
   const std::vector<Vec3d> places{{-0.9, 0.6, 1.2}, {0.6, -0.5, 1.2}, {1.1, 0.2, 1.2}};
   PredictionOptions options;
   options.draws = 4;
@@ -74,7 +74,7 @@ TEST(Proposals, HaveNoDistancesOfAntennasThatAreNoRow) {
   EXPECT_EQ(found->front().what, "as it is");
 }
 
-TEST(ConfusedPlaces, AreCountedWhereTheyAreTakenForTheSame) {
+TEST(ConfusedPlaces, CountsConfusedPlaces) {
   Prediction prediction;
   prediction.places.push_back({{0, 0, 1},
                                {0.1, 2.0, 2.1, kNever},

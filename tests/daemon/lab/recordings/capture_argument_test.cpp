@@ -39,7 +39,7 @@ TEST(Field, FilesOfOneAccessPointAreOneRecording) {
   EXPECT_EQ(recordings_of_any({"x", "ap1=a", "y", "ap1=b"}).size(), 3U);
 }
 
-TEST(CaptureArgument, RefusesWhatIsUnclear) {
+TEST(CaptureArgument, RefusesAmbiguousArguments) {
   const std::vector<std::string> ids = {"ap1", "ap2"};
   EXPECT_NE(resolve_captures({"x.pcap"}, ids).error().message.find("ap1, ap2"), std::string::npos);
   EXPECT_NE(resolve_captures({"ap3=x.pcap"}, ids).error().message.find("'ap3'"), std::string::npos);

@@ -128,7 +128,7 @@ TEST(CaptureSimulator, FramesOfAHopHaveNoiseOfTheirOwn) {
   EXPECT_FALSE(std::equal(first.begin(), first.end(), second.begin()));
 }
 
-TEST(CaptureSimulator, TellsTheDecoderWhatItSent) {
+TEST(CaptureSimulator, DecodesToTheSimulatedFrames) {
   const RoomModel room = test::make_room();
   CaptureSimulator simulator(room, 0, options_with(default_impairments()));
   const auto frames = receive(*simulator.capture(spot_with(2)));

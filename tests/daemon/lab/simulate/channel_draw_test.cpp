@@ -121,7 +121,7 @@ TEST(ChannelDraw, DiffusePowerDecaysAndIsAnotherInEveryAntenna) {
 }
 
 // A surface displaced by s along its normal turns a wave by 2 k s cos of the angle of incidence.
-TEST(ChannelDraw, SurfacesTurnWhatTheyReflect) {
+TEST(ChannelDraw, DisplacedSurfacesRotateThePhaseOfReflections) {
   ModelError error = kExact;
   error.plan_tolerance = 0.008;
   const RoomModel room = room_with(error);
@@ -192,7 +192,7 @@ TEST(ChannelDraw, ASeedGivesTheSameAndAPlaceBehindAWallNothing) {
 // Draws follow the model of the likelihood: the regions of the fixes then contain the truth as
 // often as stated (Talts et al., Validating Bayesian inference algorithms with simulation-based
 // calibration, 2018).
-TEST(ChannelDraw, IsWhatALocalizerTakesItToBe) {
+TEST(ChannelDraw, FollowsTheModelOfTheLocalizer) {
   ModelError error;
   error.plan_tolerance = 0.002;
   error.diffuse = 0.15;

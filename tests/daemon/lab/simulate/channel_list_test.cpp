@@ -52,7 +52,7 @@ TEST(ChannelList, HasTheSitesChannelAsItIsStated) {
   EXPECT_EQ(parse_channels("36-48", stated)->front(), stated);
 }
 
-TEST(ChannelList, SaysWhatIsNoChannel) {
+TEST(ChannelList, ReportsInvalidChannelLists) {
   for (const char* text : {"", "36,", "a", "36-", "48-36", "36 - 48", "-36", "36-40-44"}) {
     const auto channels = parse_channels(text, k36At40);
     ASSERT_FALSE(channels) << text;

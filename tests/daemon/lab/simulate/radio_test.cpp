@@ -204,7 +204,7 @@ TEST(SimulatedRadio, TheTransmittersErrorIsTheSameOnAllCores) {
   EXPECT_NEAR(decibels(power), -38.0, 0.2);
 }
 
-TEST(SimulatedRadio, TheImageStandsAtTheMirroredTone) {
+TEST(SimulatedRadio, TheImageAppearsAtTheMirroredTone) {
   Impairments impairments = no_impairments();
   impairments.image_rejection_db = 33.0;
   Radio radio(impairments);
@@ -285,7 +285,7 @@ TEST(SimulatedRadio, ChainsAreDrawnOnceAPowerCycle) {
 }
 
 // A cable turns the phase by its delay times the frequency, so on each channel otherwise.
-TEST(SimulatedRadio, CablesTurnTheChainsFromChannelToChannel) {
+TEST(SimulatedRadio, CablesShiftTheChainPhasesFromChannelToChannel) {
   Impairments impairments = no_impairments();
   impairments.calibrated_chains = true;
   const ChainGains calibrated = Radio(impairments)->chains();

@@ -16,7 +16,7 @@ void expect_near(const Vec3d& a, const Vec3d& b) {
   EXPECT_NEAR(a.z, b.z, 1e-12);
 }
 
-TEST(Rotations, AboutAnAxisLeavesItAndTurnsTheRest) {
+TEST(Rotations, KeepTheirAxisAndRotateOtherVectors) {
   expect_near(rotation_about({0, 0, 1}, kPi / 2) * Vec3d{1, 0, 0}, {0, 1, 0});
   expect_near(rotation_about({0, 1, 0}, kPi / 2) * Vec3d{0, 0, 1}, {1, 0, 0});
   const Vec3d axis = normalized(Vec3d{1, -2, 0.5});

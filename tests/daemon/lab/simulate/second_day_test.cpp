@@ -74,7 +74,7 @@ TEST(SecondDay, WithoutChangesIsTheFirst) {
 }
 
 // Each chain is rotated as a whole: its ripple over the band stays, and so does all else.
-TEST(SecondDay, APowerCycleChangesChainsAndNothingElse) {
+TEST(SecondDay, APowerCycleChangesOnlyChains) {
   const RoomModel room = furnished_room();
   SecondDay day = day_with(&SecondDay::chain_phase_deg, 180.0);
   day.chain_gain_db = 1.5;
@@ -98,7 +98,7 @@ TEST(SecondDay, APowerCycleChangesChainsAndNothingElse) {
   EXPECT_GT(std::abs(std::arg(options.chain_changes[1] / options.chain_changes[0])), 0.01);
 }
 
-TEST(SecondDay, ChainsTurnAnywhereAndGainsHaveTheirDeviation) {
+TEST(SecondDay, ChainPhasesAreUniformAndGainsHaveTheirDeviation) {
   SecondDay day = day_with(&SecondDay::chain_phase_deg, 180.0);
   day.chain_gain_db = 1.5;
   std::complex<double> sum;
@@ -118,7 +118,7 @@ TEST(SecondDay, ChainsTurnAnywhereAndGainsHaveTheirDeviation) {
   EXPECT_NEAR(std::sqrt(squares / kChains), 1.5, 3 * 1.5 / std::sqrt(2.0 * kChains));
 }
 
-TEST(SecondDay, AccessPointsAreMovedAndTurnedByTheStatedAmount) {
+TEST(SecondDay, AccessPointsAreMovedAndRotatedByTheStatedAmount) {
   const RoomModel room = furnished_room();
   SecondDay day = day_with(&SecondDay::access_point_moved_m, 0.002);
   day.access_point_turned_deg = 0.3;
@@ -256,7 +256,7 @@ TEST(SecondDay, DependsOnSeedAndDay) {
   }
 }
 
-TEST(SecondDayFile, StatesWhatDiffersFromItsBase) {
+TEST(SecondDayFile, OverridesTheValuesOfItsBase) {
   const auto cycle = parse_second_day("base = \"none\"\nchain_phase_deg = 180\n", "day.toml");
   ASSERT_TRUE(cycle) << cycle.error().message;
   EXPECT_EQ(cycle->chain_phase_deg, 180.0);
@@ -269,7 +269,7 @@ TEST(SecondDayFile, StatesWhatDiffersFromItsBase) {
   EXPECT_EQ(usual->moved_things, default_second_day().moved_things);
 }
 
-TEST(SecondDayFile, RefusesWhatIsNoDay) {
+TEST(SecondDayFile, RefusesInvalidDays) {
   const auto error = [](const char* text) {
     const auto day = parse_second_day(text, "day.toml");
     return day ? std::string("none") : day.error().message;

@@ -34,7 +34,7 @@ TEST(Transmissions, AreSpreadEvenlyOverThePointsTime) {
                                     Timestamp(milliseconds(1875))}));
 }
 
-TEST(Transmissions, TakeTheChannelsInTurn) {
+TEST(Transmissions, CycleThroughTheChannels) {
   const std::vector<SurveyPoint> points = {point(0, 1000, {}, 2), point(1000, 2000, {}, 3)};
   const auto spots = plan_transmissions(points, {.frames = 4, .channels = 3}, "f.csv");
   ASSERT_TRUE(spots);

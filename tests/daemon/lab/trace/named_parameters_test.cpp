@@ -40,7 +40,7 @@ TEST(NamedParameters, NamesEveryAxisUnlessOneIsAskedFor) {
   EXPECT_EQ(names_of("object.table.0"), std::vector<std::string>{"table.0"});
 }
 
-TEST(NamedParameters, MeansTheParameterOfThatName) {
+TEST(NamedParameters, ResolvesParameterNames) {
   const auto parameters =
       parse_parameters("rx.1,tx.2,rx_orientation.0,tx_gain,wall.2,sigma.concrete", *scene());
   ASSERT_TRUE(parameters) << parameters.error().message;

@@ -79,7 +79,7 @@ class CaptureNode : public ::testing::Test {
   std::uint64_t received_ = 0;
 };
 
-TEST_F(CaptureNode, PutsWhatAllAccessPointsHearIntoNumberedBatches) {
+TEST_F(CaptureNode, PacksDatagramsOfAllAccessPointsIntoNumberedBatches) {
   open();
   receive(*tap1_, 3);
   receive(*tap2_, 2);
@@ -127,7 +127,7 @@ TEST_F(CaptureNode, ADatagramWaitsForOthersAndNotForTheTick) {
   EXPECT_TRUE(all_live());
 }
 
-TEST_F(CaptureNode, TicksWhileNothingIsHeard) {
+TEST_F(CaptureNode, SendsTicksWithoutDatagrams) {
   open();
   EXPECT_TRUE(eventually(kPatience, [&] { return batches().size() >= 3; }));
   tap1_->advance(Timestamp(milliseconds(5000)));
@@ -135,7 +135,7 @@ TEST_F(CaptureNode, TicksWhileNothingIsHeard) {
   EXPECT_EQ(batches().back().parts[0].watermark, Timestamp(milliseconds(5000)));
 }
 
-TEST_F(CaptureNode, AnAbsentBrokerCostsAMarkAndNothingElse) {
+TEST_F(CaptureNode, AnAbsentBrokerCausesOnlyAGapMark) {
   broker_->set_connected(false);
   BatchSender::Options options;
   options.limits.stale = milliseconds(50);
@@ -183,7 +183,7 @@ TEST_F(CaptureNode, ABrokerThatLosesMessagesAndAcknowledgementsGetsEachAtLeastOn
   EXPECT_EQ(all, 640U);
 }
 
-TEST_F(CaptureNode, WhatAWorkerLacksIsSentAgain) {
+TEST_F(CaptureNode, ResendsBatchesThatAWorkerRequests) {
   broker_->fate = [](std::uint64_t n) {
     return n == 0 ? FakeBroker::Fate::kAcknowledgedAndLost : FakeBroker::Fate::kStored;
   };
@@ -204,7 +204,7 @@ TEST_F(CaptureNode, WhatAWorkerLacksIsSentAgain) {
   expect_law();
 }
 
-TEST_F(CaptureNode, LetsGoOfWhatAnOutputSaysIsConsumed) {
+TEST_F(CaptureNode, ReleasesBatchesThatAnOutputConsumed) {
   open();
   receive(*tap1_, 3);
   ASSERT_TRUE(all_live());

@@ -27,7 +27,7 @@ std::string refusal(const std::string& bytes) {
   return batch ? "none" : batch.error().message;
 }
 
-TEST(Batch, TravelsWithEveryDatagramAndGap) {
+TEST(Batch, ReadsBackEveryDatagramAndGap) {
   Batch batch = some_batch(7, {{"ap1", 3}, {"ap2", 2}, {"ap3", 0}});
   batch.parts[1].datagrams.entries[1].address.source_ip = 0x0a0a0a0b;
   batch.gaps = {{2, 3, {{"ap1", 12}}, "the broker was absent"}, {5, 5, {}, "not kept"}};
@@ -57,17 +57,17 @@ TEST(Batch, TravelsWithEveryDatagramAndGap) {
   EXPECT_TRUE(read->clock_synchronised);
 }
 
-TEST(Batch, ACostOfFewBytesADatagram) {
+TEST(Batch, CostsFewBytesADatagram) {
   const Batch batch = some_batch(1, {{"ap1", 64}});
   EXPECT_LT(encode(batch).size() - batch.parts[0].datagrams.payloads.size(), 64U * 6U);
 }
 
-TEST(Batch, RefusesWhatIsNone) {
+TEST(Batch, RefusesInvalidBytes) {
   EXPECT_THAT(refusal(""), HasSubstr("0 bytes that are no message of a cluster"));
   EXPECT_THAT(refusal("an honest word"), HasSubstr("no message of a cluster"));
 }
 
-TEST(Batch, RefusesAnotherVersionAndSaysWhatToDo) {
+TEST(Batch, RefusesAnotherVersionWithARemedy) {
   std::string bytes = encode(some_batch(1, {{"ap1", 1}}));
   bytes[3] = 2;
   EXPECT_THAT(refusal(bytes), HasSubstr("version 2, and this program reads version 1: run"));
@@ -127,7 +127,7 @@ TEST(Batch, RefusesNumbersThatContradictEachOther) {
               HasSubstr("a gap of numbers 0 to 3"));
 }
 
-TEST(Batch, RefusesTimesThatCannotBeTold) {
+TEST(Batch, RefusesTimesOutOfRange) {
   const std::int64_t extreme = std::numeric_limits<std::int64_t>::max();
   for (const std::int64_t delta : {extreme, -extreme, -1'800'000'000'000'000}) {
     v1::CsiBatch message = message_of(encode(some_batch(1, {{"ap1", 1}})));

@@ -44,7 +44,7 @@ TEST(ClaimRule, AWorkerThatDiesLeavesItsSitesToAllOthersAlike) {
   }
 }
 
-TEST(ClaimRule, OneThatIsFullStandsInNobodysWay) {
+TEST(ClaimRule, AFullWorkerBlocksNoOther) {
   const std::vector<Candidate> workers = {{"full", 3, 3}, {"free", 0, 3}};
   for (const char* const site : {"a", "b", "c", "d"}) {
     EXPECT_EQ(rank_of("free", site, 4, workers), 0U);
@@ -53,7 +53,7 @@ TEST(ClaimRule, OneThatIsFullStandsInNobodysWay) {
   EXPECT_FALSE(is_full({"any", 1000, 0}));
 }
 
-TEST(ClaimRule, WhoStandsByForASiteIsAskedFirst) {
+TEST(ClaimRule, TheStandbyOfASiteRanksFirst) {
   std::vector<Candidate> workers = {{"w1", 0}, {"w2", 9}, {"w3", 0}};
   EXPECT_NE(rank_of("w2", "a", 9, workers), 0U);
   workers[1].stands_by = true;
@@ -62,7 +62,7 @@ TEST(ClaimRule, WhoStandsByForASiteIsAskedFirst) {
   EXPECT_EQ(rank_of("w1", "a", 9, workers) + rank_of("w3", "a", 9, workers), 1U);
 }
 
-TEST(ClaimRule, WhoIsBehindIsAskedLast) {
+TEST(ClaimRule, AnOverloadedWorkerRanksLast) {
   std::vector<Candidate> workers = {{"w1", 0}, {"w2", 9}, {"w3", 0}};
   workers[0].is_behind = workers[2].is_behind = true;
   EXPECT_EQ(rank_of("w2", "a", 9, workers), 0U);
@@ -141,7 +141,7 @@ TEST(ClaimKeeper, EverySiteHasOneOwnerAndOneThatDiesIsReplaced) {
   }
 }
 
-TEST(ClaimKeeper, WhatIsGivenBackAndWhatDoesNotFitGoesToOthers) {
+TEST(ClaimKeeper, ReturnedAndExcessSitesGoToOthers) {
   const auto broker = std::make_shared<FakeBroker>();
   Worker first(broker, "w1", 5);
   ASSERT_TRUE(eventually(kPatience, [&] { return first.owned() == 5; }));
@@ -156,7 +156,7 @@ TEST(ClaimKeeper, WhatIsGivenBackAndWhatDoesNotFitGoesToOthers) {
   EXPECT_EQ(second.keeper->owner_of(before.begin()->first), "w2");
 }
 
-TEST(ClaimKeeper, WhatOneGivesBackThatIsBehindGoesToWhoIsNot) {
+TEST(ClaimKeeper, ASiteReturnedByABusyWorkerGoesToAnIdleOne) {
   const auto broker = std::make_shared<FakeBroker>();
   Worker first(broker, "w1", 0);
   ASSERT_TRUE(eventually(kPatience, [&] { return first.owned() == kSites; }));
@@ -203,7 +203,7 @@ TEST(ClaimKeeper, ASiteThatWasRemovedIsClaimedOnceItIsThereAgain) {
   EXPECT_EQ(worker.sites.at(site), 8U);
 }
 
-TEST(ClaimKeeper, WhatIsGivenBackWhileTheBrokerIsAwayIsGivenBackLater) {
+TEST(ClaimKeeper, ASiteReturnedWithoutABrokerIsReleasedLater) {
   const auto broker = std::make_shared<FakeBroker>();
   Worker first(broker, "w1", 0);
   Worker second(broker, "w2", 1);
@@ -245,7 +245,7 @@ TEST(ClaimKeeper, AnOwnerThatDoesNotNameItsSiteDoesNotHaveIt) {
 }
 
 // A worker without answers stays alive: its reports wait for no answer.
-TEST(ClaimKeeper, ABrokerThatAnswersLateMakesNobodyLookDead) {
+TEST(ClaimKeeper, ASlowBrokerMakesNoWorkerAppearDead) {
   const auto broker = std::make_shared<FakeBroker>();
   Worker only(broker, "w1", 0);
   ASSERT_TRUE(eventually(kPatience, [&] { return only.owned() == kSites; }));
@@ -258,7 +258,7 @@ TEST(ClaimKeeper, ABrokerThatAnswersLateMakesNobodyLookDead) {
   EXPECT_TRUE(eventually(kPatience, [&] { return only.owned() == kSites + 1; }));
 }
 
-TEST(ClaimKeeper, AStoreThatWasLostIsTakenForNoReasonToRobAnybody) {
+TEST(ClaimKeeper, ALostStoreTransfersNoSites) {
   const auto broker = std::make_shared<FakeBroker>();
   Worker first(broker, "w1", 0);
   ASSERT_TRUE(eventually(kPatience, [&] { return first.owned() == kSites; }));
@@ -281,7 +281,7 @@ TEST(ClaimKeeper, AStoreThatWasLostIsTakenForNoReasonToRobAnybody) {
   }
 }
 
-TEST(ClaimKeeper, OfTwoOfOneNameOneClaimsNothingAndSaysWhy) {
+TEST(ClaimKeeper, OneOfTwoNamesakesClaimsNothingAndReportsWhy) {
   const auto broker = std::make_shared<FakeBroker>();
   Worker first(broker, "w1", 0);
   ASSERT_TRUE(eventually(kPatience, [&] { return first.owned() == kSites; }));
@@ -297,7 +297,7 @@ TEST(ClaimKeeper, OfTwoOfOneNameOneClaimsNothingAndSaysWhy) {
   EXPECT_EQ(namesake.keeper->trouble(), "");
 }
 
-TEST(PeerWatch, RemembersNobodyForEver) {
+TEST(PeerWatch, ForgetsSilentPeers) {
   PeerWatch watch({"w1", 1}, milliseconds(1000));
   PeerWatch::Time now = std::chrono::steady_clock::now();
   for (int i = 0; i < 100; ++i) {
@@ -310,7 +310,7 @@ TEST(PeerWatch, RemembersNobodyForEver) {
   EXPECT_LT(watch.size(), 25U);
 }
 
-TEST(ClaimKeeper, NobodyLosesASiteBecauseTheBrokerIsAway) {
+TEST(ClaimKeeper, NoWorkerLosesASiteWhileTheBrokerIsAbsent) {
   const auto broker = std::make_shared<FakeBroker>();
   Worker only(broker, "w1", 0);
   ASSERT_TRUE(eventually(kPatience, [&] { return only.owned() == kSites; }));

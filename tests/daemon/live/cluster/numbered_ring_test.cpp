@@ -69,7 +69,7 @@ TEST(NumberedRing, NumbersFromOneAndKeepsUntilConsumed) {
   expect_law(ring);
 }
 
-TEST(NumberedRing, SendsAgainWhatNobodyAcknowledges) {
+TEST(NumberedRing, ResendsUnacknowledgedBatches) {
   NumberedRing ring(kSomeEpoch, {});
   add(ring, 1, kBegin);
   ASSERT_TRUE(ring.next(kBegin));
@@ -84,7 +84,7 @@ TEST(NumberedRing, SendsAgainWhatNobodyAcknowledges) {
   expect_law(ring);
 }
 
-TEST(NumberedRing, WhatTheBrokerMissedBecomesOneMark) {
+TEST(NumberedRing, BatchesTheBrokerMissedBecomeOneGapMark) {
   NumberedRing ring(kSomeEpoch, {});
   for (int i = 0; i < 5; ++i) {
     add(ring, 2, kBegin + i * milliseconds(20));
@@ -104,7 +104,7 @@ TEST(NumberedRing, WhatTheBrokerMissedBecomesOneMark) {
   EXPECT_EQ(live->gaps[0].reason, "the broker was absent");
 }
 
-TEST(NumberedRing, TheWindowBoundsWhatIsOnItsWay) {
+TEST(NumberedRing, TheWindowBoundsUnacknowledgedBytes) {
   NumberedRing::Limits limits;
   limits.window_bytes = 1;
   NumberedRing ring(kSomeEpoch, limits);
@@ -117,7 +117,7 @@ TEST(NumberedRing, TheWindowBoundsWhatIsOnItsWay) {
   EXPECT_THAT(send_all(ring, kBegin), ElementsAre(2));
 }
 
-TEST(NumberedRing, WhatIsAskedForGoesAgainUnderAnotherId) {
+TEST(NumberedRing, ResendsRequestedBatchesUnderAnotherId) {
   NumberedRing ring(kSomeEpoch, {});
   for (int i = 0; i < 3; ++i) {
     add(ring, 1, kBegin);
@@ -140,7 +140,7 @@ TEST(NumberedRing, WhatIsAskedForGoesAgainUnderAnotherId) {
   EXPECT_EQ(ring.counters().asked_for, 2U);
 }
 
-TEST(NumberedRing, WhatIsNoLongerKeptIsMarkedWhenItIsAskedFor) {
+TEST(NumberedRing, MarksRequestedBatchesThatAreNoLongerKept) {
   NumberedRing ring(kSomeEpoch, {});
   add(ring, 3, kBegin);
   send_all(ring, kBegin);
@@ -159,7 +159,7 @@ TEST(NumberedRing, WhatIsNoLongerKeptIsMarkedWhenItIsAskedFor) {
   EXPECT_EQ(batch.oldest_kept, 2U);
 }
 
-TEST(NumberedRing, AMarkThatWasLostIsToldAgain) {
+TEST(NumberedRing, RepeatsALostGapMark) {
   NumberedRing ring(kSomeEpoch, {});
   add(ring, 5, kBegin);
   ring.tend(kBegin + seconds(2));  // marked
@@ -178,7 +178,7 @@ TEST(NumberedRing, AMarkThatWasLostIsToldAgain) {
   expect_law(ring);
 }
 
-TEST(NumberedRing, WhatIsKeptIsBounded) {
+TEST(NumberedRing, BoundsTheKeptBytes) {
   NumberedRing::Limits limits;
   limits.keep_bytes = 2000;
   NumberedRing ring(kSomeEpoch, limits);

@@ -68,7 +68,7 @@ std::vector<v1::OutputRecord> records(const FakeBroker& broker) {
   return all;
 }
 
-TEST(OwnerLog, AnOwnerThatWasReplacedSaysNothingMore) {
+TEST(OwnerLog, AReplacedOwnerPublishesNothingMore) {
   const auto broker = std::make_shared<FakeBroker>();
   const auto first = begun(broker, 1);
   v1::SiteOutput output;
@@ -85,7 +85,7 @@ TEST(OwnerLog, AnOwnerThatWasReplacedSaysNothingMore) {
   EXPECT_EQ(second->append(output), OwnerLog::Outcome::kStored);
 }
 
-TEST(OwnerLog, GoesOnBehindWordsThatNoOwnerMaySay) {
+TEST(OwnerLog, ContinuesBehindRecordsThatAreNotOfAnOwner) {
   const auto broker = std::make_shared<FakeBroker>();
   const auto owner = begun(broker, 2);
   ASSERT_TRUE(broker->publish(output_subject("hall"), "no record at all"));
@@ -96,7 +96,7 @@ TEST(OwnerLog, GoesOnBehindWordsThatNoOwnerMaySay) {
   EXPECT_EQ(owner->append({}), OwnerLog::Outcome::kStored);
 }
 
-TEST(OwnerLog, BeginsAnewWhereTheStreamHasForgotten) {
+TEST(OwnerLog, RestartsIfTheStreamWasLost) {
   const auto broker = std::make_shared<FakeBroker>();
   const auto owner = begun(broker, 3);
   broker->forget_streams();
@@ -105,7 +105,7 @@ TEST(OwnerLog, BeginsAnewWhereTheStreamHasForgotten) {
 }
 
 // The owner slept for longer than results are kept, and its successor has ended meanwhile.
-TEST(OwnerLog, AnOwnerThatSleptForLongerThanResultsAreKeptSaysNothingMore) {
+TEST(OwnerLog, AnOwnerSuspendedBeyondRetentionPublishesNothingMore) {
   const auto broker = std::make_shared<FakeBroker>();
   const auto asleep = begun(broker, 3);
   ASSERT_TRUE(broker->ensure_stream(claim_stream({})));
@@ -136,7 +136,7 @@ OutStage::Options quick() {
   return options;
 }
 
-TEST(OutStage, WhatTwoOwnersSayIsEachInstantOnceAndInOrder) {
+TEST(OutStage, TwoOwnersPublishEachInstantOnceAndInOrder) {
   const auto broker = std::make_shared<FakeBroker>();
   CollectingSink received;
   OutStage first(begun(broker, 1), received, quick());
@@ -170,7 +170,7 @@ TEST(OutStage, WhatTwoOwnersSayIsEachInstantOnceAndInOrder) {
   EXPECT_TRUE(records(*broker).back().output().released());
 }
 
-TEST(OutStage, NothingIsSaidHereThatTheBrokerHasNotTaken) {
+TEST(OutStage, DeliversOnlyResultsThatTheBrokerStored) {
   const auto broker = std::make_shared<FakeBroker>();
   CollectingSink received;
   OutStage stage(begun(broker, 1), received, quick());
@@ -191,7 +191,7 @@ TEST(OutStage, NothingIsSaidHereThatTheBrokerHasNotTaken) {
 }
 
 // Each record as large as the broker takes it, and each a place from which a successor goes on.
-TEST(OutStage, SaysInSeveralRecordsWhatIsTooMuchForOne) {
+TEST(OutStage, SplitsLargeOutputIntoSeveralRecords) {
   const auto broker = std::make_shared<FakeBroker>();
   CollectingSink received;
   OutStage stage(begun(broker, 1), received, quick());
@@ -227,7 +227,7 @@ TEST(OutStage, SaysInSeveralRecordsWhatIsTooMuchForOne) {
 }
 
 // One after which nothing comes would be silent for ever.
-TEST(OutStage, LeavesOutWhatOfOneInstantIsTooMuchForTheBroker) {
+TEST(OutStage, OmitsResultsOfAnInstantTooLargeForTheBroker) {
   const auto broker = std::make_shared<FakeBroker>();
   CollectingSink received;
   OutStage stage(begun(broker, 1), received, quick());
@@ -266,7 +266,7 @@ TEST(OutStage, GivesUpTheSiteWhereTheBrokerTakesNothingForTooLong) {
 }
 
 // The places of a successor: those of a predecessor are used until its own reach back far enough.
-TEST(OutStage, ASuccessorListensFromWhereTheOneBeforeWouldHave) {
+TEST(OutStage, ASuccessorWarmsUpFromTheSameInstant) {
   const auto broker = std::make_shared<FakeBroker>();
   CollectingSink received;
   OutStage::Options options = quick();

@@ -26,7 +26,7 @@ TEST(OverloadRule, OffersTheSiteThatIsLeftOutMostOnceThatHasStayed) {
   EXPECT_EQ(rule.site_to_offer(left, kBusy, kIdle, behind + seconds(80)), "hall");
 }
 
-TEST(OverloadRule, WhatPassesIsNoReason) {
+TEST(OverloadRule, IgnoresTransientOverload) {
   OverloadRule rule;
   (void)rule.site_to_offer({{"hall", 0}, {"lab", 0}}, kBusy, kIdle, kStart);
   for (int i = 0; i < 100; ++i) {
@@ -36,7 +36,7 @@ TEST(OverloadRule, WhatPassesIsNoReason) {
   }
 }
 
-TEST(OverloadRule, NobodyIsOfferedWhatWouldHelpNobody) {
+TEST(OverloadRule, OffersASiteOnlyIfAnotherWorkerCanHelp) {
   const std::map<std::string, std::uint32_t> late = {{"hall", 2}, {"lab", 0}};
   const auto asked = [&](const std::map<std::string, std::uint32_t>& levels,
                          double load,
@@ -52,7 +52,7 @@ TEST(OverloadRule, NobodyIsOfferedWhatWouldHelpNobody) {
   EXPECT_FALSE(asked({{"hall", 2}}, kBusy, kIdle)) << "the only one";
 }
 
-TEST(OverloadRule, ASiteThatHasJustComeStays) {
+TEST(OverloadRule, ANewSiteIsNotOffered) {
   OverloadRule rule;
   (void)rule.site_to_offer({{"attic", 0}, {"lab", 0}}, kBusy, kIdle, kStart);
   const std::map<std::string, std::uint32_t> all = {{"attic", 0}, {"hall", 3}, {"lab", 1}};

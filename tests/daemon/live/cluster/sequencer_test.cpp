@@ -64,7 +64,7 @@ TEST(Sequencer, NodesDoNotWaitForEachOther) {
   EXPECT_THAT(push(sequencer, numbered(1), "b"), ElementsAre(1));
 }
 
-TEST(Sequencer, AMarkStandsForWhatDoesNotCome) {
+TEST(Sequencer, AMarkReplacesMissingBatches) {
   Sequencer sequencer({}, true);
   EXPECT_THAT(push(sequencer, numbered(5, {{1, 2, {{kAp, 7}}, "x"}, {4, 4, {{kAp, 1}}, "y"}})),
               IsEmpty());
@@ -77,7 +77,7 @@ TEST(Sequencer, AMarkStandsForWhatDoesNotCome) {
   EXPECT_EQ(sequencer.counters().missing, 0U);
 }
 
-TEST(Sequencer, ANewStartOfANodeEndsItsHolesAndWhatIsLateOfTheOldOneIsDropped) {
+TEST(Sequencer, ANewNodeEpochEndsHolesAndDropsLateBatchesOfTheOldOne) {
   Sequencer sequencer({}, true);
   EXPECT_THAT(push(sequencer, numbered(2)), IsEmpty());
   EXPECT_THAT(push(sequencer, numbered(2, {}, 99)), ElementsAre(2));  // of the old one
@@ -97,7 +97,7 @@ TEST(Sequencer, GoesOnFromPositions) {
               ElementsAre(9));  // what was before is not missed
 }
 
-TEST(Sequencer, WhatIsHeldIsBounded) {
+TEST(Sequencer, BoundsTheHeldBatches) {
   Sequencer sequencer({}, true);
   for (std::uint64_t number = 2; number < 10'000; ++number) {
     push(sequencer, numbered(number));
@@ -110,7 +110,7 @@ TEST(Sequencer, WhatIsHeldIsBounded) {
 // batches, and takes every batch once and in order, except those that are marked.
 class LossyLink : public ::testing::TestWithParam<unsigned> {};
 
-TEST_P(LossyLink, EverythingIsTakenOrMarked) {
+TEST_P(LossyLink, EveryDatagramIsTakenOrMarked) {
   std::mt19937 random(GetParam());
   const auto any = [&](std::uint64_t most) { return random() % (most + 1); };
   NumberedRing::Limits limits;
@@ -184,7 +184,7 @@ TEST_P(LossyLink, EverythingIsTakenOrMarked) {
 INSTANTIATE_TEST_SUITE_P(Seeds, LossyLink, ::testing::Range(1U, 9U));
 
 // Readers of the same records take the same batches.
-TEST(Sequencer, IsAFunctionOfTheRecords) {
+TEST(Sequencer, GivesTheSameOutputForTheSameRecords) {
   std::mt19937 random(3);
   std::vector<Batch> records;
   for (int i = 0; i < 3000; ++i) {

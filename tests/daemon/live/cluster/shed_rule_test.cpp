@@ -40,7 +40,7 @@ TEST(ShedRule, ChangesByOneAfterItsPatience) {
   EXPECT_FALSE(rule.next_level(kReceived, kReceived, 0, kNow + seconds(90)));
 }
 
-TEST(ShedRule, KnowsNothingBeforeTheFirstInstant) {
+TEST(ShedRule, GivesNoLevelBeforeTheFirstInstant) {
   ShedRule rule({});
   EXPECT_FALSE(rule.next_level(kReceived, Timestamp::min(), 0, kNow));
   EXPECT_FALSE(rule.next_level(Timestamp::min(), kReceived, 0, kNow + seconds(9)));

@@ -83,7 +83,7 @@ class Feed : public ::testing::Test {
   std::uint64_t ids_ = 0;
 };
 
-TEST_F(Feed, GivesEachAccessPointWhatItsNodeHas) {
+TEST_F(Feed, DeliversTheDatagramsOfEachAccessPoint) {
   open({"ap1", "ap2"});
   const Batch first = some_batch(1, {{"ap1", 3}, {"ap2", 2}});
   store("a", first);
@@ -97,7 +97,7 @@ TEST_F(Feed, GivesEachAccessPointWhatItsNodeHas) {
   feed_->finish();
 }
 
-TEST_F(Feed, AsksForWhatIsMissingAndWaitsForIt) {
+TEST_F(Feed, RequestsMissingBatchesAndWaitsForThem) {
   open({"ap1"});
   std::atomic<int> asked{0};
   const auto requests = broker_->subscribe(resend_subject("a"), [&](BrokerMessage&&) { ++asked; });
@@ -110,13 +110,13 @@ TEST_F(Feed, AsksForWhatIsMissingAndWaitsForIt) {
   EXPECT_TRUE(std::is_sorted(received(0).times.begin(), received(0).times.end()));
 }
 
-TEST_F(Feed, AnAccessPointThatNobodyHasIsNotWaitedFor) {
+TEST_F(Feed, DoesNotWaitForAnAccessPointWithoutANode) {
   open({"ap1", "ap9"});
   store("a", some_batch(5, {{"ap1", 1}}));
   EXPECT_TRUE(eventually(kPatience, [&] { return received(1).watermark == time_of(5); }));
 }
 
-TEST_F(Feed, ASilentNodeIsNotWaitedForUntilItIsHeardAgain) {
+TEST_F(Feed, DoesNotWaitForASilentNodeUntilItReturns) {
   open({"ap1", "ap2"}, milliseconds(300));
   store("a", some_batch(1, {{"ap1", 1}}));
   store("b", some_batch(1, {{"ap2", 1}}));
@@ -143,7 +143,7 @@ TEST_F(Feed, ASilentNodeIsNotWaitedForUntilItIsHeardAgain) {
 }
 
 // A feed that resumes after the record leaves out the same batches.
-TEST_F(Feed, LeavesOutWhatARecordSaysFromThereOn) {
+TEST_F(Feed, ShedsFromTheRecordOnwards) {
   open({"ap1"});
   const auto store_some = [&](std::uint64_t from, std::uint64_t to) {
     for (std::uint64_t number = from; number <= to; ++number) {
@@ -185,7 +185,7 @@ TEST_F(Feed, LeavesOutWhatARecordSaysFromThereOn) {
   EXPECT_TRUE(std::equal(times.rbegin(), times.rend(), all.rbegin()));
 }
 
-TEST_F(Feed, SaysWhatIsToBeLeftOutWhileItIsFarBehind) {
+TEST_F(Feed, RaisesTheShedLevelWhileFarBehind) {
   open({"ap1"}, seconds(60), {milliseconds(100), milliseconds(50), milliseconds(40)});
   store("a", some_batch(1, {{"ap1", 1}}));
   store("a", some_batch(2, {{"ap1", 1}}));
@@ -195,7 +195,7 @@ TEST_F(Feed, SaysWhatIsToBeLeftOutWhileItIsFarBehind) {
   EXPECT_TRUE(eventually(kPatience, [&] { return feed_->counters().shed_level == 0; }));
 }
 
-TEST_F(Feed, WhatCannotBeReadIsCountedAndNothingElse) {
+TEST_F(Feed, CountsUnreadableMessages) {
   open({"ap1"});
   ASSERT_TRUE(publisher_->publish(csi_subject("office", "a"), "no batch", "x", 1));
   ASSERT_TRUE(publisher_->publish(owner_subject("office"), "no record", "y", 2));

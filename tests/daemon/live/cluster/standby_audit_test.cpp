@@ -63,7 +63,7 @@ StandbyAudit::Options of_owner(Likeness likeness = Likeness::kSameBytes) {
   return options;
 }
 
-TEST(StandbyAudit, ComparesEachWindowOnceBothKnowIt) {
+TEST(StandbyAudit, ComparesEachWindowOnceBothSidesAreComplete) {
   StandbyAudit audit(of_owner());
   OutItems own(Timestamp::min());
   const std::vector<Location> found = {located(10, "a"), located(20, "b"), located(30, "a")};
@@ -86,7 +86,7 @@ TEST(StandbyAudit, ComparesEachWindowOnceBothKnowIt) {
   EXPECT_EQ(audit.trouble(), "");
 }
 
-TEST(StandbyAudit, FindsWhatIsAnotherMissingOrTooMuch) {
+TEST(StandbyAudit, FindsDifferentMissingAndExcessResults) {
   StandbyAudit audit(of_owner());
   OutItems own(Timestamp::min());
   for (int ms = 10; ms < 60; ms += 10) {
@@ -106,7 +106,7 @@ TEST(StandbyAudit, FindsWhatIsAnotherMissingOrTooMuch) {
       << audit.first_difference();
 }
 
-TEST(StandbyAudit, OfOneThatBeganLaterPositionsMayDiffer) {
+TEST(StandbyAudit, AllowsPositionDifferencesAfterALaterStart) {
   StandbyAudit audit(of_owner(Likeness::kSameSnapshots));
   OutItems own(Timestamp::min());
   own.add(located(10, "a", 1.001));
@@ -119,7 +119,7 @@ TEST(StandbyAudit, OfOneThatBeganLaterPositionsMayDiffer) {
   EXPECT_EQ(audit.counters().differing, 1U);
 }
 
-TEST(StandbyAudit, WhoseTracksHaveOtherNumbersCannotGoOn) {
+TEST(StandbyAudit, RejectsOtherTrackNumbers) {
   for (const std::uint64_t track : {4U, 5U}) {
     StandbyAudit audit(of_owner());
     OutItems own(Timestamp::min());
@@ -133,7 +133,7 @@ TEST(StandbyAudit, WhoseTracksHaveOtherNumbersCannotGoOn) {
 }
 
 // A standby that began later may see a target enter or leave a zone a burst earlier or later.
-TEST(StandbyAudit, OfOneThatBeganLaterOnlyADifferenceThatStaysCounts) {
+TEST(StandbyAudit, CountsOnlyLastingDifferencesAfterALaterStart) {
   for (const int others : {4, 5}) {
     StandbyAudit audit(of_owner(Likeness::kSameSnapshots));
     OutItems own(Timestamp::min());
@@ -150,7 +150,7 @@ TEST(StandbyAudit, OfOneThatBeganLaterOnlyADifferenceThatStaysCounts) {
   }
 }
 
-TEST(StandbyAudit, AnotherOwnerOrOneThatIsFasterEndsIt) {
+TEST(StandbyAudit, AnotherOrAFasterOwnerEndsTheAudit) {
   StandbyAudit another(of_owner());
   v1::OutputRecord begin;
   begin.set_generation(4);
@@ -202,7 +202,7 @@ std::vector<std::int64_t> times_in(const FakeBroker& broker) {
 }
 
 // The owner dies before it publishes a computed window; the standby publishes it, once.
-TEST(Standby, WhoIsPromotedGoesOnBehindTheOwnersLastWord) {
+TEST(Standby, APromotedWorkerContinuesBehindTheOwnersLastRecord) {
   const auto broker = std::make_shared<FakeBroker>();
   Silent silent;
   OutStage owner(*OwnerLog::begin(broker, log_options(3)), silent, quick());
@@ -250,7 +250,7 @@ TEST(Standby, WhoIsPromotedGoesOnBehindTheOwnersLastWord) {
 }
 
 // Records of the owner are compared until the promotion, also after the decision for it.
-TEST(Standby, WhoCannotGoOnAfterAllSaysSo) {
+TEST(Standby, ReportsAFailedPromotion) {
   const auto broker = std::make_shared<FakeBroker>();
   Silent silent;
   const auto owner = *OwnerLog::begin(broker, log_options(3));
@@ -275,7 +275,7 @@ TEST(Standby, WhoCannotGoOnAfterAllSaysSo) {
   follower.finish();
 }
 
-TEST(Standby, BeginsLateWhereTheStreamHasForgotten) {
+TEST(Standby, IsLateIfTheStreamLostItsBeginning) {
   const auto broker = std::make_shared<FakeBroker>();
   EXPECT_FALSE(standby_start(*broker, "hall"));
   const auto log = *OwnerLog::begin(broker, log_options(3));

@@ -75,7 +75,7 @@ TEST_F(Stream, IsReadFromItsBeginningAndOn) {
   EXPECT_THAT(read(*open(place), 1), ElementsAre("e"));
 }
 
-TEST_F(Stream, WhatIsToldIsNotAskedFor) {
+TEST_F(Stream, DoesNotRequestDeliveredMessages) {
   const auto reader = open();
   EXPECT_FALSE(reader->next(milliseconds(1)));
   for (int i = 0; i < 50; ++i) {
@@ -85,7 +85,7 @@ TEST_F(Stream, WhatIsToldIsNotAskedFor) {
   EXPECT_EQ(reader->counters().asked_for, 0U);
 }
 
-TEST_F(Stream, WhatDoesNotFitHereIsAskedForLater) {
+TEST_F(Stream, RequestsTheOverflowLater) {
   const auto reader = open({}, 2);
   for (const char* const word : {"a", "b", "c", "d", "e"}) {
     store(word);
@@ -94,7 +94,7 @@ TEST_F(Stream, WhatDoesNotFitHereIsAskedForLater) {
   EXPECT_GT(reader->counters().asked_for, 0U);
 }
 
-TEST_F(Stream, WhatRetentionHasTakenIsCountedAsLost) {
+TEST_F(Stream, CountsMessagesRemovedByRetentionAsLost) {
   const auto reader = open();
   store("a");
   EXPECT_THAT(read(*reader, 1), ElementsAre("a"));
@@ -113,7 +113,7 @@ TEST_F(Stream, WhatRetentionHasTakenIsCountedAsLost) {
   EXPECT_EQ(open()->place().sequence, 0U);
 }
 
-TEST_F(Stream, OneMissingInTheMiddleDoesNotHoldTheOthersForEver) {
+TEST_F(Stream, AMissingMessageDoesNotBlockLaterOnes) {
   for (const char* const word : {"a", "b", "c"}) {
     store(word);
   }
@@ -125,7 +125,7 @@ TEST_F(Stream, OneMissingInTheMiddleDoesNotHoldTheOthersForEver) {
 }
 
 // One replica was cut off for a while, and receives the missed messages late.
-TEST_F(Stream, WhatOneReplicaLacksTheLeaderHas) {
+TEST_F(Stream, ReadsFromTheLeaderIfAReplicaLagsBehind) {
   for (const char* const word : {"a", "b", "c"}) {
     store(word);
   }
@@ -137,7 +137,7 @@ TEST_F(Stream, WhatOneReplicaLacksTheLeaderHas) {
 }
 
 // A leader that was cut off lacks the messages that the others have stored since.
-TEST_F(Stream, ALeaderThatKnowsLessThanWasReadIsNotBelieved) {
+TEST_F(Stream, DoesNotAcceptALeaderBehindItsOwnPosition) {
   const auto reader = open();
   for (const char* const word : {"a", "b", "c"}) {
     store(word);
@@ -178,7 +178,7 @@ TEST_F(Stream, AnotherOneOfThatNameIsReadFromItsBeginning) {
   EXPECT_EQ(reader->place().sequence, 1U);
 }
 
-TEST_F(Stream, OneThatIsNotThereIsNamed) {
+TEST_F(Stream, ReportsAMissingStream) {
   broker_->forget_streams();
   const auto reader = open();
   EXPECT_FALSE(reader->next(milliseconds(10)));

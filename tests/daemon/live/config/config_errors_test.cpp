@@ -25,7 +25,7 @@ struct Case {
 
 class ConfigError : public ::testing::TestWithParam<Case> {};
 
-TEST_P(ConfigError, NamesThePlaceAndWhatToWrite) {
+TEST_P(ConfigError, ReportsThePositionAndTheRemedy) {
   const std::string errors = errors_of(config_text(GetParam().from, GetParam().to));
   EXPECT_THAT(errors, StartsWith(GetParam().begin));
   EXPECT_THAT(errors, HasSubstr(GetParam().hint));

@@ -97,7 +97,7 @@ TEST_F(ConfigFiles, ANamedFileMustExistAPatternNeedNot) {
 }
 
 // Links that go round: what even root cannot read.
-TEST_F(ConfigFiles, WhatCannotBeReadIsNotTakenForNothing) {
+TEST_F(ConfigFiles, ReportsUnreadableIncludesAsErrors) {
   const std::string rest = "\n[site]\ndirectory = \"/s\"\n[[source]]\nkind = \"udp\"\n";
   fs::create_symlink("round", folder_ / "round");
   EXPECT_EQ(errors(write("a.toml", "include = \"round/*.toml\"" + rest)),
@@ -106,7 +106,7 @@ TEST_F(ConfigFiles, WhatCannotBeReadIsNotTakenForNothing) {
             "b.toml:1:11: 'round/b.toml' cannot be read: Too many levels of symbolic links");
 }
 
-TEST_F(ConfigFiles, ChangesAreSortedByWhatTheyTake) {
+TEST_F(ConfigFiles, SortsChangesIntoReloadAndRestart) {
   const std::string source = "[[source]]\naccess_point = \"a\"\nkind = \"udp\"\n";
   const std::string site = "[site]\ndirectory = \"/s\"\n";
   const auto values = [&](const std::string& text) {

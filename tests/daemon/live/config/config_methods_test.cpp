@@ -96,7 +96,7 @@ TEST_F(MethodsOfAConfig, ASiteHasItsOwn) {
   EXPECT_THAT(engine_of(single).compared, IsEmpty());
 }
 
-TEST_F(MethodsOfAConfig, WhatCannotStandThereIsNamedAtItsPlace) {
+TEST_F(MethodsOfAConfig, ReportsInvalidMethodsWithTheirPosition) {
   EXPECT_THAT(errors(R"(["rayloc", "spotfy"])"), StartsWith("methods.toml:2:21: 'spotfy'"));
   EXPECT_THAT(errors(R"(["rayloc", "spotfy"])"), HasSubstr("did you mean 'spotfi'?"));
   EXPECT_THAT(errors(R"(["rayloc", "spotfi", "rayloc"])"),
@@ -165,7 +165,7 @@ TEST_F(MethodsOfAConfig, AWorkerLocatesByOneMethod) {
               StartsWith("methods.toml:9:21: a worker of a cluster"));
 }
 
-TEST_F(MethodsOfAConfig, AChangeOfTheListNeedsWhatAChangeOfTheMethodNeeds) {
+TEST_F(MethodsOfAConfig, AChangeOfTheListNeedsTheSameRestartAsAChangeOfTheMethod) {
   const auto before = load("\"rayloc\"");
   const auto after = load(R"(["rayloc", "spotfi"])");
   EXPECT_THAT(before->values.changes_to(after->values).needs_restart, ElementsAre("engine.method"));

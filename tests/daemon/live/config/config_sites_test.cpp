@@ -73,7 +73,7 @@ TEST_F(SitesOfAConfig, EachHasItsSourcesMethodAndFolders) {
   EXPECT_TRUE(setup->sites[2].config.record.directory.empty());
 }
 
-TEST_F(SitesOfAConfig, OneSiteIsWhatItWas) {
+TEST_F(SitesOfAConfig, ASingleSiteKeepsTheEarlierFormat) {
   const auto setup = load("[site]\ndirectory = \"" + std::string(kSite) +
                           "\"\n[[source]]\naccess_point = \"ap1\"\nkind = \"udp\"\n"
                           "[record]\ndirectory = \"/rec\"\n");
@@ -85,7 +85,7 @@ TEST_F(SitesOfAConfig, OneSiteIsWhatItWas) {
   EXPECT_EQ(setup->sites[0].folder, "");
 }
 
-TEST_F(SitesOfAConfig, NamesWhatIsWrongAndWhere) {
+TEST_F(SitesOfAConfig, ReportsErrorsWithTheirPosition) {
   const std::string file = file_.string();
   const std::string good = site_table("office") + site_table("lab");
   const std::string sources = source_table("office", 5501) + source_table("lab", 5502);
@@ -109,7 +109,7 @@ TEST_F(SitesOfAConfig, NamesWhatIsWrongAndWhere) {
       HasSubstr("/nowhere/site.toml"));
 }
 
-TEST_F(SitesOfAConfig, AReloadTellsWhichSitesDiffer) {
+TEST_F(SitesOfAConfig, AReloadListsTheSitesThatDiffer) {
   const std::string two = site_table("office") + site_table("lab");
   const auto before = load(two + source_table("office", 5501) + source_table("lab", 5502)).value();
   const auto moved = load(two + source_table("lab", 5503) + source_table("office", 5501)).value();
@@ -137,7 +137,7 @@ TEST_F(SitesOfAConfig, FilesOfOneThatAreWrongAreItsOwnTroubleInAReload) {
 
 // A site that is prepared anew must not take what the same reload refused: addresses that the
 // others hash, for one.
-TEST_F(SitesOfAConfig, AReloadKeepsWhatNeedsARestart) {
+TEST_F(SitesOfAConfig, AReloadKeepsValuesThatNeedARestart) {
   const std::string sites = site_table("office") + site_table("lab", "method = \"none\"\n") +
                             source_table("office", 5501) + source_table("lab", 5502);
   const auto before = load(sites +

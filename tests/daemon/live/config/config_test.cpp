@@ -244,7 +244,7 @@ TEST(ConfigExample, IsTheFileInDeploy) {
   EXPECT_EQ(text, config_example()) << "run: rayloc config default > deploy/raylocd.toml";
 }
 
-TEST(Config, ReadsWhatTheMachineIsOfACluster) {
+TEST(Config, ReadsTheClusterSettings) {
   const Expected<DaemonConfig> config = parse_config(kOtherText, kConfigFile);
   ASSERT_TRUE(config) << config.error().message;
   const ClusterConfig& cluster = config->cluster;
@@ -326,7 +326,7 @@ Expected<std::vector<SourceConfig>> sources_of(const std::string& keys) {
                 : tl::make_unexpected(config.error());
 }
 
-TEST(ParseConfig, AUrlGivesWhatKindAndAddressGive) {
+TEST(ParseConfig, AUrlEqualsKindAndAddress) {
   struct Case {
     const char* url;
     const char* keys;
@@ -354,7 +354,7 @@ TEST(ParseConfig, AUrlGivesWhatKindAndAddressGive) {
   }
 }
 
-TEST(ParseConfig, SaysWhatIsWrongWithAUrl) {
+TEST(ParseConfig, ReportsInvalidUrls) {
   const std::vector<std::pair<const char*, const char*>> cases = {
       {"url = \"nats:lab\"",
        "raylocd.toml:4:7: 'url': 'nats:lab': there is no transport 'nats'; there are: udp, pcap, "
@@ -390,7 +390,7 @@ TEST(ConfigSchema, ListsTheTransportsThereAre) {
   EXPECT_FALSE(std::regex_search("nats:lab", urls));
 }
 
-TEST(ConfigSchema, JsonSchemaHasEveryKeyAndRequiresWhatWeRequire) {
+TEST(ConfigSchema, JsonSchemaHasEveryKeyAndTheRequiredSections) {
   const auto schema = nlohmann::json::parse(config_json_schema());
   EXPECT_EQ(schema.at("additionalProperties"), false);
   EXPECT_EQ(schema.at("required"), nlohmann::json({"site", "source"}));

@@ -16,7 +16,7 @@ TEST(ParseListen, TakesNumericAddresses) {
   EXPECT_EQ(parse_listen("*:5500")->host, "0.0.0.0");
 }
 
-TEST(ParseListen, RefusesEverythingElse) {
+TEST(ParseListen, RefusesInvalidAddresses) {
   for (const char* text : {"",
                            "5500",
                            "1.2.3:5500",
@@ -40,14 +40,14 @@ TEST(Field, ListenTakesLocalhostAndNamesIpv6) {
   }
 }
 
-TEST(SamePort, EveryAddressMeetsEachOther) {
+TEST(SamePort, AnyAddressConflictsWithEachAddress) {
   EXPECT_TRUE(same_port({"0.0.0.0", 5500}, {"127.0.0.1", 5500}));
   EXPECT_FALSE(same_port({"127.0.0.1", 5500}, {"127.0.0.2", 5500}));
   EXPECT_FALSE(same_port({"0.0.0.0", 5500}, {"0.0.0.0", 5501}));
   EXPECT_FALSE(same_port({"0.0.0.0", 0}, {"0.0.0.0", 0})) << "0 takes a free port";
 }
 
-TEST(EndpointReach, KnowsLoopback) {
+TEST(EndpointReach, RecognisesLoopback) {
   for (const char* text : {"tcp://127.0.0.1:5560",
                            "tcp://127.1.2.3:1",
                            "tcp://[::1]:5560",
@@ -58,7 +58,7 @@ TEST(EndpointReach, KnowsLoopback) {
   }
 }
 
-TEST(EndpointReach, WhatIsNotSurelyLoopbackIsTheNetwork) {
+TEST(EndpointReach, ClassifiesOtherAddressesAsNetwork) {
   for (const char* text : {"tcp://*:5560",
                            "tcp://0.0.0.0:5560",
                            "tcp://[::]:5560",
@@ -69,7 +69,7 @@ TEST(EndpointReach, WhatIsNotSurelyLoopbackIsTheNetwork) {
 }
 
 // libzmq would look them up by AF_NETLINK, and abort where a sandbox denies that.
-TEST(EndpointReach, NamesAreNone) {
+TEST(EndpointReach, NamesAreClassifiedAsNamed) {
   for (const char* text : {"tcp://lo:5560",
                            "tcp://eth0:*",
                            "tcp://raylocd.example.org:5560",

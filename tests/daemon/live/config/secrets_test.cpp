@@ -122,7 +122,7 @@ TEST_F(FieldSecrets, SecretsThatEveryoneMayReadAreRefused) {
   }
 }
 
-TEST_F(Secrets, AShortTokenIsNone) {
+TEST_F(Secrets, RefusesAShortToken) {
   const Expected<std::string> token = read_http_token(write("token", "0123456789\n"));
   ASSERT_FALSE(token);
   EXPECT_THAT(token.error().message, HasSubstr("16 characters or more"));

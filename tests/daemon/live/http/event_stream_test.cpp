@@ -71,7 +71,7 @@ class EventStream : public ::testing::Test {
   std::unique_ptr<HttpServer> server_;
 };
 
-TEST_F(EventStream, ShowsWhatIsNewAsItComes) {
+TEST_F(EventStream, SendsUpdatesAsTheyArrive) {
   start();
   const HttpClient& viewer = view();
   const std::string first = read_until(viewer, "number 1\n\n");
@@ -86,7 +86,7 @@ TEST_F(EventStream, ShowsWhatIsNewAsItComes) {
   EXPECT_EQ(counters().viewers, 1U);
 }
 
-TEST_F(EventStream, PassesOnWhatAViewerHadBefore) {
+TEST_F(EventStream, PassesOnTheLastEventId) {
   start();
   EXPECT_THAT(read_until(view("Last-Event-ID: 7-12\r\n"), "number 1"), HasSubstr("hello 7-12\n"));
 }
@@ -99,7 +99,7 @@ TEST_F(EventStream, AHeadRequestIsNoViewer) {
   EXPECT_EQ(counters().viewers, 0U);
 }
 
-TEST_F(EventStream, OneViewerTooManyIsToldWhenToComeBack) {
+TEST_F(EventStream, AViewerAboveTheLimitGetsARetryTime) {
   HttpServer::Options options;
   options.limits.viewers = 2;
   start(options);

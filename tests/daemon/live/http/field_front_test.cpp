@@ -75,7 +75,7 @@ TEST(Field, HttpAnswersBelowAPathThatIsPassedOn) {
   EXPECT_THAT(FrontedServer(HttpFront{}).get("/home/rayloc/"), StartsWith("HTTP/1.1 404 "));
 }
 
-TEST(Field, HttpEventsAreNeitherKeptNorPackedOnTheirWay) {
+TEST(Field, HttpEventsAreNeitherCachedNorCompressed) {
   HttpServer::Options options;
   options.limits.event_silence = std::chrono::milliseconds(50);
   const FrontedServer server(options);

@@ -35,7 +35,7 @@ std::unique_ptr<HttpServer> started(const HttpServer::Options& options) {
   return std::move(*opened);
 }
 
-TEST(Field, HttpViewersThatNeverReadResetNobodyWhoHasJustCome) {
+TEST(Field, HttpViewersThatNeverReadDisplaceNoNewConnection) {
   HttpServer::Options options;
   // The machine may be busy: the test examines only which connections are displaced.
   options.limits.time = test::patient(kPatience);
@@ -57,7 +57,7 @@ TEST(Field, HttpViewersThatNeverReadResetNobodyWhoHasJustCome) {
   EXPECT_EQ(server->counters().viewers, options.limits.viewers);
 }
 
-TEST(Field, HttpConnectionsThatSayNothingMakeRoomWhenTheyHaveHadTheirChance) {
+TEST(Field, HttpSilentConnectionsYieldToNewOnes) {
   HttpServer::Options options;
   options.limits.connections = 8;
   options.limits.time = test::patient(kPatience);

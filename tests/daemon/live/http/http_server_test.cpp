@@ -75,7 +75,7 @@ class HttpServerTest : public ::testing::Test {
   std::unique_ptr<HttpServer> server_;
 };
 
-TEST_F(HttpServerTest, AnswersWhatThereIs) {
+TEST_F(HttpServerTest, AnswersRequestsForExistingPaths) {
   start();
   const std::string answer = http_get(server_->port(), "/open?x=1");
   EXPECT_THAT(answer, StartsWith("HTTP/1.1 200 OK\r\n"));
@@ -129,7 +129,7 @@ TEST_F(HttpServerTest, AsksForTheTokenBeforeTheBody) {
 }
 
 // A client that waits for a descriptor costs no processor time, and is answered once one is free.
-TEST_F(HttpServerTest, RestsWhenNobodyCanBeAccepted) {
+TEST_F(HttpServerTest, WaitsWithoutCpuTimeWhenDescriptorsRunOut) {
   HttpServer::Options options;
   options.on_round = [this] { ++rounds_; };
   start(options);
@@ -197,7 +197,7 @@ TEST_F(HttpServerTest, IsControlledByItsOwnPagesAlone) {
               StartsWith("HTTP/1.1 405 "));
 }
 
-TEST_F(HttpServerTest, KnowsExactPathsOnly) {
+TEST_F(HttpServerTest, ServesExactPathsOnly) {
   start();
   for (const char* path : {"/",
                            "/nothing",
@@ -212,7 +212,7 @@ TEST_F(HttpServerTest, KnowsExactPathsOnly) {
   }
 }
 
-TEST_F(HttpServerTest, RefusesWhatIsNoRequestOfItsKind) {
+TEST_F(HttpServerTest, RefusesInvalidRequests) {
   start();
   EXPECT_THAT(answer_to("POST /open HTTP/1.1\r\n\r\n"), StartsWith("HTTP/1.1 405 "));
   EXPECT_THAT(answer_to("DELETE /open HTTP/1.1\r\n\r\n"), StartsWith("HTTP/1.1 405 "));
@@ -275,7 +275,7 @@ TEST_F(HttpServerTest, AReportHasItsOwnStylesAndRunsNothing) {
   EXPECT_THAT(answer, HasSubstr("\r\nX-Content-Type-Options: nosniff\r\n"));
 }
 
-TEST_F(HttpServerTest, SlowClientsDelayNobody) {
+TEST_F(HttpServerTest, SlowClientsDelayNoOthers) {
   HttpServer::Options options;
   options.limits.time = std::chrono::hours(1);  // who waits for them waits for ever
   start(options);
@@ -291,7 +291,7 @@ TEST_F(HttpServerTest, SlowClientsDelayNobody) {
   EXPECT_THAT(http_get(server_->port(), "/open"), StartsWith("HTTP/1.1 200 "));
 }
 
-TEST_F(HttpServerTest, AByteNowAndThenDoesNotBuyTime) {
+TEST_F(HttpServerTest, SlowBytesDoNotExtendTheTimeLimit) {
   HttpServer::Options options;
   options.limits.time = std::chrono::milliseconds(700);
   start(options);
@@ -341,7 +341,7 @@ TEST_F(HttpServerTest, AsksForTheToken) {
               EndsWith("here\n"));
 }
 
-TEST_F(HttpServerTest, IsNoServerOfSomebodysDomain) {
+TEST_F(HttpServerTest, RefusesForeignHostNames) {
   start();
   const auto with_host = [&](const std::string& host) {
     return answer_to("GET /secret HTTP/1.1\r\nHost: " + host + "\r\n\r\n");

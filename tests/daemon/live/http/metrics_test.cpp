@@ -59,7 +59,7 @@ TEST(Metrics, HoldEveryCounterOfTheHeartbeat) {
                         std::to_string(next) + "\n"));
 }
 
-TEST(Metrics, SayWhatIsKnownOfReceiveChains) {
+TEST(Metrics, ReportTheStateOfReceiveChains) {
   v1::Heartbeat heartbeat;
   heartbeat.add_chains()->set_access_point("ap1");
   heartbeat.mutable_chains(0)->set_knowledge(v1::CHAIN_KNOWLEDGE_LEARNING);
@@ -79,7 +79,7 @@ TEST(Metrics, SayWhatIsKnownOfReceiveChains) {
       text, HasSubstr("rayloc_chain_phase_sigma_degrees{access_point=\"ap2\",core=\"3\"} 4.25\n"));
 }
 
-TEST(Metrics, SayOnceWhatSitesShare) {
+TEST(Metrics, ReportSharedValuesOnce) {
   v1::Heartbeat office;
   office.mutable_publisher()->set_published(1);
   office.mutable_publisher()->set_csi_dropped(2);
@@ -94,7 +94,7 @@ TEST(Metrics, SayOnceWhatSitesShare) {
   EXPECT_THAT(text, Not(HasSubstr("rayloc_publisher_csi_dropped_total 0")));
 }
 
-TEST(Metrics, HoldWhatIsAdded) {
+TEST(Metrics, ContainAddedFamilies) {
   const std::string text = metrics_text(
       {},
       {},

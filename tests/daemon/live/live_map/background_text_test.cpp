@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::chrono::seconds kPatience{60};
 
-TEST(BackgroundText, IsThereAtOnceAndRenewedForWhoAsksNext) {
+TEST(BackgroundText, AnswersAtOnceAndRecomputesForLaterRequests) {
   std::promise<void> release;
   std::shared_future<void> released = release.get_future().share();
   std::atomic<int> made = 0;

@@ -53,7 +53,7 @@ TEST_F(MapEventsTest, BeginWithASnapshotHoweverLittleThereIs) {
   EXPECT_THAT(events_.take(cursor_).text, IsEmpty());
 }
 
-TEST_F(MapEventsTest, GoOnWithWhatIsTheLatest) {
+TEST_F(MapEventsTest, ContinueWithTheLatestValues) {
   put("a");
   put("b");
   EXPECT_THAT(names_in(events_.take(cursor_).text), ElementsAre("a", "b"));
@@ -66,7 +66,7 @@ TEST_F(MapEventsTest, GoOnWithWhatIsTheLatest) {
   EXPECT_EQ(update.coalesced, 1U);
 }
 
-TEST_F(MapEventsTest, DoNotCountWhatWasBeforeAViewerCame) {
+TEST_F(MapEventsTest, DoNotCountEventsBeforeAViewerConnected) {
   for (int i = 0; i < 50; ++i) {
     put("a");
   }
@@ -84,7 +84,7 @@ TEST_F(MapEventsTest, ResumeWhereAViewerWas) {
   EXPECT_THAT(names_in(resumed), ElementsAre("b"));
 }
 
-TEST_F(MapEventsTest, BeginAnewForWhomTheyDoNotKnow) {
+TEST_F(MapEventsTest, RestartForUnknownEventIds) {
   put("a");
   // Ids of another start, of the future, and invalid ones.
   for (const char* id : {"6-1", "7-2", "7-", "7-x", "7--1", "7-99999999999999999999", "garbage"}) {

@@ -44,7 +44,7 @@ double doubled_area(const json& corners) {
   return std::abs(sum);
 }
 
-TEST_F(MapGeometryTest, HoldsTheRoomAndWhatStandsInIt) {
+TEST_F(MapGeometryTest, ContainsTheRoomAndItsFurniture) {
   const json map = json::parse(map_geometry_json(site_, room_, {"rayloc", "spotfi"}));
   EXPECT_EQ(map.at("site"), "meeting_room");
   EXPECT_EQ(map.at("bounds").at("min"), json({-1.765, -1.425, 0.0}));
@@ -114,7 +114,7 @@ TEST_F(MapGeometryTest, HoldsTheRoomAsASolid) {
   EXPECT_THAT(names, ::testing::Contains("table"));
 }
 
-TEST_F(MapGeometryTest, HoldsAccessPointsAndWhatTransmitsAllTheTime) {
+TEST_F(MapGeometryTest, ContainsAccessPointsAndFixedTransmitters) {
   const json map = json::parse(map_geometry_json(site_, room_, {"rayloc", "spotfi"}));
   ASSERT_EQ(map.at("access_points").size(), 3U);
   const json& ap2 = map.at("access_points").at(1);
@@ -139,14 +139,14 @@ TEST_F(MapGeometryTest, HoldsZonesAndWhereTheSiteIsOnEarth) {
   EXPECT_NEAR(map.at("georeference").at("rotation_deg").get<double>(), 90.0, 1e-9);
 }
 
-TEST_F(MapGeometryTest, SaysWhyThereIsNone) {
+TEST_F(MapGeometryTest, GivesTheReasonForAMissingMap) {
   EXPECT_EQ(json::parse(map_without_room_json(site_, "so \xff")),
             json({{"site", "meeting_room"}, {"available", false}, {"reason", "so \xef\xbf\xbd"}}));
   EXPECT_EQ(json::parse(map_without_calibration_json("so")),
             json({{"available", false}, {"reason", "so"}}));
 }
 
-TEST_F(MapGeometryTest, TellsTheCalibrationOnlyWhenTheReportIsOfTheOneInUse) {
+TEST_F(MapGeometryTest, ShowsOnlyTheReportOfTheCalibrationInUse) {
   EXPECT_THAT(map_calibration_json(site_, room_), HasSubstr("not calibrated"));
   const std::filesystem::path folder =
       std::filesystem::path(::testing::TempDir()) / "map_geometry_test";

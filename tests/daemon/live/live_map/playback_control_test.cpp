@@ -23,7 +23,7 @@ std::string refusal(const HttpParameters& parameters) {
   return change ? "accepted" : change.error().message;
 }
 
-TEST(PlaybackControl, UnderstandsWhatThereIs) {
+TEST(PlaybackControl, AcceptsValidChanges) {
   const auto change =
       playback_change({{"state", "paused"}, {"speed", "0.5"}, {"position", "12.5"}}, state());
   ASSERT_TRUE(change) << change.error().message;
@@ -42,7 +42,7 @@ TEST(PlaybackControl, UnderstandsWhatThereIs) {
   }
 }
 
-TEST(PlaybackControl, SaysWhatToWriteInstead) {
+TEST(PlaybackControl, ReportsAllowedValuesForInvalidOnes) {
   EXPECT_THAT(refusal({}), HasSubstr("?state=paused"));
   EXPECT_THAT(refusal({{"state", "stopped"}}), HasSubstr("'stopped'; write playing or paused"));
   for (const char* speed : {"0", "-1", "nan", "inf", "1e7", "1x", "", " 1", "0x1"}) {

@@ -115,7 +115,7 @@ TEST(PublisherStage, NumbersSitesApartAndLetsOneGo) {
   EXPECT_TRUE(last_of(*last, "v1/heartbeat/office/")->has_goodbye());
 }
 
-TEST(LastMessagesOfSites, OneThatHasManyTopicsDisplacesNoneOfAnother) {
+TEST(LastMessagesOfSites, ASiteWithManyTopicsDisplacesNoneOfAnother) {
   LastMessages last(2);
   last.put("v1/location/office/a/", "1");
   for (const char* const leaf : {"a", "b", "c", "d"}) {

@@ -103,7 +103,7 @@ TEST(Curve, AListedClientGetsTheSnapshotAndTheStream) {
   EXPECT_EQ(daemon.guard().counters().handshakes_failed, 0U);
 }
 
-TEST(Curve, WhoIsNotListedGetsNothingAndIsCounted) {
+TEST(Curve, AnUnlistedClientReceivesNothingAndIsCounted) {
   const CurveKeyPair server = make_curve_keys();
   const CurveKeyPair client = make_curve_keys();
   const CurveKeyPair stranger = make_curve_keys();
@@ -167,7 +167,7 @@ void expect_to_survive(const GuardedDaemon& daemon, const std::optional<CurveCli
   })) << "counted";
 }
 
-TEST(Curve, BytesThatAreNoHandshakeHarmNobody) {
+TEST(Curve, BytesThatAreNoHandshakeDoNoHarm) {
   const CurveKeyPair server = make_curve_keys();
   const CurveKeyPair client = make_curve_keys();
   const GuardedDaemon daemon(server, {client.public_key});
@@ -175,7 +175,7 @@ TEST(Curve, BytesThatAreNoHandshakeHarmNobody) {
   EXPECT_EQ(daemon.guard().counters().clients_admitted, 2U) << "the one that has the key";
 }
 
-TEST(Curve, NorDoTheyWithoutIt) {
+TEST(Curve, InvalidHandshakesWithoutCurveDoNoHarm) {
   const GuardedDaemon daemon({}, {});
   expect_to_survive(daemon, std::nullopt);
 }

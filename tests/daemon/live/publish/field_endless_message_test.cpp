@@ -181,7 +181,7 @@ class Connected {
   FileDescriptor theirs_;
 };
 
-TEST(Field, InboundWatchCountsWhatHasNoEnd) {
+TEST(Field, InboundWatchCountsEndlessMessages) {
   const InboundWatch::Time begin{};
   InboundWatch watch({.unfinished_bytes = 1000,
                       .unfinished_bytes_in_all = 1500,

@@ -114,7 +114,7 @@ TEST(Publisher, NumbersEachTopicFromOne) {
   EXPECT_EQ(seen, expected);
 }
 
-TEST(Publisher, ComparedMethodsHaveTopicsThatNobodySubscribesToForLocations) {
+TEST(Publisher, ComparedMethodsHaveTopicsOutsideOfLocationSubscriptions) {
   auto publisher = Publisher::bind(on_loopback());
   auto locations = Subscriber::connect(publisher->endpoint(), {"v1/location/"});
   auto all = Subscriber::connect(publisher->endpoint(), {"v1/"});
@@ -146,7 +146,7 @@ TEST(Publisher, MatchesWholeComponentsOnly) {
   EXPECT_EQ(receive(*subscriber).source().access_point(), "ap1");
 }
 
-TEST(Publisher, HeartbeatTellsTheLastSequenceOfRecentTopics) {
+TEST(Publisher, HeartbeatContainsTheLastSequenceOfRecentTopics) {
   auto publisher = Publisher::bind(on_loopback());
   auto subscriber = Subscriber::connect(publisher->endpoint(), {"v1/heartbeat/"});
   wait_for_subscriptions(*publisher, 1);
@@ -208,7 +208,7 @@ TEST(Publisher, CountsSubscriptionsThatEnd) {
   wait_for_subscriptions(*publisher, 0);
 }
 
-TEST(Publisher, SaysWhenTheEndpointIsInUse) {
+TEST(Publisher, ReportsAnEndpointInUse) {
   for (const std::string& endpoint :
        {std::string("tcp://127.0.0.1:*"), temporary_ipc("rayloc-in-use-test")}) {
     PublisherOptions options = on_loopback();

@@ -32,7 +32,7 @@ TEST(SequenceBook, ForgetsTheTopicThatWasUnusedLongest) {
   EXPECT_EQ(classes.at("v1/location/s/").last.size(), 2U);
 }
 
-TEST(SequenceBook, StaysBoundedWhateverTheNumberOfTopics) {
+TEST(SequenceBook, StaysBoundedForAnyNumberOfTopics) {
   SequenceBook book(100);
   for (int i = 0; i < 10'000; ++i) {
     book.next("v1/location/s/" + std::to_string(i) + "/");

@@ -70,7 +70,7 @@ class BusyPublisher {
   std::thread thread_;
 };
 
-TEST(Snapshot, AndStreamGiveEverySequenceOnce) {
+TEST(Snapshot, WithStreamGivesEverySequenceOnce) {
   const BusyPublisher publisher;
   constexpr int kJoins = 50;
   for (int join = 0; join < kJoins; ++join) {
@@ -135,7 +135,7 @@ TEST(Snapshot, IsAskedForAgainAfterARestartAndForgottenWhenItHasPassed) {
   }
 }
 
-TEST(Snapshot, WhatIsNoRequestIsDroppedAndCounted) {
+TEST(Snapshot, DropsAndCountsInvalidRequests) {
   const BusyPublisher publisher;
   zmq::context_t context;
   zmq::socket_t socket(context, zmq::socket_type::dealer);
@@ -160,7 +160,7 @@ TEST(Snapshot, WhatIsNoRequestIsDroppedAndCounted) {
   EXPECT_FALSE(socket.recv(reply, zmq::recv_flags::dontwait));
 }
 
-TEST(Snapshot, ATooLongRequestEndsTheConnectionAndHarmsNobody) {
+TEST(Snapshot, ATooLongRequestEndsOnlyItsConnection) {
   const BusyPublisher publisher;
   zmq::context_t context;
   zmq::socket_t socket(context, zmq::socket_type::dealer);

@@ -46,7 +46,7 @@ TEST(Field, StartResourcesNameTheLimitOfDescriptors) {
   EXPECT_TRUE(check_start_resources(2, 50)) << "what was tried is given back";
 }
 
-TEST(Field, StartResourcesLastWordsNameWhatIsLacking) {
+TEST(Field, StartResourcesFatalMessageNamesTheMissingResource) {
   const FatalMessage memory = fatal_message(std::bad_alloc());
   EXPECT_THAT(memory.text, HasSubstr("MemoryMax="));
   EXPECT_EQ(memory.exit_status, 69);

@@ -43,7 +43,7 @@ std::size_t read_all(DatagramSource& source) {
   return batch.datagrams.size();
 }
 
-TEST(HandedSources, GoOnWithWhatCameMeanwhileAndCountFromZero) {
+TEST(HandedSources, ContinueWithQueuedDatagramsAndCountFromZero) {
   Port port("office");
   HandedSources handed;
   std::unique_ptr<DatagramSource> source = std::move(port.source);
@@ -61,7 +61,7 @@ TEST(HandedSources, GoOnWithWhatCameMeanwhileAndCountFromZero) {
   EXPECT_EQ(handed.take(port.config), nullptr) << "it is taken";
 }
 
-TEST(HandedSources, WhatNobodyGoesOnWithIsCounted) {
+TEST(HandedSources, CountTheDatagramsOfUnclaimedSources) {
   Port port("office");
   Port other("lab");
   HandedSources handed;

@@ -26,7 +26,7 @@ struct Written {
   }
 };
 
-TEST(LimitedLog, SaysTheFirstAtOnceAndThenTheCountOncePerPeriod) {
+TEST(LimitedLog, WritesTheFirstAtOnceAndThenTheCountOncePerPeriod) {
   Written written;
   LimitedLog log(written.write(), 30s);
   for (int i = 0; i < 1000; ++i) {
@@ -83,7 +83,7 @@ TEST(LossWatch, NamesTheSourceTheKindAndTheTotal) {
 }
 
 // One line for the first of each, then silence for half a minute.
-TEST(LossWatch, KnowsEveryStage) {
+TEST(LossWatch, ReportsTheLossesOfEveryStage) {
   Written written;
   LossWatch watch(std::make_shared<LimitedLog>(written.write()));
   v1::Heartbeat heartbeat;
@@ -115,7 +115,7 @@ TEST(LossWatch, KnowsEveryStage) {
 }
 
 // Sites share the publisher: the log of a site reports none of its losses.
-TEST(LossWatch, OfASiteSaysNothingOfWhatIsShared) {
+TEST(LossWatch, OmitsSharedLossesForASite) {
   Written written;
   LossWatch watch(std::make_shared<LimitedLog>(written.write()), "site 'office': ");
   v1::Heartbeat heartbeat;

@@ -94,7 +94,7 @@ TEST(MachineCheck, SecretsMustBeThere) {
   std::filesystem::remove(key);
 }
 
-TEST(MachineCheck, AKeyOfWhichNothingIsSeenIsNotTakenForThere) {
+TEST(MachineCheck, AnUnreadableKeyCausesAWarning) {
   DaemonConfig config;
   config.curve.enabled = true;
   const Finding unseen = finding_of(config, "[curve]");

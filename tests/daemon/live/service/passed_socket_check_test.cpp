@@ -82,7 +82,7 @@ TEST(PassedSocketCheck, ServesOthersOnlyWherePrecautionsWereTaken) {
   EXPECT_EQ(complaint(path, http()), "");
 }
 
-TEST(PassedSocketCheck, SaysWhatASocketIsThatCannotBeUsed) {
+TEST(PassedSocketCheck, DescribesAnUnusableSocket) {
   EXPECT_EQ(complaint(bound("127.0.0.1", SOCK_STREAM), http()),
             "raylocd-http.socket passes an Internet stream socket that does not listen; it must "
             "have ListenStream=127.0.0.1:8480");

@@ -5,7 +5,7 @@
 namespace rayloc::readiness_test {
 namespace {
 
-TEST(Readiness, TheClockIsWhatTheKernelSaysElseWhatTimesyncdMarked) {
+TEST(Readiness, TheKernelClockStateOverridesTheMarkOfTimesyncd) {
   for (const bool marked : {false, true}) {
     EXPECT_EQ(clock_state(true, marked), ClockState::kSynchronized);
     EXPECT_EQ(clock_state(false, marked), ClockState::kNotSynchronized) << "the mark is older";
@@ -26,7 +26,7 @@ TEST(Field, ASourceWhoseDatagramsAreRejectedIsNotReady) {
   EXPECT_EQ(readiness(status, {}).reasons[0], "source ap1: another channel");
 }
 
-TEST(Readiness, AClockOfWhichNothingIsKnownIsNoWarning) {
+TEST(Readiness, AnUnknownClockCausesNoWarning) {
   ServiceHealth health;
   health.clock = ClockState::kUnknown;
   EXPECT_EQ(to_json(readiness({}, health)),
@@ -40,7 +40,7 @@ TEST(Readiness, AClockOfWhichNothingIsKnownIsNoWarning) {
   EXPECT_EQ(off.warnings.size(), 1U);
 }
 
-TEST(Field, WhatKeepsASiteFromLocatingSpeaksAgainstBeingReady) {
+TEST(Field, ObstaclesToLocatingPreventReadiness) {
   ServiceHealth health;
   health.lacks.obstacles = {"nothing can be located: the site is not calibrated"};
   health.lacks.warnings = {"people are not looked for"};
@@ -52,7 +52,7 @@ TEST(Field, WhatKeepsASiteFromLocatingSpeaksAgainstBeingReady) {
             (std::vector<std::string>{health.lacks.warnings[0], health.overloaded[0]}));
 }
 
-TEST(Field, EverybodyIsToldWhyLessIsLocatedOrRecorded) {
+TEST(Field, PublicWarningsListObstaclesAndRecordingErrors) {
   ServiceHealth health;
   health.lacks.obstacles = {"not calibrated"};
   health.lacks.warnings = {"no people"};

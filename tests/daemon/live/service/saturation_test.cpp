@@ -61,7 +61,7 @@ TEST(Readiness, ASaturatedQueueIsAReason) {
   EXPECT_THAT(result.reasons, ElementsAre(kFrames));
 }
 
-TEST(Field, BurstsThatGaveWayAreAWarningThatSaysWhatToDo) {
+TEST(Field, MergedBurstsCauseAWarningWithARemedy) {
   Saturation saturation;
   v1::Heartbeat heartbeat;
   saturation.check(heartbeat, kStart);
@@ -106,7 +106,7 @@ TEST(Field, BurstsThatWereLeftOutAreAWarningOfTheirOwn) {
   EXPECT_THAT(saturation.warnings(), IsEmpty());
 }
 
-TEST(Field, BurstsThatGaveWayAreInTheLogAtOnceAndThenNowAndThen) {
+TEST(Field, MergedBurstsAreLoggedAtOnceAndThenOccasionally) {
   std::vector<LogEvent> logged;
   const auto log =
       std::make_shared<LimitedLog>([&](const LogEvent& event) { logged.push_back(event); });

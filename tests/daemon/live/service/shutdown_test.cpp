@@ -31,7 +31,7 @@ TEST(Shutdown, StepsFollowOneAnother) {
 }
 
 // The recordings are closed although the estimator does not come back, and its name is known.
-TEST(Shutdown, AStepThatHangsIsNamedAndKeepsNobody) {
+TEST(Shutdown, AHangingStepIsNamedAndBlocksNoOther) {
   const auto release = std::make_shared<std::promise<void>>();
   const auto over = std::make_shared<std::promise<void>>();
   bool closed = false;
@@ -59,7 +59,7 @@ TEST(Shutdown, AStepThatIsLateMayStillCome) {
   EXPECT_THAT(shutdown.hung(), IsEmpty());
 }
 
-TEST(Shutdown, WhatAStepThrowsIsThrown) {
+TEST(Shutdown, RethrowsExceptionsOfAStep) {
   Shutdown shutdown;
   EXPECT_THROW(
       shutdown.run("publisher", in(test::patient(60s)), [] { throw std::runtime_error("zmq"); }),

@@ -51,7 +51,7 @@ std::vector<std::string> hints_of(const v1::SourceState& source) {
   return lines;
 }
 
-TEST(SourceHints, AreNoneWhenAllIsWell) { EXPECT_THAT(hints_of(healthy()), IsEmpty()); }
+TEST(SourceHints, AreEmptyForHealthySources) { EXPECT_THAT(hints_of(healthy()), IsEmpty()); }
 
 TEST(Field, HintsNameACaptureInMonitorModeAndBlameNoFormatForStamps) {
   v1::SourceState source = healthy();
@@ -97,7 +97,7 @@ TEST(Field, HintsNameTunnelsFragmentsAndCutPacketsInsteadOfAnotherFormat) {
   }
 }
 
-TEST(SourceHints, Silence) {
+TEST(SourceHints, ReportSilentSources) {
   v1::SourceState source = healthy();
   source.set_status(v1::SOURCE_STATUS_STALLED);
   source.mutable_age()->set_seconds(70);
@@ -123,7 +123,7 @@ TEST(SourceHints, AnotherFormatOrNoCsiAtAll) {
   EXPECT_THAT(hints_of(source), IsEmpty()) << "a stray datagram is no finding";
 }
 
-TEST(SourceHints, WhatTheConfigurationKeepsOut) {
+TEST(SourceHints, ExplainDatagramsRejectedByTheConfiguration) {
   v1::SourceState source;
   source.set_access_point("ap1");
   source.set_status(v1::SOURCE_STATUS_WAITING);
@@ -140,7 +140,7 @@ TEST(SourceHints, WhatTheConfigurationKeepsOut) {
   EXPECT_THAT(hints_of(source), IsEmpty()) << "others may send there";
 }
 
-TEST(SourceHints, ChainsThatAreMissingRareDeafOrUnknown) {
+TEST(SourceHints, ReportMissingRareDeadAndUnknownRxChains) {
   v1::SourceState source = healthy();
   source.mutable_cores(0)->set_frames(0);
   source.mutable_cores(1)->set_frames(800);
@@ -179,7 +179,7 @@ TEST(Field, HintsNameAddressesThatNoDeviceHas) {
               ElementsAre(::testing::AllOf(HasSubstr("1203 of 3000"), HasSubstr("group address"))));
 }
 
-TEST(FrameCensus, TellsTheDeafChainFromTheFaded) {
+TEST(FrameCensus, DistinguishesADeadChainFromAFadingOne) {
   FrameCensus census;
   for (int i = 0; i < 200; ++i) {
     CsiFrame frame;

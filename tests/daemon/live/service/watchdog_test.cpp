@@ -7,7 +7,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-TEST(Watchdog, NamesOnlyTheStageThatNeitherBeatsNorRests) {
+TEST(Watchdog, ReportsOnlyTheBlockedStage) {
   StageProgress busy;
   StageProgress waiting;
   StageProgress stuck;

@@ -41,7 +41,7 @@ void wait_for_word(ChildProcess& process) {
   }
 }
 
-TEST(ChildProcess, TellsWhatItSaidAndHowItEnded) {
+TEST(ChildProcess, ReportsItsErrorOutputAndExitStatus) {
   const auto process = shell("echo one >&2; echo nothing; echo two >&2; exit 3");
   ASSERT_NE(process, nullptr);
   EXPECT_EQ(status_of(*process), 3);
@@ -78,7 +78,7 @@ TEST(ChildProcess, IsAskedToEndAndThenKilled) {
   EXPECT_EQ(status_of(*stubborn), 128 + SIGKILL);
 }
 
-TEST(ChildProcess, EndsWithWhatHasIt) {
+TEST(ChildProcess, EndsWithItsOwner) {
   auto process = shell("echo $$ >&2; exec sleep 1000");
   ASSERT_NE(process, nullptr);
   wait_for_word(*process);
@@ -88,7 +88,7 @@ TEST(ChildProcess, EndsWithWhatHasIt) {
   EXPECT_NE(kill(its, 0), 0);
 }
 
-TEST(ChildProcess, SaysThatAProgramIsMissing) {
+TEST(ChildProcess, ReportsAMissingProgram) {
   auto process = ChildProcess::start("/nowhere/rayloc", {});
   ASSERT_TRUE(process) << process.error().message;
   EXPECT_EQ(status_of(**process), 127);
@@ -116,7 +116,7 @@ class CalibrationJobTest : public ::testing::Test {
   fs::path folder_;
 };
 
-TEST_F(CalibrationJobTest, SaysWhatIsMissing) {
+TEST_F(CalibrationJobTest, ReportsMissingInputs) {
   EXPECT_EQ(refusal("walls"), "write what=all or what=chains");
   EXPECT_EQ(refusal("all").rfind("walk a survey first: ", 0), 0U) << refusal("all");
   std::ofstream(folder_ / "survey.csv") << "t_start,t_end,x,y,z\n1760000000,1760000002,1,2,1.2\n";

@@ -58,7 +58,7 @@ TEST_F(SceneTextTest, ReadsBoxesAndLeavesMeshes) {
   EXPECT_EQ(edited(), kScene);
 }
 
-TEST_F(SceneTextTest, MovesTurnsAndResizesABoxInPlace) {
+TEST_F(SceneTextTest, MovesRotatesAndResizesABoxInPlace) {
   objects_[1].centre.x = 2.5;
   EXPECT_EQ(edited(), with("x=\"2\" y=\"1.5\"", "x=\"2.5\" y=\"1.5\""));
   objects_[1].centre.x = 2.0;
@@ -85,7 +85,7 @@ TEST_F(SceneTextTest, MovesAMesh) {
               HasSubstr("<translate x=\"0.75\" y=\"-1\" z=\"0\"/>"));
 }
 
-TEST_F(SceneTextTest, TakesOut) {
+TEST_F(SceneTextTest, RemovesAnObject) {
   objects_.erase(objects_.begin());
   const std::string all = kScene;
   const std::size_t begin = all.find("    <shape type=\"ply\"");
@@ -115,7 +115,7 @@ TEST_F(SceneTextTest, AddsFurnitureAndAWallWithAMaterial) {
   EXPECT_NEAR(again[3].bottom, 0.0, 1e-9);
 }
 
-TEST_F(SceneTextTest, RefusesWhatWouldBreakTheFile) {
+TEST_F(SceneTextTest, RefusesInvalidObjects) {
   DraftObject box{.name = "a\"/><x", .material = "wood", .form = DraftForm::kBox};
   box.size = {1, 1, 1};
   objects_.push_back(box);

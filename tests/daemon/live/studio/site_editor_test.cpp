@@ -51,7 +51,7 @@ TEST_F(SiteEditorTest, ShowsAFolderThatIsEmpty) {
   EXPECT_TRUE((*state)["empty"]);
 }
 
-TEST_F(SiteEditorTest, WritesWhatChangedAndKeepsWhatItWas) {
+TEST_F(SiteEditorTest, WritesOnlyChangesAndKeepsABackup) {
   const std::string before = read(folder_ / "site.toml");
   const std::string scene = read(folder_ / "scene.xml");
   auto wanted = draft();
@@ -95,7 +95,7 @@ TEST_F(SiteEditorTest, WritesNothingThatTheCheckRefuses) {
   EXPECT_FALSE(fs::exists(folder_ / "site.toml.bak"));
 }
 
-TEST_F(SiteEditorTest, LosesNothingThatSomebodyElseWrote) {
+TEST_F(SiteEditorTest, RefusesToOverwriteForeignEdits) {
   const auto wanted = draft();
   std::ofstream(folder_ / "site.toml", std::ios::app) << "# by hand\n";
   EXPECT_THAT(SiteEditor(folder_).save(wanted.dump()).error().message,

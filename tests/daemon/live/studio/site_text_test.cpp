@@ -66,7 +66,7 @@ class SiteTextTest : public ::testing::Test {
   }
 };
 
-TEST_F(SiteTextTest, ReadsWhatIsThere) {
+TEST_F(SiteTextTest, ReadsEveryElement) {
   ASSERT_EQ(draft_.access_points.size(), 2U);
   EXPECT_EQ(draft_.access_points[0].id, "ap1");
   EXPECT_DOUBLE_EQ(draft_.access_points[0].degrees[0], -37.0);
@@ -78,7 +78,7 @@ TEST_F(SiteTextTest, ReadsWhatIsThere) {
 
 TEST_F(SiteTextTest, LeavesEveryByteWhereNothingChanged) { EXPECT_EQ(edited(), kText); }
 
-TEST_F(SiteTextTest, MovesAndTurnsInPlace) {
+TEST_F(SiteTextTest, MovesAndRotatesInPlace) {
   draft_.access_points[0].position = {1.25, 2.0, 2.1};
   EXPECT_EQ(edited(), with("[ 1.0, 2, 2.1 ]", "[1.25, 2, 2.1]"));
   draft_.access_points[0].position.x = 1.0;
@@ -142,7 +142,7 @@ TEST_F(SiteTextTest, KeepsLineEndsOfWindows) {
 }
 
 // In braces, values can be changed; nothing can be added or removed.
-TEST_F(SiteTextTest, RefusesWhatItCannotWriteInPlace) {
+TEST_F(SiteTextTest, RefusesEditsThatItCannotWriteInPlace) {
   const std::string text = "zone = [{name = \"a\", polygon = [[0, 0], [1, 0], [1, 1]]}]\n";
   auto draft = read_site_text(text, "site.toml").value();
   draft.zones[0].name = "b";

@@ -113,7 +113,7 @@ TEST_F(Dxf, ADrawingOfAnotherProgramBecomesARoom) {
   }
 }
 
-TEST_F(Dxf, UnitAndHeightCanBeTold) {
+TEST_F(Dxf, AcceptsAStatedUnitAndHeight) {
   const std::string walls = drawing(line("Wand", 0, 0, 12, 0) + line("Wand", 12, 0, 12, 9));
   const auto feet = import(file("plan.dxf", walls), {{0.3048, '\0', 3.1}, 0.0});
   ASSERT_TRUE(feet) << feet.error().message;
@@ -124,7 +124,7 @@ TEST_F(Dxf, UnitAndHeightCanBeTold) {
   EXPECT_NEAR(metres->bounds.size().x, 12.0, 1e-9);
 }
 
-TEST_F(Dxf, WhatIsNoPlanIsNamedWithWhatToDo) {
+TEST_F(Dxf, RefusesInvalidPlansWithARemedy) {
   EXPECT_EQ(refusal("AutoCAD Binary DXF\r\n\x1a"),
             "plan.dxf: is a DXF in binary; export it as DXF of text (ASCII)");
   EXPECT_EQ(refusal("0\nSECTION\n2\nENTITIES\nzero\nLINE\n"),
@@ -150,7 +150,7 @@ TEST_F(Dxf, WhatIsNoPlanIsNamedWithWhatToDo) {
 }
 
 // Each block holds the next one a hundred times.
-TEST_F(Dxf, BlocksWithinBlocksEnd) {
+TEST_F(Dxf, RefusesBlocksNestedTooDeeply) {
   std::string blocks = "0\nSECTION\n2\nBLOCKS\n";
   for (int i = 0; i < 15; ++i) {
     blocks += fmt::format("0\nBLOCK\n2\nb{}\n", i);
@@ -179,7 +179,7 @@ TEST(WallLines, TwoFacesAreOneWallAndALineAloneIsOne) {
   EXPECT_NEAR(length_of(walls[2]), 2.0, 1e-12);
 }
 
-TEST(WallLines, AWindowCutsTheWallThatItStandsIn) {
+TEST(WallLines, AWindowCutsItsWall) {
   const std::vector<WallLine> walls = {{{0, 0}, {4, 0}, "w", 0.2}, {{0, 3}, {4, 3}, "w", 0.2}};
   const std::vector<WallLine> left = cut_at(walls, {{3, 0.05}, {1.5, 0.05}, "g", 0});
   ASSERT_EQ(left.size(), 3U);

@@ -69,7 +69,7 @@ TEST_F(Import, ObjIsReadWithNamesMaterialsAndAxes) {
   EXPECT_NE(text.find("no row of the table of materials is of south"), std::string::npos) << text;
 }
 
-TEST_F(Import, UnitAndAxisCanBeTold) {
+TEST_F(Import, AcceptsAStatedUnitAndAxis) {
   const auto room = import(file("room.obj", kRoom), {{0.3048, 'z'}, 0.0});
   ASSERT_TRUE(room) << room.error().message;
   EXPECT_NEAR(room->bounds.size().y, 2.5 * 0.3048, 1e-5);
@@ -146,7 +146,7 @@ TEST_F(Import, OnlyFilesBesideTheModelAreOpened) {
   EXPECT_FALSE(import(file("models/link.gltf", triangle("link.bin"))));
 }
 
-TEST_F(Import, WhatIsNoModelIsNamedWithWhatToDo) {
+TEST_F(Import, RefusesInvalidModelsWithARemedy) {
   const std::vector<std::pair<std::string, std::string>> cases = {
       {"AC1032 and so on", "a DWG drawing; export its plan as DXF or SVG"},
       {"ISO-10303-21;\nHEADER;\nFILE_SCHEMA(('AUTOMOTIVE_DESIGN'));",

@@ -147,7 +147,7 @@ TEST_F(RoomScan, WallsOpeningsAndFurnitureBecomeARoom) {
   EXPECT_THAT(text, Not(HasSubstr("left out")));
 }
 
-TEST_F(RoomScan, ThicknessesAreTheScansWhereItTellsThem) {
+TEST_F(RoomScan, UsesThicknessesOfTheScanIfPresent) {
   const auto room = imported(office());
   ASSERT_TRUE(room) << room.error().message;
   const auto thickness = [&](const std::string& object) {
@@ -161,7 +161,7 @@ TEST_F(RoomScan, ThicknessesAreTheScansWhereItTellsThem) {
   EXPECT_NEAR(thickness("wall"), 0.0125, 1e-12) << "of plasterboard";
 }
 
-TEST_F(RoomScan, TheFloorHasTheOutlineThatTheScanTells) {
+TEST_F(RoomScan, TheFloorHasTheOutlineOfTheScan) {
   Json room = office();
   // Flat, its own x along the room's, its y to the room's -y; an L.
   Json floor = box("floor", {{"floor", Json::object()}}, {2.5, 1.8, 0}, 0, {5, 3.6, 0});
@@ -179,7 +179,7 @@ TEST_F(RoomScan, TheFloorHasTheOutlineThatTheScanTells) {
   EXPECT_NEAR(area_of(object_of(*made, "ceiling").mesh), 5 * 3.6 - 2 * 1, 1e-9);
 }
 
-TEST_F(RoomScan, NothingIsDroppedWithoutAWord) {
+TEST_F(RoomScan, ReportsEveryIgnoredElement) {
   Json room = office();
   room["version"] = 7;
   room["roofs"] = Json::array();
@@ -201,7 +201,7 @@ TEST_F(RoomScan, NothingIsDroppedWithoutAWord) {
   EXPECT_THAT(text, HasSubstr("left out: 1 pieces of furniture that lean"));
 }
 
-TEST_F(RoomScan, WhatIsNoScanIsNamedWithItsPlace) {
+TEST_F(RoomScan, RefusesInvalidScansWithTheirPosition) {
   EXPECT_THAT(ImportFiles::refusal("room.json", "{\"walls\": ["),
               HasSubstr("is cut off, or no JSON"));
   EXPECT_THAT(refusal({{"rooms", 3}}), HasSubstr("is JSON, but neither glTF"));

@@ -146,7 +146,7 @@ TEST_F(Svg, AnOutlineThatIsDrawnBackDoesNotCrossItself) {
   }
 }
 
-TEST_F(Svg, PixelsHaveASizeOnceItIsTold) {
+TEST_F(Svg, PixelsNeedAStatedScale) {
   const std::string pixels =
       drawing(R"(<rect id="wall" width="400" height="300"/>)", R"(width="800" height="600")");
   EXPECT_THAT(refusal(pixels), HasSubstr("its lengths are pixels; state its scale"));
@@ -163,7 +163,7 @@ TEST_F(Svg, PixelsHaveASizeOnceItIsTold) {
   EXPECT_THAT(of_another.error().message, HasSubstr("--scale is of SVG"));
 }
 
-TEST_F(Svg, WhatIsNoPlanIsNamedWithWhatToDo) {
+TEST_F(Svg, RefusesInvalidPlansWithARemedy) {
   EXPECT_THAT(refusal("<?xml version=\"1.0\"?>\n<html/>"), HasSubstr("is XML, but no SVG"));
   EXPECT_THAT(refusal("<svg><g></svg>"), HasSubstr("plan.svg:1:11: this is not well-formed XML"));
   EXPECT_THAT(refusal(drawing("<text>Office</text><image/>")),
@@ -213,7 +213,7 @@ TEST_F(Svg, DrawingsWithinADrawingHaveTheirViewports) {
 }
 
 // Each group uses the next one ten times, and the last one the first.
-TEST_F(Svg, UsesWithinUsesEnd) {
+TEST_F(Svg, RefusesUsesNestedTooDeeply) {
   std::string content;
   for (int i = 0; i < 9; ++i) {
     content += fmt::format("<g id=\"g{}\">", i);
@@ -310,7 +310,7 @@ TEST(SvgText, TransformsAreTakenFromTheInside) {
   }
 }
 
-TEST(SvgText, LengthsKnowTheirUnit) {
+TEST(SvgText, LengthsIncludeTheirUnit) {
   EXPECT_NEAR(svg_length("2.5cm")->metres(), 0.025, 1e-15);
   EXPECT_EQ(svg_length(" 80% ")->metres(), 0.0);
   EXPECT_EQ(svg_length("12px")->number, 12.0);

@@ -46,7 +46,7 @@ CalibrationFile example() {
   return file;
 }
 
-TEST(CalibrationFile, OfBeforeDecaysWereFittedHasTheUsualOne) {
+TEST(CalibrationFile, WithoutADiffuseDecayHasTheDefaultDecay) {
   std::string text = to_toml(example());
   const std::size_t from = text.find("diffuse_decay");
   ASSERT_NE(from, std::string::npos);
@@ -56,7 +56,7 @@ TEST(CalibrationFile, OfBeforeDecaysWereFittedHasTheUsualOne) {
   EXPECT_EQ(read->access_points.front().diffuse_decay.value, kDiffuseDecay);
 }
 
-TEST(CalibrationFile, ReadsBackWhatItWrote) {
+TEST(CalibrationFile, ReadsBackWrittenFiles) {
   const CalibrationFile written = example();
   const auto read = parse_calibration_file(to_toml(written), "calibration.toml");
   ASSERT_TRUE(read) << read.error().message;
@@ -148,7 +148,7 @@ std::string error_of_second_level(const std::string& line, const std::string& by
   return message;
 }
 
-TEST(CalibrationFile, SaysWhichLineOfALevelIsWrong) {
+TEST(CalibrationFile, ReportsTheInvalidKeyOfALevel) {
   using ::testing::HasSubstr;
   EXPECT_THAT(error_of_second_level("transmitter = ", "transmitter = \"kitchen\""),
               HasSubstr("kitchen"));
@@ -172,7 +172,7 @@ TEST(CalibrationFile, RefusesALevelThatIsNotWhole) {
   }
 }
 
-TEST(CalibrationFile, SaysWhereItIsWrong) {
+TEST(CalibrationFile, ReportsThePositionOfAnError) {
   std::string text = to_toml(example());
   const std::size_t at = text.find("core = 0");
   text.replace(at, 8, "kore = 0");

@@ -63,7 +63,7 @@ class FieldSceneCopy : public ::testing::Test {
   fs::path folder_;
 };
 
-TEST_F(FieldSceneCopy, OfASceneFromWindowsIsRead) {
+TEST_F(FieldSceneCopy, CopiesASceneWithWindowsPaths) {
   for (const char* mesh : {R"("meshes\floor.PLY")",
                            R"('.\meshes\floor.PLY')",
                            R"('..\meshes\floor.PLY')",
@@ -73,7 +73,7 @@ TEST_F(FieldSceneCopy, OfASceneFromWindowsIsRead) {
   }
 }
 
-TEST_F(FieldSceneCopy, OfANameThatCannotBeChangedIsRefused) {
+TEST_F(FieldSceneCopy, RefusesAMeshNameWithAVariable) {
   std::ofstream(folder_ / "site" / "scene.xml")
       << "<scene><default name='up' value='..'/><bsdf type='diffuse' id='mat-paint'/>"
          "<shape type='ply' id='f'><string name='filename' value='$up/meshes/floor.PLY'/>"

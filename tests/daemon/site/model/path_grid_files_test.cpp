@@ -45,7 +45,7 @@ class PathGridFilesTest : public ::testing::Test {
   std::vector<std::string> log_;
 };
 
-TEST_F(PathGridFilesTest, GivesBackWhatWasSaved) {
+TEST_F(PathGridFilesTest, ReadsBackSavedGrids) {
   const std::string bytes(10'000, 'x');
   files().save("one", bytes);
   EXPECT_EQ(files().load("one"), bytes);
@@ -54,7 +54,7 @@ TEST_F(PathGridFilesTest, GivesBackWhatWasSaved) {
   EXPECT_EQ(count(), 1U);  // nothing unfinished stays
 }
 
-TEST_F(PathGridFilesTest, LeavesOutWhatIsCutOffDamagedOrForeignAndSaysSo) {
+TEST_F(PathGridFilesTest, OmitsAndReportsTruncatedDamagedAndForeignFiles) {
   const std::string bytes(1000, 'x');
   files().save("one", bytes);
   fs::resize_file(file("one"), 500);
@@ -81,7 +81,7 @@ TEST_F(PathGridFilesTest, LeavesOutWhatIsCutOffDamagedOrForeignAndSaysSo) {
   EXPECT_EQ(files().load("one"), bytes);
 }
 
-TEST_F(PathGridFilesTest, DropsWhatWasUsedLongestAgo) {
+TEST_F(PathGridFilesTest, DropsTheLeastRecentlyUsedFile) {
   const std::string bytes(1000, 'x');
   PathGridFiles three = files(3072);
   const auto now = fs::file_time_type::clock::now();
@@ -104,7 +104,7 @@ TEST_F(PathGridFilesTest, KeepsNothingThatIsLargerThanItsBound) {
   EXPECT_NE(log_[0].find("not kept"), std::string::npos);
 }
 
-TEST_F(PathGridFilesTest, RemovesWhatAnEndedProgramLeftUnfinished) {
+TEST_F(PathGridFilesTest, RemovesUnfinishedFilesOfEndedPrograms) {
   files().save("one", "x");
   const fs::path left = file("").parent_path() / "two.pathgrid.123.unfinished";
   const fs::path fresh = file("").parent_path() / "two.pathgrid.124.unfinished";

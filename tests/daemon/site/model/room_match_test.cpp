@@ -162,7 +162,7 @@ TEST(Field, RoomWithAnotherAxisUpNamesTheAxesToExchange) {
               HasSubstr("x of the room is y of the scene, y of the room is x of the scene"));
 }
 
-TEST(Field, RoomWithAnotherOriginNamesTheWayToMoveIt) {
+TEST(Field, RoomWithAnotherOriginSuggestsATranslation) {
   const Site office = office_site();
   const auto centred = [](const Vec3d& p) { return p - Vec3d{2, 1.5, 0}; };
   EXPECT_THAT(found(*scene_of(room_of(kOffice), centred), &office),
@@ -235,7 +235,7 @@ TEST(Field, OpenAirIsSilentWhereASiteStatesIt) {
               HasSubstr("warning no_ceiling: no pair of large horizontal faces"));
 }
 
-TEST(Field, BoundsThatReachOutOfTheSceneAreSaid) {
+TEST(Field, BoundsBeyondTheSceneAreReported) {
   Site site = office_site();
   site.bounds_max.x = 9;
   EXPECT_THAT(
@@ -249,7 +249,7 @@ TEST(Field, BoundsThatReachOutOfTheSceneAreSaid) {
                         "from it, from 0 to 4 m: both need one origin"));
 }
 
-TEST(Field, AntennasOutsideOfTheSceneAreSaid) {
+TEST(Field, AntennasOutsideTheSceneAreReported) {
   const auto scene = scene_of(room_of(kOffice), as_it_is);
   const auto at = [&](const Vec3d& place) {
     const Site site = site_with({}, {{0.4, 0.4, 1.2}, place});
@@ -284,7 +284,7 @@ TEST(Field, RoomWithoutBoundsIsJudgedByItsSize) {
               HasSubstr("warning scale: "));
 }
 
-TEST(Field, NamesOfFloorAndCeilingTellWhichWayIsUp) {
+TEST(Field, NamesOfFloorAndCeilingIndicateTheUpAxis) {
   const Site site = site_without_bounds();
   const auto scene = scene_of(room_of(kOffice), y_up);
   EXPECT_THAT(found(*scene, &site),

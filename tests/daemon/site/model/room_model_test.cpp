@@ -81,7 +81,7 @@ TEST_F(RoomModelTest, AppliesTheMaterialsThatTheSiteStates) {
   EXPECT_TRUE(found);
 }
 
-TEST_F(RoomModelTest, OfACopyIsThatOfTheOriginalWithItsCalibration) {
+TEST_F(RoomModelTest, ACopyEqualsTheOriginalWithItsCalibration) {
   const auto site = load_site(kSite);
   ASSERT_TRUE(site);
   const auto room = load_room_model(*site);
@@ -105,7 +105,7 @@ TEST_F(RoomModelTest, OfACopyIsThatOfTheOriginalWithItsCalibration) {
 }
 
 // The calibration states the levels; the site now states which transmitters are constant.
-TEST_F(RoomModelTest, BelievesLevelsOfTransmittersThatTheSiteSaysAreConstant) {
+TEST_F(RoomModelTest, UsesPowerLawsOfConstantTransmittersOnly) {
   const auto site = load_site(kSite);
   ASSERT_TRUE(site);
   const auto room = load_room_model(*site);

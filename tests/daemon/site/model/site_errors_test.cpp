@@ -24,7 +24,7 @@ struct Case {
 
 class SiteError : public ::testing::TestWithParam<Case> {};
 
-TEST_P(SiteError, NamesThePlaceAndWhatToWrite) {
+TEST_P(SiteError, ReportsThePositionAndTheRemedy) {
   const std::string errors = errors_of(site_text(GetParam().from, GetParam().to));
   EXPECT_THAT(errors, StartsWith(GetParam().begin));
   EXPECT_THAT(errors, HasSubstr(GetParam().hint));

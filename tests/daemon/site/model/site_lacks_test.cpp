@@ -54,7 +54,7 @@ TEST(Field, AnAccessPointThatIsNotCalibratedIsNamed) {
   EXPECT_THAT(site_lacks(all.site, all.room).all(), IsEmpty());
 }
 
-TEST(Field, WhatIsHeardDecidesWhetherASiteCanLocate) {
+TEST(Field, AccessPointsInUseDecideIfASiteCanLocate) {
   LackingSite all;
   all.site.reference_file = "people.toml";
   all.calibrate(0);
@@ -67,7 +67,7 @@ TEST(Field, WhatIsHeardDecidesWhetherASiteCanLocate) {
           "nothing can be located: the access points in use are not calibrated (ap2, ap3)")));
 }
 
-TEST(Field, AFixedTransmitterWithoutAReferenceIsSaid) {
+TEST(Field, AFixedTransmitterWithoutAReferenceCausesAWarning) {
   LackingSite all;
   for (std::size_t i = 0; i < all.room.access_points.size(); ++i) {
     all.calibrate(i);

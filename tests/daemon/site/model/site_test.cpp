@@ -219,7 +219,7 @@ TEST(Site, IsReadFromADirectoryOrAFile) {
   EXPECT_THAT(nothing.error().message, HasSubstr("sites/site.toml: there is no such file"));
 }
 
-TEST(Site, FindsWhatItHas) {
+TEST(Site, FindsAccessPointsAndTransmitters) {
   const Expected<Site> site = load_site(kSiteFile);
   ASSERT_TRUE(site);
   EXPECT_EQ(find_access_point(*site, "ap2"), 1);

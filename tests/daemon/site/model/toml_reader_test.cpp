@@ -54,7 +54,7 @@ TEST(TomlDocument, DotsOfNumbersTextAndCommentsAreNoKeys) {
             "");
 }
 
-TEST(TomlDocument, FilesThatNobodyWroteAreRefused) {
+TEST(TomlDocument, RefusesDirectoriesMissingAndLargeFiles) {
   const fs::path folder = fs::path(::testing::TempDir()) / "toml_document_test";
   fs::create_directories(folder);
   const auto error_of = [](const fs::path& file) {

@@ -134,7 +134,7 @@ TEST(BuildRoom, SidesFaceInwardsAndBoxesOutwards) {
   EXPECT_EQ(table.orientation, 1);
 }
 
-TEST(BuildRoom, BoxIsTurnedAnticlockwise) {
+TEST(BuildRoom, BoxIsRotatedAnticlockwise) {
   const auto scene = plan_scene(room_text());
   ASSERT_NE(scene, nullptr);
   const Mesh& table = scene->objects()[*object_named(*scene, "table")].mesh;

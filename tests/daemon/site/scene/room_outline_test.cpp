@@ -112,7 +112,7 @@ TEST(RoomOutline, HasTheSheetsOfThePlan) {
   EXPECT_EQ(scene->bounds_max(), (Vec3d{6, 4, 2.7}));
 }
 
-TEST(RoomOutline, FacesInwardsWhicheverWayRoundItIsWritten) {
+TEST(RoomOutline, FacesInwardsForBothCornerOrders) {
   for (const char* outline :
        {"[[0, 0], [6, 0], [6, 4], [0, 4]]", "[[0, 4], [6, 4], [6, 0], [0, 0]]"}) {
     const auto scene =
@@ -186,7 +186,7 @@ TEST(RoomOutline, GablesMeetAtTheRidge) {
   EXPECT_EQ(scene->surfaces().size(), 7U);
 }
 
-TEST(RoomOutline, EachMistakeHasItsPlaceAndWhatToWrite) {
+TEST(RoomOutline, EachMistakeHasAPositionAndARemedy) {
   const std::vector<std::pair<std::string, std::string>> cases = {
       {outlined("[6, 4], [4, 4], [4, 2]", "[4, 4], [6, 4], [4, 2]"),
        "office.toml:2:11: 'outline' crosses itself: the wall from 6, 4 to 4, 2 meets an earlier "

@@ -88,7 +88,7 @@ TEST(RoomPlan, AccessPointsAreThoseOfASite) {
             "metres in the coordinates of the room");
 }
 
-TEST(RoomPlan, EachMistakeHasItsPlaceAndWhatToWrite) {
+TEST(RoomPlan, EachMistakeHasAPositionAndARemedy) {
   const std::vector<std::pair<std::string, std::string>> cases = {
       {room_text("walls = \"plasterboard\"", "wals = \"plasterboard\""),
        "office.toml:1:1: the file lacks 'walls'; add, for example: walls = \"plasterboard\"\n"
@@ -138,7 +138,7 @@ TEST(RoomPlan, EachMistakeHasItsPlaceAndWhatToWrite) {
   }
 }
 
-TEST(RoomPlan, FurnitureMayStandAtTheWall) {
+TEST(RoomPlan, FurnitureMayTouchTheWall) {
   // 0.1 + 0.2 is more than 0.3: rounding is no mistake of the plan's.
   EXPECT_EQ(room_errors("name = \"x\"\nsize = [0.3, 3, 3]\nfloor = \"wood\"\nceiling = \"wood\"\n"
                         "walls = \"wood\"\n[[box]]\nname = \"b\"\nmaterial = \"wood\"\n"

@@ -38,7 +38,7 @@ std::vector<std::string> kinds_of(const SceneReport& report) {
 
 using Kinds = std::vector<std::string>;
 
-TEST(SceneReport, CountsWhatIsThere) {
+TEST(SceneReport, CountsObjectsAndMaterials) {
   const SceneReport report =
       report_of({{"box", box_mesh({1, 1, 0}, {2, 2, 1})},
                  {"sheet", rectangle_mesh({0, 0, 2}, {4, 0, 0}, {0, 3, 0})}});
@@ -92,7 +92,7 @@ TEST(SceneReport, WarnsOfMillimetres) {
             Kinds{"scale"});
 }
 
-TEST(SceneReport, WarnsOfAMeshTurnedInsideOut) {
+TEST(SceneReport, WarnsOfAnInsideOutMesh) {
   Mesh mesh = box_mesh({1, 1, 1}, {2, 2, 2});
   for (auto& triangle : mesh.triangles) {
     std::swap(triangle[1], triangle[2]);
@@ -131,7 +131,7 @@ TEST(SceneReport, WarnsOfAntennasInsideAndOutside) {
       "1.5");
 }
 
-TEST(SolidAround, TellsInsideFromOnTheFaceAndFromTheRoom) {
+TEST(SolidAround, DistinguishesInteriorsFromFacesAndTheRoom) {
   const auto scene =
       test::make_scene(room_with("block", box_mesh({1, 1, 1}, {2, 2, 2})), test::kConcrete);
   EXPECT_EQ(solid_around(*scene, {1.5, 1.5, 1.5}), 1U);

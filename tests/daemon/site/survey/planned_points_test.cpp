@@ -33,7 +33,7 @@ TEST_F(PlannedPoints, ReadBackAsWritten) {
   EXPECT_EQ((*read)[1].name, "door");
 }
 
-TEST_F(PlannedPoints, AreNumberedWhereNobodyNamedThem) {
+TEST_F(PlannedPoints, AreNumberedIfTheyHaveNoNames) {
   const auto read = load("z,x,y\n1.2,0,1\n1.2,0,2\n");
   ASSERT_TRUE(read) << read.error().message;
   EXPECT_EQ((*read)[1].name, "p2");

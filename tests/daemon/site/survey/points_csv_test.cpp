@@ -35,7 +35,7 @@ TEST(DecimalSeconds, AreExactToTheNanosecond) {
   EXPECT_EQ(parse_decimal_seconds("3."), 3s);
 }
 
-TEST(DecimalSeconds, RefuseWhatIsNotADecimalNumber) {
+TEST(DecimalSeconds, RefuseInvalidNumbers) {
   for (const char* text : {"",
                            ".",
                            "-",
@@ -160,7 +160,7 @@ TEST(Field, PointsOfMoreSpotsThanAPersonWalksAreRefused) {
   std::filesystem::remove(file);
 }
 
-TEST(PointsCsv, SaysWhenTheFileCannotBeReadOrIsEmpty) {
+TEST(PointsCsv, ReportsAnUnreadableFile) {
   EXPECT_EQ(load_points_csv("/nowhere/p.csv").error().message, "/nowhere/p.csv: cannot be read");
   EXPECT_FALSE(load_points_csv("/tmp"));
 }

@@ -27,7 +27,7 @@ TEST(SurveyAnswer, IsAPlannedPointByItsName) {
   EXPECT_EQ(parse("door")->point.name, "door");
 }
 
-TEST(SurveyAnswer, NothingIsTheNextPlannedPoint) {
+TEST(SurveyAnswer, EmptyInputSelectsTheNextPlannedPoint) {
   EXPECT_EQ(parse("")->point.name, "window");
   EXPECT_EQ(parse("  ")->point.name, "window");
   EXPECT_THAT(parse_survey_answer("", {}, nullptr, 1.2).error().message, HasSubstr("x,y,z"));
@@ -39,7 +39,7 @@ TEST(SurveyAnswer, QuitsAtQ) {
   EXPECT_FALSE(parse("door")->quit);
 }
 
-TEST(SurveyAnswer, SaysWhatToTypeInstead) {
+TEST(SurveyAnswer, SuggestsAValidAnswer) {
   EXPECT_THAT(parse("windw").error().message, HasSubstr("did you mean 'window'"));
   for (const char* wrong : {"1", "1,2,3,4", "1;2;3", "1,2,nan", "1,,2", "1,2,"}) {
     EXPECT_THAT(parse(wrong).error().message, HasSubstr("neither x,y,z")) << wrong;
