@@ -119,7 +119,7 @@ py::dict stream_arrays(const FrameTable& table, std::size_t stream) {
   result["mask"] = seen_as(std::move(arrays.mask), py::dtype("bool"), whole);
   result["headers"] = seen_as(std::move(arrays.headers), header, {whole[0]});
   result["power_dbm"] = sized_array(std::move(arrays.power_dbm), {shape[0], shape[1]});
-  result["cores"] = sized_array(std::move(arrays.cores), {shape[1]});
+  result["cores"] = sized_array(std::move(arrays.rx_chains), {shape[1]});
   result["tone_index"] = sized_array(std::move(arrays.tone_index), {shape[2]});
   return result;
 }

@@ -6,20 +6,20 @@
 #include "engine/channel/dead_row.h"
 
 namespace rayloc {
-ChainPresence::ChainPresence(const std::vector<std::uint8_t>& expected_cores) {
-  for (const std::uint8_t core : expected_cores) {
-    without_[core] = 0;
+ChainPresence::ChainPresence(const std::vector<std::uint8_t>& expected_rx_chains) {
+  for (const std::uint8_t rx_chain : expected_rx_chains) {
+    without_[rx_chain] = 0;
   }
 }
 
-void ChainPresence::mark(CsiFrame& frame, std::map<std::uint8_t, std::uint64_t>& without_core) {
+void ChainPresence::mark(CsiFrame& frame, std::map<std::uint8_t, std::uint64_t>& without_rx_chain) {
   bool is_absent = false;
-  for (auto& [core, frames] : without_) {
-    if (brings_core(frame, core)) {
+  for (auto& [rx_chain, frames] : without_) {
+    if (brings_rx_chain(frame, rx_chain)) {
       frames = 0;
       continue;
     }
-    ++without_core[core];
+    ++without_rx_chain[rx_chain];
     frames = std::min(frames + 1, kFrames);
     is_absent = is_absent || frames == kFrames;
   }

@@ -19,11 +19,11 @@ class ChainPresence {
   static constexpr std::string_view kFlag = "absent_core";
 
   // With no expected cores, no chain is ever reported as absent.
-  explicit ChainPresence(const std::vector<std::uint8_t>& expected_cores);
+  explicit ChainPresence(const std::vector<std::uint8_t>& expected_rx_chains);
 
   // Flags the frame and counts it for each core that it lacks. REQUIRES: frames come in the order
   // in which they are emitted.
-  void mark(CsiFrame& frame, std::map<std::uint8_t, std::uint64_t>& without_core);
+  void mark(CsiFrame& frame, std::map<std::uint8_t, std::uint64_t>& without_rx_chain);
 
  private:
   std::map<std::uint8_t, std::uint32_t> without_;  // consecutive frames without the core, by core

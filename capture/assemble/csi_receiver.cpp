@@ -21,11 +21,11 @@ class CsiReceiver::Impl {
       : access_point_(options.access_point),
         only_devices_(options.only_devices),
         stated_(std::move(options.stated_transmitters)),
-        expected_cores_(options.expected_cores),
-        presence_(options.expected_cores),
+        expected_rx_chains_(options.expected_rx_chains),
+        presence_(options.expected_rx_chains),
         registry_(options.format, formats),
         assembler_(
-            {std::move(options.expected_cores), options.assembly_timeout, options.max_pending}),
+            {std::move(options.expected_rx_chains), options.assembly_timeout, options.max_pending}),
         normalizer_(options.access_point, options.raw),
         channels_(options.channel, options.accepts_hops),
         reject_mixture_(options.reject_mixture),
@@ -173,11 +173,12 @@ class CsiReceiver::Impl {
     }
     frame->time = frame->time_last = datagram.time;
     frame->access_point = access_point_;
-    const bool all_cores =
-        std::all_of(expected_cores_.begin(), expected_cores_.end(), [&](std::uint8_t core) {
-          return std::find(frame->cores.begin(), frame->cores.end(), core) != frame->cores.end();
+    const bool all_rx_chains = std::all_of(
+        expected_rx_chains_.begin(), expected_rx_chains_.end(), [&](std::uint8_t rx_chain) {
+          return std::find(frame->rx_chains.begin(), frame->rx_chains.end(), rx_chain) !=
+                 frame->rx_chains.end();
         });
-    if (!all_cores) {
+    if (!all_rx_chains) {
       frame->complete = false;
       frame->flags.emplace_back("missing_core");
     }
@@ -214,14 +215,14 @@ class CsiReceiver::Impl {
     counters_.in_frames += datagrams;
     ++counters_.frames;
     counters_.partial += frame.complete ? 0U : 1U;
-    presence_.mark(frame, counters_.without_core);
+    presence_.mark(frame, counters_.without_rx_chain);
     out.push_back(std::move(frame));
   }
 
   const int access_point_;
   const bool only_devices_;
   const std::vector<MacAddress> stated_;
-  const std::vector<std::uint8_t> expected_cores_;
+  const std::vector<std::uint8_t> expected_rx_chains_;
   ChainPresence presence_;
   DecoderRegistry registry_;
   FrameAssembler assembler_;

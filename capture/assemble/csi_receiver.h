@@ -37,7 +37,7 @@ struct CsiReceiverOptions {
   // Name of a wire format ("axcsi-v4"), or empty: detected for each datagram (WIRE_FORMATS 1.8).
   std::string format;
   // Receive chains that a complete frame must have, besides those learned from recent traffic.
-  std::vector<std::uint8_t> expected_cores;
+  std::vector<std::uint8_t> expected_rx_chains;
   // A frame that is still partial this long after its first datagram is emitted as partial.
   Duration assembly_timeout = std::chrono::milliseconds(20);
   // Maximum number of frames being assembled; beyond it the oldest is emitted as partial.
@@ -84,7 +84,7 @@ struct CsiReceiverCounters {
   std::uint64_t frames = 0;                       // emitted frames, including partial ones
   std::uint64_t partial = 0;
   // Emitted frames that lack an expected core, or hold no data of it, by core.
-  std::map<std::uint8_t, std::uint64_t> without_core;
+  std::map<std::uint8_t, std::uint64_t> without_rx_chain;
 
   // The channel that the latest datagram states, and the number of changes: an accepted hop is not
   // a change.

@@ -36,8 +36,8 @@ bool AssembledFrame::is_rectangular() const {
 
 FrameAssembler::FrameAssembler(FrameAssemblerOptions options) : options_(std::move(options)) {
   RAYLOC_CHECK(options_.max_pending > 0);
-  for (const std::uint8_t core : options_.expected_cores) {
-    RAYLOC_CHECK(core < kMaxCores);
+  for (const std::uint8_t rx_chain : options_.expected_rx_chains) {
+    RAYLOC_CHECK(rx_chain < kMaxRxChains);
   }
   pending_.reserve(options_.max_pending + 1);
   emitted_.reserve(kRemembered);
@@ -75,7 +75,7 @@ FrameAssembler::Emitted* FrameAssembler::find_emitted(const Key& key, Timestamp 
 FrameAssembler::Outcome FrameAssembler::judge_emitted(const CsiFragment& fragment,
                                                       Emitted& emitted,
                                                       Timestamp time) {
-  const std::size_t slot = slot_of(fragment.core, fragment.stream);
+  const std::size_t slot = slot_of(fragment.rx_chain, fragment.stream);
   const std::uint32_t blocks = blocks_of(fragment);
   if ((emitted.coverage[slot] & blocks) != 0) {
     const bool same = fragment.has_sequence || emitted.digests[slot] == fragment.digest;
@@ -115,7 +115,7 @@ AssembledFrame& FrameAssembler::open(const Key& key, const CsiFragment& fragment
 }
 
 void FrameAssembler::add(AssembledFrame& frame, const CsiFragment& fragment, Timestamp time) {
-  const std::size_t slot = slot_of(fragment.core, fragment.stream);
+  const std::size_t slot = slot_of(fragment.rx_chain, fragment.stream);
   const std::size_t total = frame.header.total_tones;
   if (!frame.has_slot(slot)) {
     frame.row_of_slot[slot] = frame.rows++;
@@ -131,9 +131,9 @@ void FrameAssembler::add(AssembledFrame& frame, const CsiFragment& fragment, Tim
       values.subspan(frame.row_of_slot[slot] * total + fragment.first_tone, fragment.tones));
   frame.coverage[slot] |= blocks_of(fragment);
   frame.digests[slot] = fragment.digest;
-  for (std::size_t core = 0; core < kMaxCores; ++core) {
-    if (!frame.header.power_dbm[core]) {
-      frame.header.power_dbm[core] = fragment.power_dbm[core];
+  for (std::size_t rx_chain = 0; rx_chain < kMaxRxChains; ++rx_chain) {
+    if (!frame.header.power_dbm[rx_chain]) {
+      frame.header.power_dbm[rx_chain] = fragment.power_dbm[rx_chain];
     }
   }
   frame.time = std::min(frame.time, time);
@@ -147,7 +147,7 @@ FrameAssembler::Outcome FrameAssembler::push(const CsiFragment& fragment, Timest
   Pending* pending = find_pending(key);
   if (pending != nullptr) {
     const AssembledFrame& frame = *pending->frame;
-    const std::size_t slot = slot_of(fragment.core, fragment.stream);
+    const std::size_t slot = slot_of(fragment.rx_chain, fragment.stream);
     const bool overlaps = (frame.coverage[slot] & blocks_of(fragment)) != 0;
     const bool agrees = agree(frame.header, fragment);
     if (fragment.has_sequence) {
@@ -186,12 +186,12 @@ unsigned FrameAssembler::required_slots(const AssembledFrame& frame, unsigned le
   }
   // Every expected core must contain each stream observed so far.
   unsigned streams = 0;
-  for (std::size_t core = 0; core < kMaxCores; ++core) {
-    streams |= ((learned | frame.slots) >> slot_of(core, 0)) & ((1U << kMaxStreams) - 1U);
+  for (std::size_t rx_chain = 0; rx_chain < kMaxRxChains; ++rx_chain) {
+    streams |= ((learned | frame.slots) >> slot_of(rx_chain, 0)) & ((1U << kMaxStreams) - 1U);
   }
   unsigned required = learned;
-  for (const std::uint8_t core : options_.expected_cores) {
-    required |= streams << slot_of(core, 0);
+  for (const std::uint8_t rx_chain : options_.expected_rx_chains) {
+    required |= streams << slot_of(rx_chain, 0);
   }
   return required;
 }

@@ -27,7 +27,7 @@
 namespace rayloc {
 
 struct FrameAssemblerOptions {
-  std::vector<std::uint8_t> expected_cores;
+  std::vector<std::uint8_t> expected_rx_chains;
   Duration timeout = std::chrono::milliseconds(20);
   std::size_t max_pending = 256;
 };

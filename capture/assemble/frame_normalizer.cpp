@@ -9,9 +9,9 @@
 namespace rayloc {
 namespace {
 
-// Rows of the frame that are copied to the CsiFrame, in its order: [core][stream].
+// Rows of the frame that are copied to the CsiFrame, in its order: [rx_chain][stream].
 struct RowSelection {
-  std::vector<std::uint8_t> cores;
+  std::vector<std::uint8_t> rx_chains;
   std::vector<std::uint8_t> slots;
   std::size_t streams = 0;
   std::uint32_t coverage = 0;  // blocks received in all of `slots`
@@ -21,11 +21,11 @@ struct RowSelection {
 // without such a core, the streams of the first core and the cores that have them.
 RowSelection rectangle_of(unsigned slots) {
   constexpr unsigned kStreamMask = (1U << kMaxStreams) - 1U;
-  std::array<unsigned, kMaxCores> streams_of{};
+  std::array<unsigned, kMaxRxChains> streams_of{};
   unsigned streams = 0;
-  for (std::size_t core = 0; core < kMaxCores; ++core) {
-    streams_of[core] = (slots >> slot_of(core, 0)) & kStreamMask;
-    streams |= streams_of[core];
+  for (std::size_t rx_chain = 0; rx_chain < kMaxRxChains; ++rx_chain) {
+    streams_of[rx_chain] = (slots >> slot_of(rx_chain, 0)) & kStreamMask;
+    streams |= streams_of[rx_chain];
   }
   const auto has_all = [&streams](unsigned mask) { return (mask & streams) == streams; };
   if (std::none_of(streams_of.begin(), streams_of.end(), has_all)) {
@@ -33,18 +33,18 @@ RowSelection rectangle_of(unsigned slots) {
         streams_of.begin(), streams_of.end(), [](unsigned mask) { return mask != 0; });
   }
   RowSelection selection;
-  for (std::size_t core = 0; core < kMaxCores; ++core) {
-    if (!has_all(streams_of[core])) {
+  for (std::size_t rx_chain = 0; rx_chain < kMaxRxChains; ++rx_chain) {
+    if (!has_all(streams_of[rx_chain])) {
       continue;
     }
-    selection.cores.push_back(static_cast<std::uint8_t>(core));
+    selection.rx_chains.push_back(static_cast<std::uint8_t>(rx_chain));
     for (std::size_t stream = 0; stream < kMaxStreams; ++stream) {
       if (((streams >> stream) & 1U) != 0) {
-        selection.slots.push_back(static_cast<std::uint8_t>(slot_of(core, stream)));
+        selection.slots.push_back(static_cast<std::uint8_t>(slot_of(rx_chain, stream)));
       }
     }
   }
-  selection.streams = selection.slots.size() / selection.cores.size();
+  selection.streams = selection.slots.size() / selection.rx_chains.size();
   return selection;
 }
 
@@ -259,7 +259,7 @@ CsiFrame FrameNormalizer::normalize(const AssembledFrame& assembled) {
 
   const Selection& selection = selection_for(layout);
   frame.tone_index = selection.tone_index;
-  frame.csi = Csi(rows.cores.size(), rows.streams, selection.tone_index.size());
+  frame.csi = Csi(rows.rx_chains.size(), rows.streams, selection.tone_index.size());
   for (std::size_t i = 0; i < rows.slots.size(); ++i) {
     const auto from = assembled.row(rows.slots[i]);
     auto to = frame.csi.row(i / rows.streams, i % rows.streams).begin();
@@ -277,9 +277,9 @@ CsiFrame FrameNormalizer::normalize(const AssembledFrame& assembled) {
   if (header.common_power) {
     frame.flags.emplace_back("common_power");
   }
-  frame.cores = rows.cores;
-  for (const std::uint8_t core : frame.cores) {
-    frame.power_dbm.emplace_back(header.power_dbm[core]);
+  frame.rx_chains = rows.rx_chains;
+  for (const std::uint8_t rx_chain : frame.rx_chains) {
+    frame.power_dbm.emplace_back(header.power_dbm[rx_chain]);
   }
   return frame;
 }

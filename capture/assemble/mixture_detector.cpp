@@ -153,7 +153,7 @@ void MixtureDetector::add_recent(const CsiFragment& fragment, Timestamp time) {
     recent.parts = 0;
   }
   recent.time = time;
-  const Part part{static_cast<std::uint16_t>(slot_of(fragment.core, fragment.stream)),
+  const Part part{static_cast<std::uint16_t>(slot_of(fragment.rx_chain, fragment.stream)),
                   fragment.first_tone,
                   fragment.digest};
   const auto end = recent.part.begin() + static_cast<std::ptrdiff_t>(recent.parts);
@@ -199,7 +199,7 @@ void MixtureDetector::add_sequence_number(const CsiFragment& fragment, Timestamp
     run_begin_ = time;
     run_length_ = 1;
     run_digest_ = fragment.digest;
-  } else if (fragment.core == run_.core && fragment.stream == run_.stream &&
+  } else if (fragment.rx_chain == run_.rx_chain && fragment.stream == run_.stream &&
              fragment.digest != run_digest_) {
     // Later repetitions belong to no run of a mixture.
     run_length_ = apart(run_begin_, time) <= kSameFrame ? run_length_ + 1 : 1;

@@ -80,7 +80,7 @@ void TrafficClasses::slot_seen(const CsiFragment& fragment) {
   if (traffic.frames == 0) {
     return;  // the class of its frame has been removed since
   }
-  const std::size_t slot = slot_of(fragment.core, fragment.stream);
+  const std::size_t slot = slot_of(fragment.rx_chain, fragment.stream);
   traffic.last_frame[slot] = traffic.frames;
   traffic.slots = static_cast<std::uint16_t>(traffic.slots | (1U << slot));
 }

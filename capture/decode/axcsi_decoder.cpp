@@ -40,7 +40,7 @@ AxcsiHeader read_fields(const ByteReader& reader) {
     header.transmitter.octets[i] = reader.u8(i);
   }
   header.sequence = reader.u16(6);
-  header.core = reader.u16(8);
+  header.rx_chain = reader.u16(8);
   header.stream = reader.u16(10);
   header.first_tone = reader.u16(12);
   header.last_tone = reader.u16(14);
@@ -52,8 +52,8 @@ AxcsiHeader read_fields(const ByteReader& reader) {
   header.receive_time_us = reader.u32(32);
   header.transmit_ticks = reader.u48(36);
   header.transmit_sequence = reader.u16(42);
-  for (std::size_t core = 0; core < kMaxCores; ++core) {
-    header.power_dbm[core] = reader.i8(47 - core);
+  for (std::size_t rx_chain = 0; rx_chain < kMaxRxChains; ++rx_chain) {
+    header.power_dbm[rx_chain] = reader.i8(47 - rx_chain);
   }
   header.phy_status = reader.u32(48);
   header.chanspec = reader.u16(52);
@@ -118,8 +118,8 @@ tl::expected<AxcsiHeader, RejectReason> read_axcsi_header(std::span<const std::b
   if (header.encoding() > kAxcsiEncodingHe) {
     return tl::make_unexpected(RejectReason::kEncodingRange);
   }
-  if (header.core >= kMaxCores) {
-    return tl::make_unexpected(RejectReason::kCoreRange);
+  if (header.rx_chain >= kMaxRxChains) {
+    return tl::make_unexpected(RejectReason::kRxChainRange);
   }
   if (header.stream >= kMaxStreams) {
     return tl::make_unexpected(RejectReason::kStreamRange);
@@ -144,7 +144,7 @@ DecodeResult AxcsiDecoder::decode(std::span<const std::byte> payload) const {
   fragment.has_sequence = true;
   fragment.sequence = header->sequence;
   fragment.sequence_control = header->sequence_control;
-  fragment.core = static_cast<std::uint8_t>(header->core);
+  fragment.rx_chain = static_cast<std::uint8_t>(header->rx_chain);
   fragment.stream = static_cast<std::uint8_t>(header->stream);
   fragment.first_tone = header->first_tone;
   fragment.tones = static_cast<std::uint16_t>(header->last_tone - header->first_tone + 1);
@@ -153,9 +153,9 @@ DecodeResult AxcsiDecoder::decode(std::span<const std::byte> payload) const {
   fragment.channel_bandwidth_mhz = channel_bandwidth_mhz(header->encoding(), header->total_tones);
   fragment.transmitted_streams =
       static_cast<int>(header->streams() * (header->space_time_coded() ? 2U : 1U));
-  for (std::size_t core = 0; core < kMaxCores; ++core) {
-    if (header->power_dbm[core] < 0) {  // 0: the chain was off
-      fragment.power_dbm[core] = header->power_dbm[core];
+  for (std::size_t rx_chain = 0; rx_chain < kMaxRxChains; ++rx_chain) {
+    if (header->power_dbm[rx_chain] < 0) {  // 0: the chain was off
+      fragment.power_dbm[rx_chain] = header->power_dbm[rx_chain];
     }
   }
   fragment.layout = CsiWords::kFloat12;
@@ -173,7 +173,7 @@ bool resembles_axcsi(std::span<const std::byte> payload) {
   if (length_fits(header, payload.size())) {
     return true;
   }
-  return header.core < kMaxCores && header.stream < kMaxStreams &&
+  return header.rx_chain < kMaxRxChains && header.stream < kMaxStreams &&
          header.encoding() <= kAxcsiEncodingHe &&
          channel_bandwidth_mhz(header.encoding(), header.total_tones) != 0 &&
          header.sequence_control == header.receive_sequence;

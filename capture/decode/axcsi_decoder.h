@@ -16,7 +16,7 @@ inline constexpr unsigned kAxcsiEncodingHe = 3;  // value of AxcsiHeader::encodi
 struct AxcsiHeader {
   MacAddress transmitter;
   std::uint16_t sequence = 0;  // the extractor's counter, +1 a frame
-  std::uint16_t core = 0;
+  std::uint16_t rx_chain = 0;
   std::uint16_t stream = 0;
   std::uint16_t first_tone = 0;
   std::uint16_t last_tone = 0;  // inclusive
@@ -28,7 +28,7 @@ struct AxcsiHeader {
   std::uint32_t receive_time_us = 0;
   std::uint64_t transmit_ticks = 0;
   std::uint16_t transmit_sequence = 0;
-  std::array<std::int8_t, kMaxCores> power_dbm{};  // by core
+  std::array<std::int8_t, kMaxRxChains> power_dbm{};  // by core
   std::uint32_t phy_status = 0;
   std::uint16_t chanspec = 0;
 

@@ -32,7 +32,7 @@ void put_header(std::vector<std::byte>& bytes, const AxcsiHeader& header) {
     put(bytes, octet, 1);
   }
   put(bytes, header.sequence, 2);
-  put(bytes, header.core, 2);
+  put(bytes, header.rx_chain, 2);
   put(bytes, header.stream, 2);
   put(bytes, header.first_tone, 2);
   put(bytes, header.last_tone, 2);
@@ -44,8 +44,8 @@ void put_header(std::vector<std::byte>& bytes, const AxcsiHeader& header) {
   put(bytes, header.receive_time_us, 4);
   put(bytes, header.transmit_ticks, 6);
   put(bytes, header.transmit_sequence, 2);
-  for (std::size_t core = kMaxCores; core-- > 0;) {
-    put(bytes, static_cast<std::uint8_t>(header.power_dbm[core]), 1);
+  for (std::size_t rx_chain = kMaxRxChains; rx_chain-- > 0;) {
+    put(bytes, static_cast<std::uint8_t>(header.power_dbm[rx_chain]), 1);
   }
   put(bytes, header.phy_status, 4);
   put(bytes, header.chanspec, 2);
@@ -95,18 +95,18 @@ std::vector<std::byte> write_axcsi_datagram(const AxcsiHeader& header,
 }
 
 std::vector<std::vector<std::byte>> write_axcsi_frame(const AxcsiFrame& frame) {
-  RAYLOC_CHECK(!frame.cores.empty() && frame.tones.size() % frame.cores.size() == 0);
-  const std::size_t total = frame.tones.size() / frame.cores.size();
+  RAYLOC_CHECK(!frame.rx_chains.empty() && frame.tones.size() % frame.rx_chains.size() == 0);
+  const std::size_t total = frame.tones.size() / frame.rx_chains.size();
   RAYLOC_CHECK(total >= kToneBlock && total <= kMaxTones && (total & (total - 1)) == 0);
   const bool two_transforms = total == 512 && frame.header.encoding() != kAxcsiEncodingHe;
   AxcsiHeader header = frame.header;
   header.total_tones = static_cast<std::uint16_t>(total);
   header.receive_sequence = header.sequence_control;
   std::vector<std::vector<std::byte>> datagrams;
-  for (std::size_t core = 0; core < frame.cores.size(); ++core) {
-    header.core = frame.cores[core];
+  for (std::size_t rx_chain = 0; rx_chain < frame.rx_chains.size(); ++rx_chain) {
+    header.rx_chain = frame.rx_chains[rx_chain];
     const auto wire =
-        wire_order(std::span(frame.tones).subspan(core * total, total), two_transforms);
+        wire_order(std::span(frame.tones).subspan(rx_chain * total, total), two_transforms);
     for (std::size_t first = 0; first < total; first += kAxcsiDatagramTones) {
       const std::size_t count = std::min(kAxcsiDatagramTones, total - first);
       header.first_tone = static_cast<std::uint16_t>(first);

@@ -30,8 +30,8 @@ struct AxcsiFrame {
   // Fields that all datagrams share; core, first_tone, last_tone, total_tones and receive_sequence
   // are set by the writer.
   AxcsiHeader header;
-  std::vector<std::uint8_t> cores;
-  // [core][tone], all tones of the channel in ascending order, with the 802.11 rotation.
+  std::vector<std::uint8_t> rx_chains;
+  // [rx_chain][tone], all tones of the channel in ascending order, with the 802.11 rotation.
   std::vector<std::complex<double>> tones;
 };
 

@@ -16,7 +16,7 @@ std::string_view to_string(RejectReason reason) {
       return "bad_magic";
     case RejectReason::kWrongVersion:
       return "wrong_version";
-    case RejectReason::kCoreRange:
+    case RejectReason::kRxChainRange:
       return "core_range";
     case RejectReason::kStreamRange:
       return "stream_range";

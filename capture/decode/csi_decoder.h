@@ -21,9 +21,9 @@
 
 namespace rayloc {
 
-inline constexpr std::size_t kMaxCores = 4;
+inline constexpr std::size_t kMaxRxChains = 4;
 inline constexpr std::size_t kMaxStreams = 4;
-inline constexpr std::size_t kMaxSlots = kMaxCores * kMaxStreams;
+inline constexpr std::size_t kMaxSlots = kMaxRxChains * kMaxStreams;
 inline constexpr std::size_t kMaxTones = 2048;
 // Blocks of tones in which fragments are accounted for: a fragment begins and ends at a multiple.
 inline constexpr std::size_t kToneBlock = 64;
@@ -35,7 +35,7 @@ enum class RejectReason : std::uint8_t {
   kLengthMismatch,
   kBadMagic,
   kWrongVersion,
-  kCoreRange,
+  kRxChainRange,
   kStreamRange,
   kToneRange,
   kEncodingRange,
@@ -61,8 +61,8 @@ struct CsiFragment {
   std::uint16_t sequence_control = 0;
   bool control_frame = false;  // its sequence control is left over from an earlier frame
 
-  std::uint8_t core = 0;    // < kMaxCores
-  std::uint8_t stream = 0;  // < kMaxStreams
+  std::uint8_t rx_chain = 0;  // < kMaxCores
+  std::uint8_t stream = 0;    // < kMaxStreams
   // Tones [first_tone, first_tone + tones) of `total_tones`, in the order of the wire.
   std::uint16_t first_tone = 0;
   std::uint16_t tones = 0;
@@ -74,7 +74,7 @@ struct CsiFragment {
   int transmitted_streams = 0;          // 0: not stated in the header
   std::uint16_t expected_slots = 0;     // bit slot(core, stream); 0: not stated in the header
 
-  std::array<std::optional<std::int8_t>, kMaxCores> power_dbm;
+  std::array<std::optional<std::int8_t>, kMaxRxChains> power_dbm;
   bool common_power = false;  // one value for the frame, repeated for every core
 
   // Indices on the wire that the extractor overwrote with other data.
@@ -85,8 +85,8 @@ struct CsiFragment {
   std::span<const std::byte> words;  // 4 bytes a tone; valid as long as the payload
 };
 
-constexpr std::size_t slot_of(std::size_t core, std::size_t stream) {
-  return core * kMaxStreams + stream;
+constexpr std::size_t slot_of(std::size_t rx_chain, std::size_t stream) {
+  return rx_chain * kMaxStreams + stream;
 }
 
 using DecodeResult = tl::expected<CsiFragment, RejectReason>;

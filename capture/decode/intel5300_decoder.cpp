@@ -122,7 +122,7 @@ tl::expected<Header, RejectReason> header_of(std::span<const std::byte> payload)
   header.streams = reader.u8(10);
   header.rate = reader.u16(19);
   if (header.chains < 1 || header.chains > kMaxChains) {
-    return tl::make_unexpected(RejectReason::kCoreRange);
+    return tl::make_unexpected(RejectReason::kRxChainRange);
   }
   if (header.streams < 1 || header.streams > kMaxChains) {
     return tl::make_unexpected(RejectReason::kStreamRange);
@@ -145,13 +145,13 @@ tl::expected<Header, RejectReason> header_of(std::span<const std::byte> payload)
 }
 
 // Lists the antennas of the chains in ascending order, and the row of each in the frame.
-std::array<std::size_t, kMaxChains> name_cores(const Header& header, CsiFrame& frame) {
+std::array<std::size_t, kMaxChains> name_rx_chains(const Header& header, CsiFrame& frame) {
   std::array<std::size_t, kMaxChains> row{};
   for (std::size_t antenna = 0; antenna < kMaxChains; ++antenna) {
     for (std::size_t chain = 0; chain < header.chains; ++chain) {
       if (header.antenna.at(chain) == antenna) {
-        row.at(chain) = frame.cores.size();
-        frame.cores.push_back(static_cast<std::uint8_t>(antenna));
+        row.at(chain) = frame.rx_chains.size();
+        frame.rx_chains.push_back(static_cast<std::uint8_t>(antenna));
       }
     }
   }
@@ -159,7 +159,7 @@ std::array<std::size_t, kMaxChains> name_cores(const Header& header, CsiFrame& f
 }
 
 void unpack(std::span<const std::byte> bytes, const Header& header, CsiFrame& frame) {
-  const auto row = name_cores(header, frame);
+  const auto row = name_rx_chains(header, frame);
   const TonePlan& plan = tone_plan(PhyFormat::kHt, frame.bandwidth_mhz);
   frame.csi = Csi(header.chains, header.streams, kTones);
   std::size_t bit = 0;
@@ -214,8 +214,8 @@ FrameResult Intel5300Decoder::decode(std::span<const std::byte> payload) const {
   }
   unpack(payload.subspan(header->bytes), *header, frame);
   const int gain = reader.u8(15);
-  for (const std::uint8_t core : frame.cores) {
-    const int rssi = reader.u8(kRssiOffsetBytes + core);
+  for (const std::uint8_t rx_chain : frame.rx_chains) {
+    const int rssi = reader.u8(kRssiOffsetBytes + rx_chain);
     frame.power_dbm.push_back(
         rssi == 0 ? std::nullopt : std::optional(static_cast<float>(rssi - kRssiOffset - gain)));
   }

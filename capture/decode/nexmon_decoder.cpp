@@ -97,10 +97,10 @@ DecodeResult NexmonDecoder::decode(std::span<const std::byte> payload) const {
   const std::uint16_t raw_configuration = reader.u16(12);
   const unsigned configuration =
       raw_configuration > 0x3f ? raw_configuration >> 8U : raw_configuration;
-  const unsigned core = configuration & 7U;
+  const unsigned rx_chain = configuration & 7U;
   const unsigned stream = configuration >> 3U;
-  if (core >= kMaxCores) {
-    return tl::make_unexpected(RejectReason::kCoreRange);
+  if (rx_chain >= kMaxRxChains) {
+    return tl::make_unexpected(RejectReason::kRxChainRange);
   }
   if (stream >= kMaxStreams) {
     return tl::make_unexpected(RejectReason::kStreamRange);
@@ -111,7 +111,7 @@ DecodeResult NexmonDecoder::decode(std::span<const std::byte> payload) const {
   fragment.digest = payload_digest(payload);
   fragment.channel = nexmon_channel(payload);
   fragment.sequence_control = reader.u16(10);
-  fragment.core = static_cast<std::uint8_t>(core);
+  fragment.rx_chain = static_cast<std::uint8_t>(rx_chain);
   fragment.stream = static_cast<std::uint8_t>(stream);
   fragment.tones = static_cast<std::uint16_t>(tones);
   fragment.total_tones = fragment.tones;

@@ -39,10 +39,10 @@ Expectation expectation_of(unsigned core_mask, unsigned stream_mask) {
       continue;
     }
     ++expectation.streams;
-    for (std::size_t core = 0; core < kMaxCores; ++core) {
-      if (((core_mask >> core) & 1U) != 0) {
+    for (std::size_t rx_chain = 0; rx_chain < kMaxRxChains; ++rx_chain) {
+      if (((core_mask >> rx_chain) & 1U) != 0) {
         expectation.slots =
-            static_cast<std::uint16_t>(expectation.slots | (1U << slot_of(core, stream)));
+            static_cast<std::uint16_t>(expectation.slots | (1U << slot_of(rx_chain, stream)));
       }
     }
   }
@@ -69,12 +69,12 @@ DecodeResult UbilocateDecoder::decode(std::span<const std::byte> payload) const 
   const ByteReader reader(payload);
   const unsigned slot = reader.u8(12);
   if (slot >= kMaxSlots) {
-    return tl::make_unexpected(RejectReason::kCoreRange);
+    return tl::make_unexpected(RejectReason::kRxChainRange);
   }
   const unsigned core_mask = reader.u8(2);
   const unsigned stream_mask = reader.u8(3);
   const Expectation expectation = expectation_of(core_mask, stream_mask);
-  if (core_mask >> kMaxCores != 0 || stream_mask >> kMaxStreams != 0 ||
+  if (core_mask >> kMaxRxChains != 0 || stream_mask >> kMaxStreams != 0 ||
       ((unsigned{expectation.slots} >> slot) & 1U) == 0) {
     return tl::make_unexpected(RejectReason::kHeaderMismatch);
   }
@@ -84,7 +84,7 @@ DecodeResult UbilocateDecoder::decode(std::span<const std::byte> payload) const 
   fragment.has_sequence = true;
   fragment.sequence = reader.u16(16);
   fragment.sequence_control = reader.u16(10);
-  fragment.core = static_cast<std::uint8_t>(slot / kMaxStreams);
+  fragment.rx_chain = static_cast<std::uint8_t>(slot / kMaxStreams);
   fragment.stream = static_cast<std::uint8_t>(slot % kMaxStreams);
   fragment.tones = static_cast<std::uint16_t>(tones);
   fragment.total_tones = fragment.tones;
@@ -97,8 +97,8 @@ DecodeResult UbilocateDecoder::decode(std::span<const std::byte> payload) const 
   fragment.channel = nexmon_channel(payload);
   const std::size_t trailer = kNexmonHeaderBytes + kBytesPerWord * tones;
   if (reader.u32(trailer) == kTrailerMagic) {
-    for (std::size_t core = 0; core < kMaxCores; ++core) {
-      fragment.power_dbm[core] = reader.i8(trailer + kTrailerPowerOffset + core);
+    for (std::size_t rx_chain = 0; rx_chain < kMaxRxChains; ++rx_chain) {
+      fragment.power_dbm[rx_chain] = reader.i8(trailer + kTrailerPowerOffset + rx_chain);
     }
   }
   return fragment;

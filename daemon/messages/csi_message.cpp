@@ -25,9 +25,9 @@ void set_values(const CsiFrame& frame, v1::CsiFrame* message) {
   const Csi& csi = frame.csi;
   message->mutable_csi()->Reserve(
       static_cast<int>(2 * csi.antennas() * csi.streams() * csi.tones()));
-  for (std::size_t core = 0; core < csi.antennas(); ++core) {
+  for (std::size_t rx_chain = 0; rx_chain < csi.antennas(); ++rx_chain) {
     for (std::size_t stream = 0; stream < csi.streams(); ++stream) {
-      for (const std::complex<float> h : csi.row(core, stream)) {
+      for (const std::complex<float> h : csi.row(rx_chain, stream)) {
         message->add_csi(h.real());
         message->add_csi(h.imag());
       }
@@ -54,8 +54,8 @@ v1::CsiFrame csi_message(const CsiFrame& frame,
   message.set_tone_spacing_hz(frame.tone_spacing_hz);
   message.set_sequence(frame.sequence);
   message.set_sequence_control(frame.sequence_control);
-  for (const std::uint8_t core : frame.cores) {
-    message.add_cores(core);
+  for (const std::uint8_t rx_chain : frame.rx_chains) {
+    message.add_cores(rx_chain);
   }
   message.set_streams(static_cast<std::uint32_t>(frame.csi.streams()));
   for (const std::int16_t tone : frame.tone_index) {

@@ -13,13 +13,13 @@ namespace {
 constexpr double kMemory = 0.01;      // weight of a new frame
 constexpr double kDeafestDb = 100.0;  // a chain without any power
 
-double core_power(const CsiFrame& frame, std::size_t core) {
+double rx_chain_power(const CsiFrame& frame, std::size_t rx_chain) {
   double power = 0.0;
-  if (frame.csi.streams() == 0 || is_dead(frame.csi.row(core, 0))) {
+  if (frame.csi.streams() == 0 || is_dead(frame.csi.row(rx_chain, 0))) {
     return power;
   }
   for (std::size_t stream = 0; stream < frame.csi.streams(); ++stream) {
-    for (const std::complex<float> h : frame.csi.row(core, stream)) {
+    for (const std::complex<float> h : frame.csi.row(rx_chain, stream)) {
       power += static_cast<double>(std::norm(h));
     }
   }
@@ -30,20 +30,20 @@ double core_power(const CsiFrame& frame, std::size_t core) {
 
 void FrameCensus::add_power(const CsiFrame& frame) {
   std::vector<double> power;
-  for (std::size_t i = 0; i < frame.cores.size(); ++i) {
-    power.push_back(core_power(frame, i));
+  for (std::size_t i = 0; i < frame.rx_chains.size(); ++i) {
+    power.push_back(rx_chain_power(frame, i));
   }
   const double strongest = power.empty() ? 0.0 : *std::max_element(power.begin(), power.end());
-  for (std::size_t i = 0; i < frame.cores.size(); ++i) {
-    CoreCensus& core = cores[frame.cores[i]];
-    ++core.frames;
-    if (frame.cores.size() < 2 || !(strongest > 0.0)) {
+  for (std::size_t i = 0; i < frame.rx_chains.size(); ++i) {
+    RxChainCensus& rx_chain = rx_chains[frame.rx_chains[i]];
+    ++rx_chain.frames;
+    if (frame.rx_chains.size() < 2 || !(strongest > 0.0)) {
       continue;
     }
     const double below =
         power[i] > 0.0 ? std::min(kDeafestDb, 10.0 * std::log10(strongest / power[i])) : kDeafestDb;
-    const double weight = std::max(kMemory, 1.0 / static_cast<double>(core.frames));
-    core.below_strongest_db += weight * (below - core.below_strongest_db);
+    const double weight = std::max(kMemory, 1.0 / static_cast<double>(rx_chain.frames));
+    rx_chain.below_strongest_db += weight * (below - rx_chain.below_strongest_db);
   }
 }
 

@@ -13,7 +13,7 @@
 
 namespace rayloc {
 
-struct CoreCensus {
+struct RxChainCensus {
   std::uint64_t frames = 0;  // frames with this chain
   // Mean power of its CSI below that of the strongest chain of the same frame [dB], over about the
   // last 100 frames with two chains or more.
@@ -23,7 +23,7 @@ struct CoreCensus {
 struct FrameCensus {
   std::string format;  // wire format of the last frame; empty before
   std::map<int, std::uint64_t> frames_by_bandwidth_mhz;
-  std::map<int, CoreCensus> cores;
+  std::map<int, RxChainCensus> rx_chains;
 
   void add(std::span<const CsiFrame> frames);
 

@@ -61,13 +61,13 @@ AccessPointCalibrator::AccessPointCalibrator(const RoomModel& room,
                                              std::vector<CalibrationSample> samples)
     : grid_(room.grid),
       access_point_(room.access_points.at(access_point)),
-      model_(room.grid, access_point_.cores.size()),
+      model_(room.grid, access_point_.rx_chains.size()),
       given_(samples.size()) {
   const PathTracer tracer(room.scene, room.trace);
   const ReceiverTracer at_array = tracer.at(array_origin<Receiver>(access_point_.array));
   std::vector<Sample> traced(samples.size());
   parallel_for(samples.size(), 4, [&](std::size_t i) {
-    RAYLOC_CHECK(samples[i].h.size() == access_point_.cores.size() * grid_.size());
+    RAYLOC_CHECK(samples[i].h.size() == access_point_.rx_chains.size() * grid_.size());
     const Transmitter device{
         {samples[i].position, {}, room.device.pattern, room.device.polarization}};
     traced[i].index = i;
@@ -97,7 +97,7 @@ ChainGains AccessPointCalibrator::principal_gains(const std::vector<Vec3d>& offs
                                                   const ModelError& error,
                                                   std::vector<double>* sigma,
                                                   const Part& part) const {
-  ChainGains gains{grid_, access_point_.cores, {}, access_point_.gains.coupling};
+  ChainGains gains{grid_, access_point_.rx_chains, {}, access_point_.gains.coupling};
   std::vector<ArrayPair> pairs((samples_.size() - part.first + part.step - 1) / part.step);
   parallel_for(pairs.size(), 4, [&](std::size_t i) {
     const Sample& sample = samples_[part.first + i * part.step];
@@ -246,7 +246,7 @@ std::vector<std::optional<double>> AccessPointCalibrator::crossed_correlations(
 AccessPointCalibrator AccessPointCalibrator::at_carrier(double centre_hz) const {
   AccessPointCalibrator other = *this;
   other.grid_.centre_hz = centre_hz;
-  other.model_ = ObservationModel(other.grid_, access_point_.cores.size());
+  other.model_ = ObservationModel(other.grid_, access_point_.rx_chains.size());
   return other;
 }
 

@@ -26,7 +26,7 @@ namespace rayloc {
 // A burst of a device at a surveyed point, as received by one access point.
 struct CalibrationSample {
   Vec3d position;                       // [m]
-  std::vector<std::complex<double>> h;  // [core][tone], BurstObservation::h
+  std::vector<std::complex<double>> h;  // [rx_chain][tone], BurstObservation::h
   // [m], standard deviation of the position on each axis. Its effect on rays is not an error of the
   // room's model: including it there would widen estimates by an error that does not occur in use.
   double survey_sigma = 0.0;

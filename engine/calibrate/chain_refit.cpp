@@ -290,7 +290,7 @@ class Refit {
  private:
   Attempt attempt(double tolerance) const {
     // The antennas and their mutual coupling are unchanged by a power cycle.
-    ChainGains gains{grid_, access_point_.cores, {}, access_point_.gains.coupling};
+    ChainGains gains{grid_, access_point_.rx_chains, {}, access_point_.gains.coupling};
     std::vector<ArrayPair> pairs;
     std::vector<std::vector<Value>> fields;
     for (std::size_t s = 0; s < spots_.size(); ++s) {
@@ -361,7 +361,7 @@ Expected<void> check_phases(const RoomAccessPoint& ap, const ChainRefit& refit, 
   for (std::size_t m = 1; m < refit.sigma.size(); ++m) {
     if (const double sigma = std::hypot(refit.sigma[m], refit.sigma[0]); sigma > most) {
       return bad_input("access point " + ap.id + ": the phase of core " +
-                       std::to_string(ap.cores[m]) + " would be known to " +
+                       std::to_string(ap.rx_chains[m]) + " would be known to " +
                        std::to_string(std::lround(sigma * 180.0 / std::numbers::pi)) +
                        " degrees only: the room explains too little of its CSI; give other known "
                        "places (--points), or record the empty room with the fixed transmitter "

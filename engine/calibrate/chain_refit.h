@@ -31,7 +31,7 @@ namespace rayloc {
 struct KnownSpot {
   Vec3d position;  // [m]
   DeviceModel device;
-  std::vector<std::complex<double>> h;  // [core][tone], BurstObservation::h
+  std::vector<std::complex<double>> h;  // [rx_chain][tone], BurstObservation::h
   // The same before the power cycle, chains removed; empty: the room's expected array is used.
   std::vector<std::complex<double>> usual = {};
 };

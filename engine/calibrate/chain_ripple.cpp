@@ -19,7 +19,7 @@ constexpr int kRippleIterations = 6;  // a count, chosen: alternates phases of f
 // Gains are smooth over the tones: polynomials up to this degree (a ripple over the band).
 constexpr int kGainDegree = 4;
 
-// Replaces each row of [core][tone] by its least-squares polynomial over the tones.
+// Replaces each row of [rx_chain][tone] by its least-squares polynomial over the tones.
 class ToneSmoother {
  public:
   explicit ToneSmoother(const OfdmGrid& grid) {

@@ -10,12 +10,12 @@
 namespace rayloc {
 
 struct ArrayPair {
-  std::vector<std::complex<double>> measured;  // [core][tone]
+  std::vector<std::complex<double>> measured;  // [rx_chain][tone]
   std::vector<std::complex<double>> expected;
 };
 
 struct ChainRipple {
-  std::vector<std::complex<double>> gain;  // [core][tone], mean square 1
+  std::vector<std::complex<double>> gain;  // [rx_chain][tone], mean square 1
   std::vector<double> sigma;               // [rad], of the phase of each core
 };
 

@@ -19,8 +19,8 @@ namespace rayloc {
 struct CalibrationPoint {
   Vec3d position;         // [m], as surveyed
   bool held_out = false;  // never enters a fit; measures its quality
-  // For each access point of the room: BurstObservation::h, [core][tone]; empty where the access
-  // point received nothing.
+  // For each access point of the room: BurstObservation::h, [rx_chain][tone]; empty where the
+  // access point received nothing.
   std::vector<std::vector<std::complex<double>>> h;
 };
 
@@ -32,7 +32,8 @@ struct RoomParameter : Fitted<double> {
 };
 
 // How well a point is explained: the squared normalised correlation |<h, h'>|^2 / (|h|^2 |h'|^2) of
-// the measured and the expected [core][tone] array; gain, phase and delay of the burst profiled.
+// the measured and the expected [rx_chain][tone] array; gain, phase and delay of the burst
+// profiled.
 struct PointFit {
   std::size_t point = 0;
   std::size_t access_point = 0;

@@ -14,12 +14,13 @@ constexpr auto kMoment = std::chrono::milliseconds(30);  // as in DeviceTracker
 void multiply(const RoomAccessPoint& ap,
               const std::vector<std::complex<double>>& factors,
               CsiFrame& frame) {
-  for (std::size_t row = 0; row < frame.cores.size(); ++row) {
-    const auto core = std::find(ap.cores.begin(), ap.cores.end(), frame.cores[row]);
-    if (core == ap.cores.end()) {
+  for (std::size_t row = 0; row < frame.rx_chains.size(); ++row) {
+    const auto rx_chain = std::find(ap.rx_chains.begin(), ap.rx_chains.end(), frame.rx_chains[row]);
+    if (rx_chain == ap.rx_chains.end()) {
       continue;
     }
-    const std::complex<float> factor(factors[static_cast<std::size_t>(core - ap.cores.begin())]);
+    const std::complex<float> factor(
+        factors[static_cast<std::size_t>(rx_chain - ap.rx_chains.begin())]);
     for (std::size_t stream = 0; stream < frame.csi.streams(); ++stream) {
       for (std::complex<float>& value : frame.csi.row(row, stream)) {
         value *= factor;

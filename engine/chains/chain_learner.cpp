@@ -42,7 +42,7 @@ constexpr auto kSettledPeriod = std::chrono::seconds(5);          // [s], chosen
 
 // With a dead chain left out, the states are different ones.
 bool has_all_antennas(const ArrayObservation& received) {
-  return received.map->antennas() == received.map->access_point().cores.size();
+  return received.map->antennas() == received.map->access_point().rx_chains.size();
 }
 
 // The burst with the amplitudes of the best state removed: the grid has no amplitudes.
@@ -74,7 +74,7 @@ void ChainLearner::begin() {
   }
   const std::vector<RoomAccessPoint>& access_points = localizer_->room().access_points;
   for (std::size_t a = 0; a < access_points.size(); ++a) {
-    const std::size_t chains = access_points[a].cores.size();
+    const std::size_t chains = access_points[a].rx_chains.size();
     if (!access_points[a].are_chains_known && chains > 1 && chains <= kMaxChains) {
       of(a);
     }
@@ -86,7 +86,7 @@ ChainMemory& ChainLearner::of(std::size_t access_point) {
   if (found != aps_.end()) {
     return found->second;
   }
-  ChainMemory ap(localizer_->room().access_points[access_point].cores.size(), kRotatedAtStart);
+  ChainMemory ap(localizer_->room().access_points[access_point].rx_chains.size(), kRotatedAtStart);
   ap.state.access_point = access_point;
   ChainMemory& kept = aps_.emplace(access_point, std::move(ap)).first->second;
   ++changes_;
@@ -136,7 +136,7 @@ ChainLearner::NewArrays ChainLearner::new_of(std::span<const CsiFrame> frames,
   for (const CsiFrame& frame : frames) {
     notice_silence(frame);
     const auto a = static_cast<std::size_t>(frame.access_point);
-    const std::size_t chains = access_points[a].cores.size();
+    const std::size_t chains = access_points[a].rx_chains.size();
     due[a] = chains > 1 && chains <= kMaxChains && is_due(a, fresh.time, last) ? 1 : 0;
   }
   if (std::find(due.begin(), due.end(), 1) == due.end()) {

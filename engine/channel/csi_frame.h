@@ -39,10 +39,10 @@ struct CsiFrame {
   std::uint16_t sequence = 0;            // the extractor's frame counter, where the format has one
   std::uint16_t sequence_control = 0;    // of the 802.11 header: number << 4 | fragment
   int transmitted_streams = 1;           // spatial streams of the transmission, if known
-  std::vector<std::uint8_t> cores;       // receive chains present, ascending; the rows of `csi`
+  std::vector<std::uint8_t> rx_chains;   // receive chains present, ascending; the rows of `csi`
   std::vector<std::int16_t> tone_index;  // ascending, counted from the centre of the channel
-  Csi csi;                               // [core][stream][tone]
-  std::vector<std::optional<float>> power_dbm;  // per entry of `cores`
+  Csi csi;                               // [rx_chain][stream][tone]
+  std::vector<std::optional<float>> power_dbm;  // per entry of `rx_chains`
   bool complete = false;                        // no core, stream or tone block is missing
   // Names for people and scripts, static storage: "retry", "subband", "missing_core", ...
   std::vector<std::string_view> flags;

@@ -30,10 +30,10 @@ bool is_dead(std::span<const std::complex<float>> row) {
          (row.size() >= kFewTones || one == std::complex<float>());
 }
 
-bool brings_core(const CsiFrame& frame, std::uint8_t core) {
-  const auto found = std::find(frame.cores.begin(), frame.cores.end(), core);
-  return found != frame.cores.end() && frame.csi.streams() > 0 &&
-         !is_dead(frame.csi.row(static_cast<std::size_t>(found - frame.cores.begin()), 0));
+bool brings_rx_chain(const CsiFrame& frame, std::uint8_t rx_chain) {
+  const auto found = std::find(frame.rx_chains.begin(), frame.rx_chains.end(), rx_chain);
+  return found != frame.rx_chains.end() && frame.csi.streams() > 0 &&
+         !is_dead(frame.csi.row(static_cast<std::size_t>(found - frame.rx_chains.begin()), 0));
 }
 
 }  // namespace rayloc

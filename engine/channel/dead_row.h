@@ -13,6 +13,6 @@ namespace rayloc {
 bool is_dead(std::span<const std::complex<float>> row);
 
 // True if the frame has a measurement of that receive chain, in its first stream.
-bool brings_core(const CsiFrame& frame, std::uint8_t core);
+bool brings_rx_chain(const CsiFrame& frame, std::uint8_t rx_chain);
 
 }  // namespace rayloc

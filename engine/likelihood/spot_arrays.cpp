@@ -19,7 +19,7 @@ SpotArrays::SpotArrays(const RoomModel& room, std::size_t access_point)
     : room_(room),
       aligner_(room.grid),
       access_point_(room.access_points.at(access_point)),
-      model_(room.grid, access_point_.cores.size()),
+      model_(room.grid, access_point_.rx_chains.size()),
       tracer_(PathTracer(room.scene, room.trace).at(array_origin<Receiver>(access_point_.array))) {}
 
 std::vector<Ray> SpotArrays::rays(const Vec3d& position, const DeviceModel& device) const {
@@ -57,7 +57,7 @@ std::vector<double> SpotArrays::place_phase_sigma(const Vec3d& position,
                                                   double place_sigma) const {
   const std::size_t tones = room_.grid.size();
   const auto here = expected(rays(position, device), plan_tolerance);
-  std::vector<double> sigma(access_point_.cores.size());
+  std::vector<double> sigma(access_point_.rx_chains.size());
   for (const Vec3d& axis : {Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}}) {
     auto there = expected(rays(position + place_sigma * axis, device), plan_tolerance);
     aligner_.apply(aligner_.align(here, there), there);

@@ -28,7 +28,7 @@ class SpotArrays {
   // The paths from the position to the centre of the array; empty if no ray arrives.
   std::vector<Ray> rays(const Vec3d& position, const DeviceModel& device) const;
 
-  // [core][tone] at the antennas, before the chains. `plan_tolerance` [m]: position error of
+  // [rx_chain][tone] at the antennas, before the chains. `plan_tolerance` [m]: position error of
   // surfaces; reflections are weighted less for larger values. A moved array meets the same rays.
   std::vector<std::complex<double>> expected(const std::vector<Ray>& rays,
                                              double plan_tolerance,

@@ -64,7 +64,7 @@ class Localizer::Impl {
     for (std::size_t i = 0; i < room_->access_points.size(); ++i) {
       const RoomAccessPoint& ap = room_->access_points[i];
       std::string problem = calibration_problem(*room_, ap);
-      if (problem.empty() && ap.cores.size() < least_antennas()) {
+      if (problem.empty() && ap.rx_chains.size() < least_antennas()) {
         problem = "has a single antenna, and there is no ratio of one";
       }
       if (!problem.empty()) {

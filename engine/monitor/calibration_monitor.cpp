@@ -99,10 +99,10 @@ class CalibrationMonitor::AccessPoint {
         arrays_(room, index),
         aligner_(room.grid),
         stated_usual_(usual),
-        state_(index, ap_.cores.size(), usual) {}
+        state_(index, ap_.rx_chains.size(), usual) {}
 
   void restart() {
-    state_ = MonitorState(index_, ap_.cores.size(), stated_usual_);
+    state_ = MonitorState(index_, ap_.rx_chains.size(), stated_usual_);
     for (const auto& spot : spots_) {
       spot->frames.clear();
       spot->usual.clear();
@@ -130,7 +130,7 @@ class CalibrationMonitor::AccessPoint {
 
   const MonitorState& monitor_state() const { return state_; }
   void go_on(const MonitorState& monitor_state) {
-    if (monitor_state.jump.size() == ap_.cores.size()) {
+    if (monitor_state.jump.size() == ap_.rx_chains.size()) {
       state_ = monitor_state;
     }
   }
@@ -187,13 +187,13 @@ void CalibrationMonitor::AccessPoint::set_reference(const Transmitter& transmitt
   MonitoredSpot& spot = spot_of(transmitter);
   spot.expected = std::move(array);
   spot.known_share = 1.0;
-  spot.sigma.assign(ap_.cores.size(), 0.0);
+  spot.sigma.assign(ap_.rx_chains.size(), 0.0);
 }
 
 ReceivedSpots CalibrationMonitor::AccessPoint::receive() {
   ReceivedSpots received;
   for (const auto& spot : spots_) {
-    auto burst = combine_burst(spot->frames, {static_cast<int>(index_), grid_, ap_.cores, {}});
+    auto burst = combine_burst(spot->frames, {static_cast<int>(index_), grid_, ap_.rx_chains, {}});
     spot->frames.clear();
     if (burst) {
       remove_gains(ap_.gains, burst->h);
@@ -207,7 +207,7 @@ ReceivedSpots CalibrationMonitor::AccessPoint::receive() {
 // chain that fits best: in a sum over chains, phase offsets would cancel.
 std::vector<Value> CalibrationMonitor::AccessPoint::along(const ReceivedSpot& one) const {
   const std::size_t tones = grid_.size();
-  const std::size_t chains = ap_.cores.size();
+  const std::size_t chains = ap_.rx_chains.size();
   Alignment best;
   for (std::size_t m = 0; m < chains; ++m) {
     const auto alignment = aligner_.align(std::span(one.spot->expected).subspan(m * tones, tones),
@@ -329,7 +329,7 @@ std::vector<double> CalibrationMonitor::AccessPoint::jumps_of_calibration(
 // first windows; a jump from before these is then not detected.
 std::vector<double> CalibrationMonitor::AccessPoint::jumps(const ReceivedSpots& received) {
   std::vector<std::vector<Value>> phasors;
-  ChainTurns turns(ap_.cores.size());
+  ChainTurns turns(ap_.rx_chains.size());
   for (const ReceivedSpot& one : received) {
     phasors.push_back(along(one));
     turns.add(phasors.back());
@@ -338,7 +338,7 @@ std::vector<double> CalibrationMonitor::AccessPoint::jumps(const ReceivedSpots& 
   if (any_jump(jumped)) {
     return jumped;
   }
-  ChainTurns changes(ap_.cores.size());
+  ChainTurns changes(ap_.rx_chains.size());
   for (std::size_t i = 0; i < received.size(); ++i) {
     settle(*received[i].spot, phasors[i]);
     if (received[i].spot->settled) {
@@ -359,7 +359,7 @@ void CalibrationMonitor::AccessPoint::evaluate(const ReceivedSpots& received) {
   if (received.empty()) {
     return;
   }
-  const std::vector<double> none(ap_.cores.size());
+  const std::vector<double> none(ap_.rx_chains.size());
   state_.fit = correlation(received, none);
   if (!state_.usual) {
     state_.first.push_back(state_.fit);
@@ -403,10 +403,11 @@ void CalibrationMonitor::AccessPoint::append_warnings(std::vector<CalibrationWar
       continue;
     }
     CalibrationWarning one = warning(CalibrationProblem::kChainPhaseJump);
-    one.core = ap_.cores[m];
+    one.rx_chain = ap_.rx_chains[m];
     one.phase = state_.jump_phase[m];
-    one.text = "chain_phase_jump: access point " + ap_.id + ", core " + std::to_string(one.core) +
-               ": its phase has changed by " + rounded(one.phase / kDegree) + " degrees" + fits +
+    one.text = "chain_phase_jump: access point " + ap_.id + ", core " +
+               std::to_string(one.rx_chain) + ": its phase has changed by " +
+               rounded(one.phase / kDegree) + " degrees" + fits +
                "; after a power cycle run `rayloc calibrate --rechain`";
     out.push_back(std::move(one));
     explained = true;

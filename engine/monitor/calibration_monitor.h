@@ -47,7 +47,7 @@ enum class CalibrationProblem {
 struct CalibrationWarning {
   CalibrationProblem problem = CalibrationProblem::kResidualDrift;
   std::size_t access_point = 0;  // of the room
-  int core = -1;                 // the chain that jumped or is dead
+  int rx_chain = -1;             // the chain that jumped or is dead
   double phase = 0.0;            // [rad], size of the jump
   ArrayMotion motion;            // of a moved access point
   double fit = 0.0;              // share of the measured power that the room explains now
@@ -56,7 +56,8 @@ struct CalibrationWarning {
 
   // True for a warning of the same fault, independent of its numbers.
   bool same_as(const CalibrationWarning& other) const {
-    return problem == other.problem && access_point == other.access_point && core == other.core;
+    return problem == other.problem && access_point == other.access_point &&
+           rx_chain == other.rx_chain;
   }
 };
 
@@ -84,9 +85,10 @@ class CalibrationMonitor {
     Vec3d position;  // [m]
     DeviceModel device;
   };
-  // Sets the array [core][tone] that an access point received from a transmitter when the room was
-  // calibrated, with chains removed (PersonLink::empty). It replaces the prediction of the room.
-  // Call it before the first burst. REQUIRES: an access point with gains, an array of its size.
+  // Sets the array [rx_chain][tone] that an access point received from a transmitter when the room
+  // was calibrated, with chains removed (PersonLink::empty). It replaces the prediction of the
+  // room. Call it before the first burst. REQUIRES: an access point with gains, an array of its
+  // size.
   void set_reference(const Transmitter& transmitter,
                      std::size_t access_point,
                      std::vector<std::complex<double>> array);

@@ -17,7 +17,7 @@ using Value = std::complex<double>;
 
 struct Reading {
   Timestamp time;
-  std::vector<Value> values;  // [core][tone] in the order of the request
+  std::vector<Value> values;  // [rx_chain][tone] in the order of the request
   std::optional<double> level_dbm;
 };
 
@@ -37,17 +37,18 @@ std::optional<std::vector<std::size_t>> tone_positions(const CsiFrame& frame,
 }
 
 // Mean power of the cores; nothing where it is not stated for all of them.
-std::optional<double> level_of(const CsiFrame& frame, std::span<const std::uint8_t> cores) {
+std::optional<double> level_of(const CsiFrame& frame, std::span<const std::uint8_t> rx_chains) {
   double power = 0.0;  // [mW]
-  for (const std::uint8_t core : cores) {
+  for (const std::uint8_t rx_chain : rx_chains) {
     const auto at = static_cast<std::size_t>(
-        std::find(frame.cores.begin(), frame.cores.end(), core) - frame.cores.begin());
+        std::find(frame.rx_chains.begin(), frame.rx_chains.end(), rx_chain) -
+        frame.rx_chains.begin());
     if (at >= frame.power_dbm.size() || !frame.power_dbm[at]) {
       return std::nullopt;
     }
     power += std::pow(10.0, 0.1 * static_cast<double>(*frame.power_dbm[at]));
   }
-  return 10.0 * std::log10(power / static_cast<double>(cores.size()));
+  return 10.0 * std::log10(power / static_cast<double>(rx_chains.size()));
 }
 
 std::optional<double> level_of(const std::vector<Reading>& readings) {
@@ -72,14 +73,14 @@ Expected<Reading> read_frame(const CsiFrame& frame, const BurstRequest& request)
   if (!tones) {
     return bad_input("wrong_grid");
   }
-  Reading reading{frame.time, {}, level_of(frame, request.cores)};
-  reading.values.reserve(request.cores.size() * tones->size());
-  for (const std::uint8_t core : request.cores) {
-    const auto found = std::find(frame.cores.begin(), frame.cores.end(), core);
-    if (found == frame.cores.end()) {
+  Reading reading{frame.time, {}, level_of(frame, request.rx_chains)};
+  reading.values.reserve(request.rx_chains.size() * tones->size());
+  for (const std::uint8_t rx_chain : request.rx_chains) {
+    const auto found = std::find(frame.rx_chains.begin(), frame.rx_chains.end(), rx_chain);
+    if (found == frame.rx_chains.end()) {
       return bad_input("missing_core");
     }
-    const auto row = frame.csi.row(static_cast<std::size_t>(found - frame.cores.begin()), 0);
+    const auto row = frame.csi.row(static_cast<std::size_t>(found - frame.rx_chains.begin()), 0);
     if (is_dead(row)) {
       return bad_input("dead_core");
     }
@@ -212,15 +213,16 @@ std::vector<const CsiFrame*> choose(std::span<const CsiFrame> frames,
   return chosen;
 }
 
-bool has_core(const CsiFrame& frame, std::uint8_t core) {
-  return std::find(frame.cores.begin(), frame.cores.end(), core) != frame.cores.end();
+bool has_rx_chain(const CsiFrame& frame, std::uint8_t rx_chain) {
+  return std::find(frame.rx_chains.begin(), frame.rx_chains.end(), rx_chain) !=
+         frame.rx_chains.end();
 }
 
 // Rows of the request that have no measurement in the frame.
 std::vector<std::size_t> lacking(const CsiFrame& frame, const BurstRequest& request) {
   std::vector<std::size_t> rows;
-  for (std::size_t row = 0; row < request.cores.size(); ++row) {
-    if (!brings_core(frame, request.cores[row])) {
+  for (std::size_t row = 0; row < request.rx_chains.size(); ++row) {
+    if (!brings_rx_chain(frame, request.rx_chains[row])) {
       rows.push_back(row);
     }
   }
@@ -228,16 +230,16 @@ std::vector<std::size_t> lacking(const CsiFrame& frame, const BurstRequest& requ
 }
 
 // True if a missing core is no packet loss: its datagram came, or the core is long absent.
-bool is_no_loss(const CsiFrame& frame, std::uint8_t core) {
-  return has_core(frame, core) ||
+bool is_no_loss(const CsiFrame& frame, std::uint8_t rx_chain) {
+  return has_rx_chain(frame, rx_chain) ||
          std::find(frame.flags.begin(), frame.flags.end(), "absent_core") != frame.flags.end();
 }
 
 // The absent core; nothing where a frame has all cores, or none lacks only one.
-std::optional<AbsentCore> absent_core(const std::vector<const CsiFrame*>& frames,
-                                      const BurstRequest& request) {
-  std::vector<std::size_t> alone(request.cores.size());  // frames that lack this row only
-  std::vector<std::size_t> lasting(request.cores.size());
+std::optional<AbsentRxChain> absent_rx_chain(const std::vector<const CsiFrame*>& frames,
+                                             const BurstRequest& request) {
+  std::vector<std::size_t> alone(request.rx_chains.size());  // frames that lack this row only
+  std::vector<std::size_t> lasting(request.rx_chains.size());
   for (const CsiFrame* frame : frames) {
     if (frame->csi.streams() != 1) {
       continue;
@@ -247,33 +249,34 @@ std::optional<AbsentCore> absent_core(const std::vector<const CsiFrame*>& frames
       return std::nullopt;
     }
     // A frame with the requested number of cores has other cores than stated, and none is dead.
-    const bool is_absent = rows.size() == 1 && (has_core(*frame, request.cores[rows.front()]) ||
-                                                frame->cores.size() < request.cores.size());
+    const bool is_absent =
+        rows.size() == 1 && (has_rx_chain(*frame, request.rx_chains[rows.front()]) ||
+                             frame->rx_chains.size() < request.rx_chains.size());
     if (is_absent) {
       ++alone[rows.front()];
-      lasting[rows.front()] += is_no_loss(*frame, request.cores[rows.front()]) ? 1U : 0U;
+      lasting[rows.front()] += is_no_loss(*frame, request.rx_chains[rows.front()]) ? 1U : 0U;
     }
   }
   const auto most = std::max_element(alone.begin(), alone.end());
-  if (request.cores.size() < 2 || *most == 0) {
+  if (request.rx_chains.size() < 2 || *most == 0) {
     return std::nullopt;
   }
   const auto row = static_cast<std::size_t>(most - alone.begin());
-  return AbsentCore{row, lasting[row] == *most};
+  return AbsentRxChain{row, lasting[row] == *most};
 }
 
 Expected<BurstObservation> without_absent(std::span<const CsiFrame> frames,
                                           BurstRequest request,
-                                          AbsentCore absent) {
+                                          AbsentRxChain absent) {
   const auto at = static_cast<std::ptrdiff_t>(absent.row);
-  const std::uint8_t core = request.cores[absent.row];
+  const std::uint8_t rx_chain = request.rx_chains[absent.row];
   request.options.leaves_out_absent = false;
-  request.cores.erase(request.cores.begin() + at);
+  request.rx_chains.erase(request.rx_chains.begin() + at);
   auto burst = combine_burst(frames, request);
   if (burst) {
     const auto tones = request.grid.size();
     burst->h.insert(burst->h.begin() + at * static_cast<std::ptrdiff_t>(tones), tones, Value());
-    burst->cores.insert(burst->cores.begin() + at, core);
+    burst->rx_chains.insert(burst->rx_chains.begin() + at, rx_chain);
     burst->level_dbm.reset();
     burst->absent = absent;
   }
@@ -293,11 +296,11 @@ Expected<BurstObservation> combine_burst(std::span<const CsiFrame> frames,
   if (chosen.empty()) {
     return bad_input("no frames");
   }
-  if (request.grid.size() < 2 || request.cores.empty()) {
+  if (request.grid.size() < 2 || request.rx_chains.empty()) {
     return bad_input("nothing is asked for: the grid or the list of cores is empty");
   }
   if (request.options.leaves_out_absent) {
-    if (const auto absent = absent_core(chosen, request)) {
+    if (const auto absent = absent_rx_chain(chosen, request)) {
       return without_absent(frames, request, *absent);
     }
   }
@@ -340,7 +343,7 @@ Expected<BurstObservation> combine_burst(std::span<const CsiFrame> frames,
   result.last = readings.back().time;
   result.frames_used = readings.size();
   result.grid = request.grid;
-  result.cores = request.cores;
+  result.rx_chains = request.rx_chains;
   return result;
 }
 

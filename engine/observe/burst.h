@@ -40,7 +40,7 @@ struct BurstOptions {
 };
 
 // A core that is missing from every frame of a burst.
-struct AbsentCore {
+struct AbsentRxChain {
   std::size_t row = 0;
   bool is_lasting = false;  // missing for long (capture/assemble/chain_presence.h)
 };
@@ -54,8 +54,8 @@ struct BurstObservation {
   std::size_t frames_unread = 0;               // beyond max_frames, not checked
   std::map<std::string, std::size_t> refused;  // by reason: "missing_core", "wrong_grid", ...
   OfdmGrid grid;                               // as requested
-  std::vector<std::uint8_t> cores;             // as requested; the rows of h
-  // [core][tone], mean square 1; one common complex factor and one delay are undetermined.
+  std::vector<std::uint8_t> rx_chains;         // as requested; the rows of h
+  // [rx_chain][tone], mean square 1; one common complex factor and one delay are undetermined.
   std::vector<std::complex<double>> h;
   // Noise variance of one value of h, estimated from the differences between frames. With one
   // frame it is estimated from the differences between neighbouring tones, an upper bound. It
@@ -68,20 +68,20 @@ struct BurstObservation {
   // Difference between successive frames beyond the noise: the share of the power that is not in
   // the principal component when early and late frames are compared; about 0 without motion.
   double motion_residual = 0.0;
-  std::optional<AbsentCore> absent;
+  std::optional<AbsentRxChain> absent;
 
-  std::complex<double> value(std::size_t core, std::size_t tone) const {
-    return h[core * grid.size() + tone];
+  std::complex<double> value(std::size_t rx_chain, std::size_t tone) const {
+    return h[rx_chain * grid.size() + tone];
   }
 };
 
 // Reads the `frames` of the requested access_point, all from one transmitter, in the given order,
-// which is that of time. `cores`: the receive chains wanted, in the order of the result's rows;
+// which is that of time. `rx_chains`: the receive chains wanted, in the order of the result's rows;
 // frames may have more. An Error states why no frame could be used, with counts.
 struct BurstRequest {
   int access_point = 0;
   OfdmGrid grid;
-  std::vector<std::uint8_t> cores;
+  std::vector<std::uint8_t> rx_chains;
   BurstOptions options;
 };
 Expected<BurstObservation> combine_burst(std::span<const CsiFrame> frames,

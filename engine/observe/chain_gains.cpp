@@ -10,14 +10,14 @@ namespace {
 using Matrix = Eigen::Matrix<std::complex<double>, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 Eigen::Map<const Matrix> coupling_of(const ChainGains& gains) {
-  const auto cores = static_cast<Eigen::Index>(gains.cores.size());
-  RAYLOC_CHECK(gains.coupling.size() == static_cast<std::size_t>(cores * cores));
-  return {gains.coupling.data(), cores, cores};
+  const auto rx_chains = static_cast<Eigen::Index>(gains.rx_chains.size());
+  RAYLOC_CHECK(gains.coupling.size() == static_cast<std::size_t>(rx_chains * rx_chains));
+  return {gains.coupling.data(), rx_chains, rx_chains};
 }
 
 Eigen::Map<Matrix> rows_of(const ChainGains& gains, std::span<std::complex<double>> h) {
-  const auto cores = static_cast<Eigen::Index>(gains.cores.size());
-  return {h.data(), cores, static_cast<Eigen::Index>(h.size()) / cores};
+  const auto rx_chains = static_cast<Eigen::Index>(gains.rx_chains.size());
+  return {h.data(), rx_chains, static_cast<Eigen::Index>(h.size()) / rx_chains};
 }
 
 }  // namespace

@@ -19,20 +19,20 @@ inline constexpr double kChainLevelSigma = 0.17;  // of ln, 1.5 dB
 
 struct ChainGains {
   OfdmGrid grid;
-  std::vector<std::uint8_t> cores;
-  std::vector<std::complex<double>> gain;  // [core][tone], mean square 1
-  // Mutual coupling of the antennas before the gains, the same at all tones: [core][core], the
-  // factor of each field in a core's signal, 1 for its own. Empty: none.
+  std::vector<std::uint8_t> rx_chains;
+  std::vector<std::complex<double>> gain;  // [rx_chain][tone], mean square 1
+  // Mutual coupling of the antennas before the gains, the same at all tones: [rx_chain][rx_chain],
+  // the factor of each field in a core's signal, 1 for its own. Empty: none.
   std::vector<std::complex<double>> coupling;
 
   bool empty() const { return gain.empty(); }
 };
 
-// Applies the mutual coupling in place. REQUIRES: h is [core][any].
+// Applies the mutual coupling in place. REQUIRES: h is [rx_chain][any].
 void apply_coupling(const ChainGains& gains, std::span<std::complex<double>> h);
 
 // Computes the field at the antennas in place: h / gain, 0 where a chain is dead, coupling removed.
-// REQUIRES: h is [core][tone] as the gains are; no field couples as much to another core.
+// REQUIRES: h is [rx_chain][tone] as the gains are; no field couples as much to another core.
 void remove_gains(const ChainGains& gains, std::span<std::complex<double>> h);
 
 }  // namespace rayloc

@@ -39,7 +39,7 @@ struct PaperCalibrationOptions {
 // only. RoomModel::scene is new, its scene_hash and calibration_id are those given.
 //
 // Errors: as of gather_paper_samples(), and kUsage for invalid options. REQUIRES: room.scene; h of
-// each point has an entry for each access point, empty or [core][tone].
+// each point has an entry for each access point, empty or [rx_chain][tone].
 Expected<RoomCalibration> calibrate_by_paper(const RoomModel& room,
                                              std::span<const CalibrationPoint> points,
                                              const PaperCalibrationOptions& options = {},

@@ -29,7 +29,7 @@ class PaperLocalizer::Impl {
     for (std::size_t i = 0; i < room_->access_points.size(); ++i) {
       const RoomAccessPoint& ap = room_->access_points[i];
       std::string problem = calibration_problem(*room_, ap);
-      if (problem.empty() && ap.cores.size() < 2) {
+      if (problem.empty() && ap.rx_chains.size() < 2) {
         problem = "has a single antenna, and there is no ratio of one";
       }
       if (problem.empty()) {

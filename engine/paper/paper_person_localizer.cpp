@@ -49,7 +49,7 @@ Expected<void> PaperPersonLocalizer::Impl::add(const PersonReference& reference,
                                                const PersonLink& link) {
   RAYLOC_TRY(check_link(*room_, link));
   const RoomAccessPoint& ap = room_->access_points[link.access_point];
-  if (ap.cores.size() < 2) {
+  if (ap.rx_chains.size() < 2) {
     warnings_.push_back("access point " + ap.id +
                         " has a single antenna, and there is no ratio of one");
     return {};

@@ -19,7 +19,7 @@ Expected<void> check_access_point(const RoomAccessPoint& ap) {
     return bad_input("access point " + ap.id +
                      ": its chain gains are not known; the paper's method needs them fitted first");
   }
-  if (ap.cores.size() < 2) {
+  if (ap.rx_chains.size() < 2) {
     return bad_input("access point " + ap.id +
                      ": it has one antenna; the paper's method compares neighbouring ones");
   }
@@ -39,7 +39,7 @@ Expected<std::vector<PaperSample>> received(const RoomModel& room,
         continue;
       }
       RAYLOC_TRY(check_access_point(access_point));
-      RAYLOC_CHECK(h.size() == access_point.cores.size() * room.grid.size());
+      RAYLOC_CHECK(h.size() == access_point.rx_chains.size() * room.grid.size());
       std::vector<Value> field = h;
       remove_gains(access_point.gains, field);
       samples.push_back({i, ap, points[i].position, std::move(field)});

@@ -35,7 +35,7 @@ struct PaperSamples {
 // access point: unknown gains, a single antenna, or fewer than kMinPaperSamples usable points
 // among those that it received. Access points without any samples are ignored, unless none has
 // samples.
-// REQUIRES: h of each point has an entry for each access point, empty or [core][tone].
+// REQUIRES: h of each point has an entry for each access point, empty or [rx_chain][tone].
 Expected<PaperSamples> gather_paper_samples(const RoomModel& room,
                                             std::span<const CalibrationPoint> points,
                                             const TraceOptions& tracing);

@@ -112,7 +112,7 @@ class PersonLikelihood {
 
   std::size_t dimension() const { return empty_.size(); }
 
-  // h: [core][tone], chain gains removed.
+  // h: [rx_chain][tone], chain gains removed.
   Observed observe(std::span<const std::complex<double>> h) const;
 
   // `front_sigma`: PersonModel::front_sigma.
@@ -167,7 +167,7 @@ class PersonLikelihood {
   double scale_ = 1.0;  // factor from a channel of the traced room to power 1
   DelayBasis basis_;
   Aligner aligner_;
-  std::vector<std::complex<double>> reference_;  // H0, [core][tone]
+  std::vector<std::complex<double>> reference_;  // H0, [rx_chain][tone]
   std::vector<std::complex<double>> empty_;      // x0
   std::vector<std::complex<double>> rotated_;    // x0' [1/s]
   std::vector<std::complex<double>> diffuse_;    // R of one antenna, [q][q]

@@ -12,7 +12,7 @@ Expected<void> check_link(const RoomModel& room, const PersonLink& link) {
   if (const std::string problem = calibration_problem(room, ap); !problem.empty()) {
     return make_error(ErrorKind::kConfiguration, "access point " + ap.id + " " + problem);
   }
-  if (link.empty.size() != ap.cores.size() * room.grid.size()) {
+  if (link.empty.size() != ap.rx_chains.size() * room.grid.size()) {
     return make_error(ErrorKind::kConfiguration,
                       "access point " + ap.id +
                           ": the reference has other cores or tones than the site; record the "

@@ -48,7 +48,7 @@ struct PersonModel {
 // One access point that receives the fixed transmitter.
 struct PersonLink {
   std::size_t access_point = 0;  // of RoomModel::access_points
-  // H0, [core][tone], chain gains removed, with the traced room's amplitude, phase and delay.
+  // H0, [rx_chain][tone], chain gains removed, with the traced room's amplitude, phase and delay.
   std::vector<std::complex<double>> empty;
   std::complex<double> scale = 1.0;  // a
   double room_fit = 0.0;  // squared correlation of the measured and the traced empty room

@@ -44,7 +44,7 @@ Expected<PersonLinkMap> SquaresBuilder::make_link_map(const PersonLink& link, in
       room_, link.access_point, reference_.transmitter, reference_.person.body, depth);
   RAYLOC_TRY(scattering);
   PersonLikelihood likelihood(room_.grid,
-                              ap.cores.size(),
+                              ap.rx_chains.size(),
                               link,
                               norm(ap.array.pose.position - reference_.transmitter.position));
   PersonLinkMap map{std::move(likelihood), *std::move(scattering), {}, {}, {}};

@@ -35,15 +35,15 @@ Expected<void> check_room(const RoomModel* room) {
 
 std::string calibration_problem(const RoomModel& room, const RoomAccessPoint& access_point) {
   const RoomAccessPoint& ap = access_point;
-  if (ap.array.element_offset.size() != ap.cores.size() || ap.cores.empty()) {
-    return "has " + std::to_string(ap.cores.size()) + " cores for " +
+  if (ap.array.element_offset.size() != ap.rx_chains.size() || ap.rx_chains.empty()) {
+    return "has " + std::to_string(ap.rx_chains.size()) + " cores for " +
            std::to_string(ap.array.element_offset.size()) + " antennas";
   }
   if (ap.gains.empty()) {
     return "has no chain gains: calibrate the site first (rayloc calibrate)";
   }
-  if (ap.gains.grid != room.grid || ap.gains.cores != ap.cores ||
-      ap.gains.gain.size() != ap.cores.size() * room.grid.size()) {
+  if (ap.gains.grid != room.grid || ap.gains.rx_chains != ap.rx_chains ||
+      ap.gains.gain.size() != ap.rx_chains.size() * room.grid.size()) {
     return "was calibrated with other tones or cores: calibrate again";
   }
   return {};
@@ -74,7 +74,7 @@ std::optional<BurstObservation> preprocess_burst(const RoomModel& room,
       })) {
     return std::nullopt;
   }
-  auto burst = combine_burst(frames, {index, room.grid, ap.cores, options});
+  auto burst = combine_burst(frames, {index, room.grid, ap.rx_chains, options});
   if (!burst) {
     warnings.push_back("access point " + ap.id + ": " + burst.error().message);
     return std::nullopt;
@@ -87,7 +87,7 @@ std::optional<DeadChain> dead_chain(const BurstObservation& burst) {
   if (burst.absent) {
     return DeadChain{burst.absent->row, 10.0 * std::log10(kMinShare), burst.absent};
   }
-  const std::size_t rows = burst.cores.size();
+  const std::size_t rows = burst.rx_chains.size();
   if (rows < 2) {
     return std::nullopt;
   }
@@ -108,15 +108,15 @@ std::optional<DeadChain> dead_chain(const BurstObservation& burst) {
 std::string dead_chain_text(const RoomAccessPoint& access_point,
                             const BurstObservation& burst,
                             const DeadChain& dead) {
-  const std::string core = std::to_string(burst.cores[dead.row]);
+  const std::string rx_chain = std::to_string(burst.rx_chains[dead.row]);
   const std::string begin = "access point " + access_point.id + ": ";
   if (dead.absent && !dead.absent->is_lasting) {  // its datagrams may have been lost
-    return begin + "no frame of the burst has core " + core;
+    return begin + "no frame of the burst has core " + rx_chain;
   }
   const std::string how = dead.absent
                               ? "it has no CSI"
                               : std::to_string(std::lround(dead.level_db)) + " dB of the others";
-  return begin + "the chain of core " + core + " is dead (" + how +
+  return begin + "the chain of core " + rx_chain + " is dead (" + how +
          "; check its antenna and pigtail)";
 }
 
@@ -124,7 +124,7 @@ BurstObservation without_row(BurstObservation burst, std::size_t row) {
   const auto tones = static_cast<std::ptrdiff_t>(burst.grid.size());
   const auto at = static_cast<std::ptrdiff_t>(row);
   burst.h.erase(burst.h.begin() + at * tones, burst.h.begin() + (at + 1) * tones);
-  burst.cores.erase(burst.cores.begin() + at);
+  burst.rx_chains.erase(burst.rx_chains.begin() + at);
   burst.level_dbm.reset();  // the level of the remaining chains was not calibrated
   burst.absent.reset();
   return burst;
@@ -135,7 +135,7 @@ void ObservationTally::add(const RoomAccessPoint& access_point, const BurstObser
   first_ = is_first ? burst.first : std::min(first_, burst.first);
   last_ = is_first ? burst.last : std::max(last_, burst.last);
   frames_ += burst.frames_used;
-  antennas_ += burst.cores.size();
+  antennas_ += burst.rx_chains.size();
   snr_db_.push_back(burst.snr_db);
   if (burst.motion_residual > kMotionWarning) {
     warnings_.push_back("access point " + access_point.id +

@@ -45,7 +45,7 @@ std::optional<BurstObservation> preprocess_burst(const RoomModel& room,
 struct DeadChain {
   std::size_t row = 0;
   double level_db = 0.0;  // level relative to the others
-  std::optional<AbsentCore> absent;
+  std::optional<AbsentRxChain> absent;
 };
 std::optional<DeadChain> dead_chain(const BurstObservation& burst);
 // "access point ap1: the chain of core 2 is dead (...)", without the consequences.

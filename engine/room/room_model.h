@@ -47,8 +47,8 @@ struct TransmitterLevel {
 struct RoomAccessPoint {
   std::string id;
   AntennaArray array;
-  std::vector<std::uint8_t> cores;  // receive chain of each element of `array`
-  ChainGains gains;                 // empty: not calibrated
+  std::vector<std::uint8_t> rx_chains;  // receive chain of each element of `array`
+  ChainGains gains;                     // empty: not calibrated
   ModelError error;
   // Transmitters of constant power; the level of others carries no information.
   std::vector<TransmitterLevel> levels = {};

@@ -58,13 +58,14 @@ std::vector<Frames> bursts_of(Frames frames) {
 void turn(const RoomModel& room, const std::vector<std::vector<Value>>& turns, Frames& frames) {
   for (CsiFrame& frame : frames) {
     const auto a = static_cast<std::size_t>(frame.access_point);
-    const auto& cores = room.access_points[a].cores;
-    for (std::size_t row = 0; row < frame.cores.size(); ++row) {
-      const auto core = std::find(cores.begin(), cores.end(), frame.cores[row]);
-      if (core == cores.end()) {
+    const auto& rx_chains = room.access_points[a].rx_chains;
+    for (std::size_t row = 0; row < frame.rx_chains.size(); ++row) {
+      const auto rx_chain = std::find(rx_chains.begin(), rx_chains.end(), frame.rx_chains[row]);
+      if (rx_chain == rx_chains.end()) {
         continue;
       }
-      const std::complex<float> factor(turns[a][static_cast<std::size_t>(core - cores.begin())]);
+      const std::complex<float> factor(
+          turns[a][static_cast<std::size_t>(rx_chain - rx_chains.begin())]);
       for (std::complex<float>& value : frame.csi.row(row, 0)) {
         value *= factor;
       }
@@ -96,7 +97,7 @@ Turns turns_of(const RoomModel& room, int number, std::mt19937& random) {
   std::normal_distribution<double> level(0.0, number == 0 ? 0.0 : kLevelSigma);
   Turns made(room.access_points.size());
   for (std::size_t a = 0; a < made.size(); ++a) {
-    for (std::size_t m = 0; m < room.access_points[a].cores.size(); ++m) {
+    for (std::size_t m = 0; m < room.access_points[a].rx_chains.size(); ++m) {
       made[a].push_back(std::polar(std::exp(level(random)), number == 0 ? 0.0 : around(random)));
     }
   }

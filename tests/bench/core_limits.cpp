@@ -74,10 +74,10 @@ double seconds() {
 
 }  // namespace
 
-CoreLimits core_limits() {
+RxChainLimits rx_chain_limits() {
   constexpr int kTries = 8;
   constexpr std::size_t kCount = 2'000'000;
-  CoreLimits limits;
+  RxChainLimits limits;
   float keep = 0.0F;
   for (int i = 0; i < kTries; ++i) {
     const double begin = seconds();

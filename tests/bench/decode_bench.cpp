@@ -26,7 +26,7 @@ constexpr std::size_t kDatagrams = 100'000;  // 57 MB at 128 tones
 
 constexpr int kFrames = 36;
 
-test::Recording frames_of_four_cores() {
+test::Recording frames_of_four_rx_chains() {
   test::Recording recording;
   test::WireFrame frame;
   for (int i = 0; i < kFrames; ++i) {
@@ -40,7 +40,7 @@ test::Recording frames_of_four_cores() {
 }
 
 const MappedDatagrams& recording() {
-  static const MappedDatagrams kRecording(frames_of_four_cores(), kDatagrams);
+  static const MappedDatagrams kRecording(frames_of_four_rx_chains(), kDatagrams);
   return kRecording;
 }
 

@@ -55,9 +55,9 @@ void strange(const RoomModel& room, std::mt19937& random, Frames& frames) {
     }
     auto& h = channels[static_cast<std::size_t>(frame.access_point)];
     if (h.empty()) {
-      h = test::strange_channel(frame.cores.size(), offset, random);
+      h = test::strange_channel(frame.rx_chains.size(), offset, random);
     }
-    for (std::size_t m = 0; m < frame.cores.size(); ++m) {
+    for (std::size_t m = 0; m < frame.rx_chains.size(); ++m) {
       const auto row = frame.csi.row(m, 0);
       for (std::size_t k = 0; k < row.size(); ++k) {
         const float real = 0.1F * normal(random);
@@ -155,14 +155,14 @@ void study_jumps(const std::shared_ptr<const Localizer>& localizer,
   Tally tally;
   int quarters = 0;
   for (std::size_t ap = 0; ap < room.access_points.size(); ++ap) {
-    for (const std::uint8_t core : room.access_points[ap].cores) {
+    for (const std::uint8_t rx_chain : room.access_points[ap].rx_chains) {
       quarters = quarters % 3 + 1;
       ChainLearner learner(localizer);
       for (const Spot& spot : spots) {
         Frames frames = spot.frames;
         test::turn_chain(frames,
                          static_cast<int>(ap),
-                         core,
+                         rx_chain,
                          0.5 * std::numbers::pi * static_cast<double>(quarters));
         learner.receive(frames);
         judge(verbose,
@@ -197,13 +197,13 @@ void run(const RoomModel& room, const std::vector<Spot>& spots, bool verbose) {
   std::mt19937 random(1);
   const std::size_t aps = room.access_points.size();
   const auto hit = [&](std::size_t i) { return static_cast<int>(i % aps); };
-  const auto core = [&](std::size_t i) {
-    const auto& cores = room.access_points[i % aps].cores;
-    return cores[(i / aps) % cores.size()];
+  const auto rx_chain = [&](std::size_t i) {
+    const auto& rx_chains = room.access_points[i % aps].rx_chains;
+    return rx_chains[(i / aps) % rx_chains.size()];
   };
   study("as recorded", localizer, [](std::size_t, Frames&) { return true; });
   study("chain dead", localizer, [&](std::size_t i, Frames& frames) {
-    test::kill_chain(frames, hit(i), core(i), random);
+    test::kill_chain(frames, hit(i), rx_chain(i), random);
     return true;
   });
   study_jumps(kept, spots, verbose);

@@ -57,17 +57,19 @@ Frames together(const RoomModel& room,
     if (first.empty() || second.empty()) {
       return {};
     }
-    const auto& cores = room.access_points[link.access_point].cores;
+    const auto& rx_chains = room.access_points[link.access_point].rx_chains;
     for (CsiFrame& frame : frames) {
       if (frame.access_point != static_cast<int>(link.access_point)) {
         continue;
       }
-      for (std::size_t m = 0; m < cores.size(); ++m) {
-        const auto core = std::find(frame.cores.begin(), frame.cores.end(), cores[m]);
-        if (core == frame.cores.end()) {
+      for (std::size_t m = 0; m < rx_chains.size(); ++m) {
+        const auto rx_chain =
+            std::find(frame.rx_chains.begin(), frame.rx_chains.end(), rx_chains[m]);
+        if (rx_chain == frame.rx_chains.end()) {
           continue;
         }
-        const auto row = frame.csi.row(static_cast<std::size_t>(core - frame.cores.begin()), 0);
+        const auto row =
+            frame.csi.row(static_cast<std::size_t>(rx_chain - frame.rx_chains.begin()), 0);
         for (std::size_t k = 0; k < room.grid.size(); ++k) {
           const auto tone =
               std::find(frame.tone_index.begin(), frame.tone_index.end(), room.grid.tone_index[k]);

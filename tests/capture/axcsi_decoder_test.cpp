@@ -33,7 +33,7 @@ TEST(AxcsiDecoder, GivesAReasonForEachInvalidDatagram) {
   payload.resize(53);
   EXPECT_EQ(reason_of(payload), RejectReason::kTooShort);
   EXPECT_EQ(reason_of({}), RejectReason::kTooShort);
-  EXPECT_EQ(reason_of(with_field(8, 4)), RejectReason::kCoreRange);
+  EXPECT_EQ(reason_of(with_field(8, 4)), RejectReason::kRxChainRange);
   EXPECT_EQ(reason_of(with_field(10, 4)), RejectReason::kStreamRange);
   EXPECT_EQ(reason_of(with_field(12, 200)), RejectReason::kLengthMismatch);  // first > last
   EXPECT_EQ(reason_of(with_field(14, 126)), RejectReason::kLengthMismatch);  // one tone less

@@ -72,7 +72,7 @@ AxcsiHeader sample_header() {
   AxcsiHeader header;
   header.transmitter = {{0x02, 0x52, 0x4c, 0xa5, 0x5a, 0xff}};
   header.sequence = 0xfedc;
-  header.core = 2;
+  header.rx_chain = 2;
   header.stream = 1;
   header.first_tone = 64;
   header.last_tone = 127;
@@ -97,7 +97,7 @@ TEST(AxcsiWriter, WritesEveryFieldThatTheDecoderReads) {
   ASSERT_TRUE(read);
   EXPECT_EQ(read->transmitter, sent.transmitter);
   EXPECT_EQ(read->sequence, sent.sequence);
-  EXPECT_EQ(read->core, sent.core);
+  EXPECT_EQ(read->rx_chain, sent.rx_chain);
   EXPECT_EQ(read->stream, sent.stream);
   EXPECT_EQ(read->first_tone, sent.first_tone);
   EXPECT_EQ(read->last_tone, sent.last_tone);
@@ -127,7 +127,7 @@ TEST_P(AxcsiLayout, EqualsTheIndependentWriterByteForByte) {
   test::WireFrame wire;
   wire.phy = GetParam().phy;
   wire.channel_mhz = wire.occupied_mhz = GetParam().bandwidth_mhz;
-  wire.cores = {0, 2, 3};
+  wire.rx_chains = {0, 2, 3};
   AxcsiFrame frame;
   frame.header.transmitter = {{0x02, 0x52, 0x4c, 0x00, 0x00, 0x01}};
   frame.header.sequence = wire.sequence;
@@ -138,9 +138,9 @@ TEST_P(AxcsiLayout, EqualsTheIndependentWriterByteForByte) {
   frame.header.power_dbm = {-41, -42, -43, -44};
   frame.header.phy_status = 0x0843;
   frame.header.chanspec = wire.chanspec = 0xd99f;
-  for (const int core : wire.cores) {
-    frame.cores.push_back(static_cast<std::uint8_t>(core));
-    const auto tones = test::wire_tones(wire, core, 0);
+  for (const int rx_chain : wire.rx_chains) {
+    frame.rx_chains.push_back(static_cast<std::uint8_t>(rx_chain));
+    const auto tones = test::wire_tones(wire, rx_chain, 0);
     // Back from the order of the wire, as WIRE_FORMATS 1.4 gives it: tone -n/2 is at n/2; 160 MHz
     // in 512 tones has its lower half at 256 to 511, each half in such an order.
     const std::size_t n = tones.size();

@@ -98,7 +98,7 @@ TEST(CsiReceiver, OrderWithinAFrameDoesNotMatter) {
     EXPECT_TRUE(std::equal(ordered.frames[i].csi.values().begin(),
                            ordered.frames[i].csi.values().end(),
                            shuffled.frames[i].csi.values().begin()));
-    EXPECT_EQ(shuffled.frames[i].cores, ordered.frames[i].cores);
+    EXPECT_EQ(shuffled.frames[i].rx_chains, ordered.frames[i].rx_chains);
   }
 }
 
@@ -141,7 +141,7 @@ TEST(CsiReceiver, LossMakesPartialFramesAfterTheTimeOut) {
   receiver.advance(begun + std::chrono::milliseconds(21), frames);
   ASSERT_EQ(frames.size(), 7U);
   EXPECT_FALSE(frames.back().complete);
-  EXPECT_THAT(frames.back().cores, ElementsAre(0, 1, 3));
+  EXPECT_THAT(frames.back().rx_chains, ElementsAre(0, 1, 3));
   EXPECT_THAT(frames.back().flags, Contains("missing_core"));
   EXPECT_EQ(receiver.counters().partial, 1U);
   EXPECT_EQ(receiver.safe_time(begun + kGap), begun + kGap);
@@ -199,7 +199,7 @@ TEST(CsiReceiver, RetriesOfAFrameAreFramesOfTheirOwn) {
 
 TEST(CsiReceiver, WithoutAFrameCounterOtherBytesAreARetry) {
   WireFrame frame;
-  frame.cores = {0, 1};
+  frame.rx_chains = {0, 1};
   const Recording first = test::write_nexmon(frame, test::NexmonChip::k4366c0, 1, kStart);
   frame.channel = test::delayed_path(50e-9, 312'500.0);
   const Recording second = test::write_nexmon(
@@ -210,7 +210,7 @@ TEST(CsiReceiver, WithoutAFrameCounterOtherBytesAreARetry) {
   const Received received = receive(recording);
   ASSERT_EQ(received.frames.size(), 2U);
   EXPECT_EQ(received.counters.duplicates, 1U);
-  EXPECT_EQ(received.frames[1].cores.size(), 2U);
+  EXPECT_EQ(received.frames[1].rx_chains.size(), 2U);
   EXPECT_THAT(received.frames[1].flags, Contains("retry"));
 }
 
@@ -220,7 +220,7 @@ TEST(CsiReceiver, ExpectedCoresAreWaitedFor) {
                 [](const auto& datagram) { return datagram.payload[8] == std::byte{3}; });
   CsiReceiverOptions options;
   EXPECT_EQ(receive(recording, options).counters.partial, 0U);  // learned: there are three
-  options.expected_cores = {0, 3};
+  options.expected_rx_chains = {0, 3};
   const Received received = receive(recording, options);
   EXPECT_EQ(received.counters.partial, 8U);
   EXPECT_THAT(received.frames[0].flags, Contains("missing_core"));
@@ -268,7 +268,7 @@ TEST(CsiReceiver, ManyOpenFramesAreBounded) {
   std::vector<CsiFrame> frames;
   for (int i = 0; i < 1000; ++i) {
     WireFrame frame;
-    frame.cores = {0};
+    frame.rx_chains = {0};
     frame.transmitter = static_cast<std::uint64_t>(i);  // every one a stranger
     receiver.push(test::write_axcsi(frame, kStart)[0].view(), frames);
     EXPECT_LE(receiver.counters().in_flight, 16U);
@@ -307,7 +307,7 @@ TEST(CsiReceiver, FramesDoNotDependOnHowOftenAdvanceIsCalled) {
   ASSERT_EQ(frames.size(), implicit.frames.size());
   for (std::size_t i = 0; i < frames.size(); ++i) {
     EXPECT_EQ(frames[i].sequence, implicit.frames[i].sequence);
-    EXPECT_EQ(frames[i].cores, implicit.frames[i].cores);
+    EXPECT_EQ(frames[i].rx_chains, implicit.frames[i].rx_chains);
     EXPECT_EQ(frames[i].complete, implicit.frames[i].complete);
   }
 }
@@ -379,9 +379,9 @@ TEST(CsiReceiver, HostileInputIsAccountedFor) {
       rejected[reason] += count;
     }
     for (const CsiFrame& frame : received.frames) {
-      EXPECT_EQ(frame.csi.antennas(), frame.cores.size());
+      EXPECT_EQ(frame.csi.antennas(), frame.rx_chains.size());
       EXPECT_EQ(frame.csi.tones(), frame.tone_index.size());
-      EXPECT_EQ(frame.power_dbm.size(), frame.cores.size());
+      EXPECT_EQ(frame.power_dbm.size(), frame.rx_chains.size());
       EXPECT_GT(frame.csi.values().size(), 0U);
     }
   }

@@ -22,15 +22,15 @@ constexpr int kFrames = 100;
 template <typename Lost>
 std::vector<CsiFrame> receive(Lost is_lost, CsiReceiverCounters* counters = nullptr) {
   CsiReceiverOptions options;
-  options.expected_cores = {0, 2, 3};
+  options.expected_rx_chains = {0, 2, 3};
   CsiReceiver receiver(options);
   std::vector<CsiFrame> frames;
   for (int i = 0; i < kFrames; ++i) {
     test::WireFrame frame;
-    frame.cores.clear();
-    for (const int core : {0, 2, 3}) {
-      if (!is_lost(i, core)) {
-        frame.cores.push_back(core);
+    frame.rx_chains.clear();
+    for (const int rx_chain : {0, 2, 3}) {
+      if (!is_lost(i, rx_chain)) {
+        frame.rx_chains.push_back(rx_chain);
       }
     }
     frame.sequence = static_cast<std::uint16_t>(i);
@@ -57,15 +57,15 @@ std::size_t flagged(const std::vector<CsiFrame>& frames) {
 
 TEST(Field, ChainThatNoFrameHasIsFlaggedAndCounted) {
   CsiReceiverCounters counters;
-  const auto frames = receive([](int, int core) { return core == 2; }, &counters);
+  const auto frames = receive([](int, int rx_chain) { return rx_chain == 2; }, &counters);
   ASSERT_EQ(frames.size(), static_cast<std::size_t>(kFrames));
   EXPECT_EQ(flagged(frames), kFrames - ChainPresence::kFrames + 1);
-  EXPECT_EQ(counters.without_core.at(2), static_cast<std::uint64_t>(kFrames));
-  EXPECT_EQ(counters.without_core.count(0), 0U);
+  EXPECT_EQ(counters.without_rx_chain.at(2), static_cast<std::uint64_t>(kFrames));
+  EXPECT_EQ(counters.without_rx_chain.count(0), 0U);
 }
 
 TEST(Field, ChainThatComesBackIsFlaggedNoMore) {
-  const auto frames = receive([](int frame, int core) { return core == 3 && frame < 50; });
+  const auto frames = receive([](int frame, int rx_chain) { return rx_chain == 3 && frame < 50; });
   EXPECT_EQ(flagged(frames), 50 - ChainPresence::kFrames + 1);
   EXPECT_THAT(frames[49].flags, Contains(ChainPresence::kFlag));
   EXPECT_THAT(frames[50].flags, ::testing::Not(Contains(ChainPresence::kFlag)));

@@ -33,8 +33,8 @@ Timestamp at(std::int64_t us) { return Timestamp(std::chrono::microseconds(us));
 std::vector<std::int64_t> walk(int frames, std::int64_t from = kStart) {
   std::vector<std::int64_t> stamps;
   for (int frame = 0; frame < frames; ++frame) {
-    for (int core = 0; core < 3; ++core) {
-      stamps.push_back(from + frame * (kSecond / 10) + core * std::int64_t{10});
+    for (int rx_chain = 0; rx_chain < 3; ++rx_chain) {
+      stamps.push_back(from + frame * (kSecond / 10) + rx_chain * std::int64_t{10});
     }
   }
   return stamps;

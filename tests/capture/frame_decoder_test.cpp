@@ -43,19 +43,19 @@ class WholeDecoder final : public FrameDecoder {
       return tl::make_unexpected(RejectReason::kBadMagic);
     }
     const ByteReader reader(payload);
-    const std::size_t cores = reader.u8(4);
+    const std::size_t rx_chains = reader.u8(4);
     const std::size_t tones = reader.u8(5);
-    if (payload.size() != kHeader + cores * tones) {
+    if (payload.size() != kHeader + rx_chains * tones) {
       return tl::make_unexpected(RejectReason::kLengthMismatch);
     }
     CsiFrame frame;
     frame.format = format();
-    frame.csi = Csi(cores, 1, tones);
-    frame.power_dbm.resize(cores);
-    for (std::size_t core = 0; core < cores; ++core) {
-      frame.cores.push_back(static_cast<std::uint8_t>(core));
+    frame.csi = Csi(rx_chains, 1, tones);
+    frame.power_dbm.resize(rx_chains);
+    for (std::size_t rx_chain = 0; rx_chain < rx_chains; ++rx_chain) {
+      frame.rx_chains.push_back(static_cast<std::uint8_t>(rx_chain));
       for (std::size_t tone = 0; tone < tones; ++tone) {
-        frame.csi.row(core, 0)[tone] = reader.u8(kHeader + core * tones + tone);
+        frame.csi.row(rx_chain, 0)[tone] = reader.u8(kHeader + rx_chain * tones + tone);
       }
     }
     for (std::size_t tone = 0; tone < tones; ++tone) {
@@ -134,7 +134,7 @@ TEST(FrameDecoder, FramesInPiecesComeBesideIt) {
 TEST(FrameDecoder, FlagsAMissingExpectedRxChain) {
   const std::vector<DecoderRow> rows = with_whole();
   CsiReceiverOptions options;
-  options.expected_cores = {0, 1};
+  options.expected_rx_chains = {0, 1};
   CsiReceiver receiver(options, rows);
   std::vector<CsiFrame> frames;
   const auto datagram = whole_datagram({1, 1, 9}, {});

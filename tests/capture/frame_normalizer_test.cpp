@@ -73,21 +73,21 @@ TEST_P(Synthetic, DecodesToTheSimulatedChannel) {
   EXPECT_EQ(frame.bandwidth_mhz, c.occupied_mhz);
   EXPECT_EQ(frame.channel_bandwidth_mhz, c.channel_mhz);
   EXPECT_EQ(frame.transmitted_streams, c.streams);
-  EXPECT_EQ(frame.cores.size(), 4U);
+  EXPECT_EQ(frame.rx_chains.size(), 4U);
   EXPECT_EQ(frame.csi.streams(), static_cast<std::size_t>(c.streams));
   EXPECT_EQ(frame.tone_index.size(), c.tones);
   EXPECT_EQ(frame.tone_index.front(), c.first_tone);
   EXPECT_EQ(frame.tone_index.back(), c.last_tone);
   EXPECT_TRUE(std::is_sorted(frame.tone_index.begin(), frame.tone_index.end()));
-  for (int core = 0; core < 4; ++core) {
+  for (int rx_chain = 0; rx_chain < 4; ++rx_chain) {
     for (int stream = 0; stream < c.streams; ++stream) {
       const auto row =
-          frame.csi.row(static_cast<std::size_t>(core), static_cast<std::size_t>(stream));
+          frame.csi.row(static_cast<std::size_t>(rx_chain), static_cast<std::size_t>(stream));
       for (std::size_t i = 0; i < row.size(); ++i) {
-        const auto expected = wire.channel(core, stream, frame.tone_index[i]);
+        const auto expected = wire.channel(rx_chain, stream, frame.tone_index[i]);
         // Half a unit of an 11-bit mantissa, in each part.
         ASSERT_LT(std::abs(std::complex<double>(row[i]) - expected), 100.0 / 2048)
-            << "core " << core << " stream " << stream << " tone " << frame.tone_index[i];
+            << "core " << rx_chain << " stream " << stream << " tone " << frame.tone_index[i];
       }
     }
   }
@@ -175,8 +175,8 @@ TEST(FrameNormalizer, NexmonAndUbilocateComeOutTheSame) {
   using test::NexmonChip;
   WireFrame wire;
   wire.channel_mhz = wire.occupied_mhz = 80;
-  wire.channel = [](int core, int stream, int tone) {
-    return 8.0 * test::delayed_path(kDelay, 312'500.0)(core, stream, tone);
+  wire.channel = [](int rx_chain, int stream, int tone) {
+    return 8.0 * test::delayed_path(kDelay, 312'500.0)(rx_chain, stream, tone);
   };
   struct Case {
     const char* what;
@@ -232,7 +232,7 @@ TEST(FrameNormalizer, MissingToneBlocksLeaveTheirRowOut) {
   ASSERT_EQ(frames.size(), 1U);
   EXPECT_FALSE(frames[0].complete);
   EXPECT_THAT(frames[0].flags, ::testing::Contains("missing_tones"));
-  EXPECT_THAT(frames[0].cores, ::testing::ElementsAre(0, 2, 3));
+  EXPECT_THAT(frames[0].rx_chains, ::testing::ElementsAre(0, 2, 3));
   EXPECT_EQ(frames[0].csi.tones(), 484U);
 }
 
@@ -249,7 +249,7 @@ TEST(FrameNormalizer, WithoutAWholeRowTheCommonTonesRemain) {
   const auto frames = receive(upper_halves);
   ASSERT_EQ(frames.size(), 1U);
   EXPECT_FALSE(frames[0].complete);
-  EXPECT_EQ(frames[0].cores.size(), 4U);
+  EXPECT_EQ(frames[0].rx_chains.size(), 4U);
   EXPECT_EQ(frames[0].tone_index.front(), 3);
   EXPECT_EQ(frames[0].tone_index.back(), 244);
 }

@@ -208,7 +208,7 @@ TEST(Intel5300, NamesTonesCoresAndLevels) {
   EXPECT_EQ(narrow->tone_index[15], 1);
   EXPECT_EQ(narrow->tone_index.back(), 28);
   EXPECT_EQ(narrow->sequence, 7);
-  EXPECT_THAT(narrow->cores, ElementsAre(0, 1, 2));
+  EXPECT_THAT(narrow->rx_chains, ElementsAre(0, 1, 2));
   // RSSI less 44 less the gain of 30; antenna C is not used.
   EXPECT_THAT(narrow->power_dbm,
               ElementsAre(std::optional(-34.0F), std::optional(-35.0F), std::nullopt));
@@ -238,13 +238,13 @@ TEST(Intel5300, PutsChainsInTheOrderOfTheirAntennas) {
   card.antenna = {2, 0, 1};
   const auto frame = Intel5300Decoder().decode(view(record_of(card)));
   ASSERT_TRUE(frame);
-  EXPECT_THAT(frame->cores, ElementsAre(0, 1, 2));
-  const auto real = [&](std::size_t core) { return frame->csi.row(core, 0)[3].real(); };
+  EXPECT_THAT(frame->rx_chains, ElementsAre(0, 1, 2));
+  const auto real = [&](std::size_t rx_chain) { return frame->csi.row(rx_chain, 0)[3].real(); };
   EXPECT_EQ(real(0), static_cast<float>(value_of(1, 0, 3).first));
   EXPECT_EQ(real(1), static_cast<float>(value_of(2, 0, 3).first));
   EXPECT_EQ(real(2), static_cast<float>(value_of(0, 0, 3).first));
   card.chains = 2;
-  EXPECT_THAT(Intel5300Decoder().decode(view(record_of(card)))->cores, ElementsAre(0, 2));
+  EXPECT_THAT(Intel5300Decoder().decode(view(record_of(card)))->rx_chains, ElementsAre(0, 2));
 }
 
 TEST(Intel5300, RefusesInvalidRecords) {
@@ -379,7 +379,7 @@ TEST(Field, ASingleChainWithoutAnAntennaFieldIsRead) {
   record[13] = '\0';
   const Read read = read_log(logged(record));
   ASSERT_EQ(read.frames.size(), 1U);
-  EXPECT_THAT(read.frames[0].cores, ElementsAre(1));
+  EXPECT_THAT(read.frames[0].rx_chains, ElementsAre(1));
   EXPECT_EQ(read_log(logged(record_of(card))).receiver.rejected.count("antenna_permutation"), 1U);
 }
 

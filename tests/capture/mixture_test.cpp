@@ -34,7 +34,7 @@ constexpr const char* kSeveral = "several_access_points";
 
 CsiReceiverOptions strict() {
   CsiReceiverOptions options;
-  options.expected_cores = {0, 1, 2, 3};
+  options.expected_rx_chains = {0, 1, 2, 3};
   options.reject_mixture = true;
   options.settle = Milliseconds(250);
   return options;

@@ -13,14 +13,14 @@ using test::Recording;
 
 TEST(NexmonDecoder, ReadsCoreAndStreamFromTheHighByteOnBcm4366c0) {
   test::WireFrame frame;
-  frame.cores = {0, 1, 3};
+  frame.rx_chains = {0, 1, 3};
   frame.streams = 2;
   frame.channel_mhz = frame.occupied_mhz = 80;
   for (const auto chip : {test::NexmonChip::k4366c0, test::NexmonChip::k4358}) {
     const Recording recording = test::write_nexmon(frame, chip, 1, Timestamp());
     const auto last = NexmonDecoder(NexmonVersion::kV1).decode(recording.back().payload);
     ASSERT_TRUE(last);
-    EXPECT_EQ(last->core, 3);
+    EXPECT_EQ(last->rx_chain, 3);
     EXPECT_EQ(last->stream, 1);
   }
 }
@@ -76,7 +76,7 @@ TEST(NexmonDecoder, GivesAReasonForEachInvalidDatagram) {
   EXPECT_EQ(decoder.decode(bad).error(), RejectReason::kBadMagic);
   bad = good;
   bad[12] = std::byte{4};
-  EXPECT_EQ(decoder.decode(bad).error(), RejectReason::kCoreRange);
+  EXPECT_EQ(decoder.decode(bad).error(), RejectReason::kRxChainRange);
   bad[12] = std::byte{0x20};
   EXPECT_EQ(decoder.decode(bad).error(), RejectReason::kStreamRange);
 }

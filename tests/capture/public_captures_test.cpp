@@ -57,8 +57,8 @@ double mean_step_deg(const std::vector<CsiFrame>& frames, int below, int above) 
   for (const CsiFrame& frame : frames) {
     const std::size_t low = position_of(frame, below);
     const std::size_t high = position_of(frame, above);
-    for (std::size_t core = 0; core < frame.cores.size(); ++core) {
-      const auto row = frame.csi.row(core, 0);
+    for (std::size_t rx_chain = 0; rx_chain < frame.rx_chains.size(); ++rx_chain) {
+      const auto row = frame.csi.row(rx_chain, 0);
       const double step = std::arg(std::complex<double>(row[high] * std::conj(row[low])));
       sum += std::polar(1.0, step - slope_of(frame, row) * (above - below));
     }
@@ -74,7 +74,7 @@ TEST_F(PublicCaptures, AllDataIs36FramesOfFourCores) {
   ASSERT_EQ(received.frames.size(), 36U);
   for (const CsiFrame& frame : received.frames) {
     EXPECT_TRUE(frame.complete);
-    EXPECT_THAT(frame.cores, ElementsAre(0, 1, 2, 3));
+    EXPECT_THAT(frame.rx_chains, ElementsAre(0, 1, 2, 3));
     EXPECT_EQ(frame.phy, PhyFormat::kVht);
     EXPECT_EQ(frame.bandwidth_mhz, 40);
     EXPECT_EQ(frame.channel_bandwidth_mhz, 40);
@@ -95,7 +95,7 @@ TEST_F(PublicCaptures, ExtremeIs41FramesOfTwoCoresAt80Mhz) {
   ASSERT_EQ(received.frames.size(), 41U);
   for (const CsiFrame& frame : received.frames) {
     EXPECT_TRUE(frame.complete);
-    EXPECT_THAT(frame.cores, ElementsAre(2, 3));
+    EXPECT_THAT(frame.rx_chains, ElementsAre(2, 3));
     EXPECT_EQ(frame.bandwidth_mhz, 80);
     EXPECT_EQ(frame.transmitted_streams, 2);
     EXPECT_EQ(frame.tone_index.size(), 242U - 8U);  // without pilots: two streams

@@ -53,7 +53,7 @@ std::array<std::string, 27> columns_of(const AxcsiHeader& header, Timestamp time
   std::string fraction = std::to_string(microseconds % 1'000'000);
   fraction.insert(0, 6 - fraction.size(), '0');
   std::array<std::string, 27> columns = {std::to_string(header.sequence),
-                                         std::to_string(header.core),
+                                         std::to_string(header.rx_chain),
                                          std::to_string(header.stream),
                                          "0",
                                          std::to_string(header.last_tone),
@@ -67,8 +67,8 @@ std::array<std::string, 27> columns_of(const AxcsiHeader& header, Timestamp time
   columns[15] = std::to_string(header.receive_sequence);
   columns[16] = std::to_string(kTicksModulus - header.transmit_ticks);
   columns[17] = std::to_string(header.transmit_sequence);
-  for (std::size_t core = 0; core < 4; ++core) {
-    columns[18 + core] = std::to_string(static_cast<std::uint8_t>(header.power_dbm[core]));
+  for (std::size_t rx_chain = 0; rx_chain < 4; ++rx_chain) {
+    columns[18 + rx_chain] = std::to_string(static_cast<std::uint8_t>(header.power_dbm[rx_chain]));
   }
   columns[22] = std::to_string(header.phy_status);
   columns[23] = std::to_string((header.ratespec >> 16U) & 0xffU);
@@ -190,7 +190,7 @@ TEST_F(PublicCaptures, UbilocateIsReadAsTheFirmwareWritesIt) {
   ASSERT_TRUE(fragment);
   EXPECT_EQ(fragment->format, "ubilocate");
   EXPECT_EQ(to_string(fragment->transmitter), "00:12:34:56:78:9b");
-  EXPECT_EQ(fragment->core, 1);
+  EXPECT_EQ(fragment->rx_chain, 1);
   EXPECT_EQ(fragment->stream, 3);
   EXPECT_EQ(fragment->sequence, 100);
   EXPECT_EQ(fragment->expected_slots, 0xffff);

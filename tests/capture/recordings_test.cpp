@@ -60,7 +60,7 @@ TEST(Recordings, AxcsiOfFourCoresAt40Mhz) {
   EXPECT_EQ(received.counters.received, 4U * kFrames);
   for (const CsiFrame& frame : received.frames) {
     EXPECT_TRUE(frame.complete);
-    EXPECT_THAT(frame.cores, ElementsAre(0, 1, 2, 3));
+    EXPECT_THAT(frame.rx_chains, ElementsAre(0, 1, 2, 3));
     EXPECT_EQ(frame.phy, PhyFormat::kVht);
     EXPECT_EQ(frame.bandwidth_mhz, 40);
     EXPECT_EQ(frame.tone_index.size(), 114U);
@@ -73,11 +73,11 @@ TEST(Recordings, AxcsiOfFourCoresAt40Mhz) {
 TEST(Recordings, AxcsiOfTwoCoresAt80MhzWithoutThePilotsOfTwoStreams) {
   WireFrame frame;
   frame.channel_mhz = frame.occupied_mhz = 80;
-  frame.cores = {2, 3};
+  frame.rx_chains = {2, 3};
   frame.transmitted_streams = 2;
   for (const CsiFrame& received : receive(repeated(frame, test::write_axcsi)).frames) {
     EXPECT_TRUE(received.complete);
-    EXPECT_THAT(received.cores, ElementsAre(2, 3));
+    EXPECT_THAT(received.rx_chains, ElementsAre(2, 3));
     EXPECT_EQ(received.bandwidth_mhz, 80);
     EXPECT_EQ(received.transmitted_streams, 2);
     EXPECT_EQ(received.tone_index.size(), 242U - 8U);
@@ -91,7 +91,7 @@ TEST(Recordings, AxcsiOf20MhzInTheUpperPartOf80) {
     frame.channel_mhz = 80;
     frame.occupied_mhz = 20;
     frame.centre_tone = 96;
-    frame.cores = {1};
+    frame.rx_chains = {1};
     const int half = phy == WirePhy::kLegacy ? 26 : 28;
     for (const CsiFrame& received : receive(repeated(frame, test::write_axcsi)).frames) {
       EXPECT_EQ(received.bandwidth_mhz, 20);
@@ -140,7 +140,7 @@ TEST(Recordings, NexmonOfEveryChipAndVersion) {
         frame.channel_mhz = 80;
         frame.occupied_mhz = kind.occupied_mhz;
         frame.centre_tone = kind.centre_tone;
-        frame.cores = {0, 1, 2};
+        frame.rx_chains = {0, 1, 2};
         const auto write = [&](const WireFrame& one, Timestamp time) {
           return test::write_nexmon(one, chip, version, time);
         };

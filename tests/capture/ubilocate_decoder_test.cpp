@@ -22,7 +22,7 @@ RejectReason reason_of(std::vector<std::byte> payload, std::size_t offset, unsig
 
 TEST(UbilocateDecoder, GivesAReasonForEachInvalidDatagram) {
   EXPECT_EQ(reason_of(good(), 0, 0x10), RejectReason::kBadMagic);
-  EXPECT_EQ(reason_of(good(), 12, 16), RejectReason::kCoreRange);
+  EXPECT_EQ(reason_of(good(), 12, 16), RejectReason::kRxChainRange);
   EXPECT_EQ(reason_of(good(), 12, 2), RejectReason::kHeaderMismatch);  // a stream not extracted
   EXPECT_EQ(reason_of(good(), 2, 0x1f), RejectReason::kHeaderMismatch);
   EXPECT_EQ(reason_of(good(), 3, 0), RejectReason::kHeaderMismatch);

@@ -88,7 +88,7 @@ Decoded decode(const std::filesystem::path& recording) {
       PcapFileSource::open(recording.string(), {.port = {}, .max_disorder = kAnyDisorder}).value();
   CsiReceiverOptions options;
   options.format = "axcsi-v4";
-  options.expected_cores = {0, 2, 3};  // as site.toml has them
+  options.expected_rx_chains = {0, 2, 3};  // as site.toml has them
   CsiReceiver receiver(options);
   std::vector<CsiFrame> frames;
   DatagramBatch batch;

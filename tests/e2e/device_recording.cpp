@@ -13,7 +13,7 @@ std::string recording_of_devices(const std::filesystem::path& folder,
                                  const std::string& access_point,
                                  int first,
                                  int count) {
-  constexpr int kCores = 3;  // datagrams of a frame, one behind the other
+  constexpr int kRxChains = 3;  // datagrams of a frame, one behind the other
   std::filesystem::path file = folder / ("devices-" + std::to_string(first) + ".pcap");
   const std::string command =
       "gzip -dc '" + bundled_recording("calibration", access_point) + "' >'" + file.string() + "'";
@@ -23,11 +23,11 @@ std::string recording_of_devices(const std::filesystem::path& folder,
   int datagrams = 0;
   for (std::size_t at = bytes.find(device); at != std::string::npos;
        at = bytes.find(device, at + device.size())) {
-    bytes[at + device.size() - 1] = static_cast<char>(first + datagrams / kCores % count);
+    bytes[at + device.size() - 1] = static_cast<char>(first + datagrams / kRxChains % count);
     ++datagrams;
   }
-  EXPECT_EQ(datagrams % kCores, 0);
-  EXPECT_GT(datagrams, kCores * count);
+  EXPECT_EQ(datagrams % kRxChains, 0);
+  EXPECT_GT(datagrams, kRxChains * count);
   std::ofstream(file, std::ios::binary) << bytes;
   return file.string();
 }

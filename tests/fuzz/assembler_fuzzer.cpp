@@ -29,10 +29,10 @@ void check_counters(const CsiReceiverCounters& counters, std::size_t max_pending
 
 void check_frames(std::vector<CsiFrame>& frames, bool raw) {
   for (const CsiFrame& frame : frames) {
-    RAYLOC_CHECK(!frame.cores.empty() && frame.csi.antennas() == frame.cores.size());
+    RAYLOC_CHECK(!frame.rx_chains.empty() && frame.csi.antennas() == frame.rx_chains.size());
     RAYLOC_CHECK(frame.csi.streams() >= 1 && frame.csi.streams() <= 4);
     RAYLOC_CHECK(frame.csi.tones() == frame.tone_index.size() && frame.csi.tones() > 0);
-    RAYLOC_CHECK(frame.power_dbm.size() == frame.cores.size());
+    RAYLOC_CHECK(frame.power_dbm.size() == frame.rx_chains.size());
     RAYLOC_CHECK(frame.time <= frame.time_last);
     RAYLOC_CHECK(frame.bandwidth_mhz <= frame.channel_bandwidth_mhz);
     RAYLOC_CHECK(raw || std::is_sorted(frame.tone_index.begin(), frame.tone_index.end()));
@@ -45,7 +45,7 @@ void run(std::span<const std::uint8_t> input) {
   options.raw = (input[0] & 1U) != 0;
   options.max_pending = 1U + (input[0] >> 4U);
   if ((input[0] & 2U) != 0) {
-    options.expected_cores = {0, 2};
+    options.expected_rx_chains = {0, 2};
   }
   CsiReceiver receiver(options);
   std::vector<CsiFrame> frames;

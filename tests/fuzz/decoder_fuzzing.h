@@ -23,7 +23,7 @@ inline void check_decoder(const CsiDecoder& decoder, std::span<const std::uint8_
     return;
   }
   RAYLOC_CHECK(result->format == decoder.format());
-  RAYLOC_CHECK(result->core < kMaxCores && result->stream < kMaxStreams);
+  RAYLOC_CHECK(result->rx_chain < kMaxRxChains && result->stream < kMaxStreams);
   RAYLOC_CHECK(result->tones > 0 && result->total_tones <= kMaxTones);
   RAYLOC_CHECK(result->first_tone + result->tones <= result->total_tones);
   RAYLOC_CHECK(result->first_tone % kToneBlock == 0 && result->tones % kToneBlock == 0);
@@ -46,9 +46,9 @@ inline void check_decoder(const FrameDecoder& decoder, std::span<const std::uint
     return;
   }
   RAYLOC_CHECK(result->format == decoder.format());
-  RAYLOC_CHECK(!result->cores.empty() && result->cores.size() <= kMaxCores);
-  RAYLOC_CHECK(result->power_dbm.size() == result->cores.size());
-  RAYLOC_CHECK(result->csi.antennas() == result->cores.size());
+  RAYLOC_CHECK(!result->rx_chains.empty() && result->rx_chains.size() <= kMaxRxChains);
+  RAYLOC_CHECK(result->power_dbm.size() == result->rx_chains.size());
+  RAYLOC_CHECK(result->csi.antennas() == result->rx_chains.size());
   RAYLOC_CHECK(result->csi.tones() == result->tone_index.size());
   for (const std::complex<float> h : result->csi.values()) {
     RAYLOC_CHECK(std::isfinite(std::norm(h)));

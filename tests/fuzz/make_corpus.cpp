@@ -116,7 +116,7 @@ void write_decoders(const Corpus& corpus) {
   corpus.write("axcsi", "he40_from_256", he40[1].payload);
 
   WireFrame wide = frame_of(WirePhy::kVht, 80, 80, 0, 1);
-  wide.cores = {0, 1};
+  wide.rx_chains = {0, 1};
   for (const auto& [chip, name] : {std::pair(NexmonChip::k4339, "4339"),
                                    std::pair(NexmonChip::k4358, "4358"),
                                    std::pair(NexmonChip::k43455c0, "43455c0"),

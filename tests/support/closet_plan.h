@@ -16,9 +16,9 @@ inline std::string closet_access_point(const std::string& id,
                      "\nyaw_deg = " + std::to_string(yaw_deg) +
                      "\npattern = \"half_wave_dipole\"\n";
   const std::array<std::string, 3> offsets = {"[0, -0.089, 0]", "[0, 0, 0]", "[0, 0.089, 0]"};
-  const std::array<int, 3> cores = {2, 0, 3};
+  const std::array<int, 3> rx_chains = {2, 0, 3};
   for (std::size_t i = 0; i < 3; ++i) {
-    text += "[[access_point.antenna]]\ncore = " + std::to_string(cores[i]) +
+    text += "[[access_point.antenna]]\ncore = " + std::to_string(rx_chains[i]) +
             "\noffset = " + offsets[i] + "\n";
   }
   return text;

@@ -17,15 +17,15 @@ namespace {
 using ToneValue = std::complex<float>;
 
 // Row of the core in the frame; empty if the frame is from another access point or lacks the core.
-std::optional<std::size_t> row_of(const CsiFrame& frame, int access_point, std::uint8_t core) {
-  const auto found = std::find(frame.cores.begin(), frame.cores.end(), core);
-  if (frame.access_point != access_point || found == frame.cores.end()) {
+std::optional<std::size_t> row_of(const CsiFrame& frame, int access_point, std::uint8_t rx_chain) {
+  const auto found = std::find(frame.rx_chains.begin(), frame.rx_chains.end(), rx_chain);
+  if (frame.access_point != access_point || found == frame.rx_chains.end()) {
     return std::nullopt;
   }
-  return static_cast<std::size_t>(found - frame.cores.begin());
+  return static_cast<std::size_t>(found - frame.rx_chains.begin());
 }
 
-using Array = std::vector<std::complex<double>>;  // [core][tone]
+using Array = std::vector<std::complex<double>>;  // [rx_chain][tone]
 
 // Positions of the room's tones and of the access point's cores in a frame; empty when one is
 // missing.
@@ -33,14 +33,14 @@ std::vector<ToneValue*> values_of(CsiFrame& frame,
                                   const RoomModel& room,
                                   const RoomAccessPoint& ap) {
   std::vector<ToneValue*> at;
-  for (const std::uint8_t core : ap.cores) {
-    const auto row = std::find(frame.cores.begin(), frame.cores.end(), core);
+  for (const std::uint8_t rx_chain : ap.rx_chains) {
+    const auto row = std::find(frame.rx_chains.begin(), frame.rx_chains.end(), rx_chain);
     for (const std::int16_t tone : room.grid.tone_index) {
       const auto k = std::find(frame.tone_index.begin(), frame.tone_index.end(), tone);
-      if (row == frame.cores.end() || k == frame.tone_index.end()) {
+      if (row == frame.rx_chains.end() || k == frame.tone_index.end()) {
         return {};
       }
-      at.push_back(&frame.csi.row(static_cast<std::size_t>(row - frame.cores.begin()),
+      at.push_back(&frame.csi.row(static_cast<std::size_t>(row - frame.rx_chains.begin()),
                                   0)[static_cast<std::size_t>(k - frame.tone_index.begin())]);
     }
   }
@@ -62,7 +62,7 @@ Expected expected_of(const RoomModel& room, std::size_t access_point, const Vec3
                            nullptr);
   const RoomAccessPoint& ap = room.access_points[access_point];
   Expected expected{map.expected(map.rays_to(device)), {}};
-  for (std::size_t m = 0; m < ap.cores.size(); ++m) {
+  for (std::size_t m = 0; m < ap.rx_chains.size(); ++m) {
     const double delay = norm(device - element_position(ap.array, m)) / kSpeedOfLight;
     for (std::size_t k = 0; k < room.grid.size(); ++k) {
       expected.direct.push_back(
@@ -83,27 +83,27 @@ Expected expected_of(const RoomModel& room, std::size_t access_point, const Vec3
 
 void kill_chain(std::vector<CsiFrame>& frames,
                 int access_point,
-                std::uint8_t core,
+                std::uint8_t rx_chain,
                 std::mt19937& random) {
   std::normal_distribution<float> normal;
   for (CsiFrame& frame : frames) {
-    const auto dead = row_of(frame, access_point, core);
+    const auto dead = row_of(frame, access_point, rx_chain);
     if (!dead) {
       continue;
     }
-    const std::size_t cores = frame.cores.size();
-    if (cores < 2) {
+    const std::size_t rx_chains = frame.rx_chains.size();
+    if (rx_chains < 2) {
       continue;  // no other chain to compare with
     }
     double power = 0.0;
-    for (std::size_t m = 0; m < cores; ++m) {
+    for (std::size_t m = 0; m < rx_chains; ++m) {
       for (const ToneValue& value : frame.csi.row(m, 0)) {
         power += m == *dead ? 0.0 : static_cast<double>(std::norm(value));
       }
     }
     const auto row = frame.csi.row(*dead, 0);
-    const auto next = frame.csi.row((*dead + 1) % cores, 0);
-    power /= static_cast<double>((cores - 1) * row.size());
+    const auto next = frame.csi.row((*dead + 1) % rx_chains, 0);
+    power /= static_cast<double>((rx_chains - 1) * row.size());
     const auto noise = static_cast<float>(std::sqrt(0.5 * power * std::pow(10.0, -3.1)));
     const auto coupling = static_cast<float>(std::pow(10.0, -1.4));
     for (std::size_t k = 0; k < row.size(); ++k) {
@@ -113,10 +113,13 @@ void kill_chain(std::vector<CsiFrame>& frames,
   }
 }
 
-void turn_chain(std::vector<CsiFrame>& frames, int access_point, std::uint8_t core, double phase) {
+void turn_chain(std::vector<CsiFrame>& frames,
+                int access_point,
+                std::uint8_t rx_chain,
+                double phase) {
   const ToneValue turn = std::polar(1.0F, static_cast<float>(phase));
   for (CsiFrame& frame : frames) {
-    if (const auto row = row_of(frame, access_point, core)) {
+    if (const auto row = row_of(frame, access_point, rx_chain)) {
       for (ToneValue& value : frame.csi.row(*row, 0)) {
         value *= turn;
       }
@@ -150,15 +153,15 @@ void obstruct(std::vector<CsiFrame>& frames,
   }
 }
 
-std::vector<std::complex<double>> strange_channel(std::size_t cores,
+std::vector<std::complex<double>> strange_channel(std::size_t rx_chains,
                                                   std::span<const double> offset_hz,
                                                   std::mt19937& random) {
   constexpr int kTaps = 40;
   constexpr double kDecay = 30e-9;  // [s]
   std::normal_distribution<double> normal;
   std::exponential_distribution<double> delay(1.0 / kDecay);
-  std::vector<std::complex<double>> h(cores * offset_hz.size());
-  for (std::size_t m = 0; m < cores; ++m) {
+  std::vector<std::complex<double>> h(rx_chains * offset_hz.size());
+  for (std::size_t m = 0; m < rx_chains; ++m) {
     for (int tap = 0; tap < kTaps; ++tap) {
       const double real = normal(random);
       const std::complex<double> amplitude(real, normal(random));

@@ -19,11 +19,14 @@ namespace rayloc::test {
 // chain coupled in at -28 dB. `core`: number of the chain; frames without it are unchanged.
 void kill_chain(std::vector<CsiFrame>& frames,
                 int access_point,
-                std::uint8_t core,
+                std::uint8_t rx_chain,
                 std::mt19937& random);
 
 // Adds a phase [rad] to one chain, as after a power cycle.
-void turn_chain(std::vector<CsiFrame>& frames, int access_point, std::uint8_t core, double phase);
+void turn_chain(std::vector<CsiFrame>& frames,
+                int access_point,
+                std::uint8_t rx_chain,
+                double phase);
 
 // Places an obstruction that passes 3 % of the direct path's amplitude in front of an access point.
 // `room`: as calibrated, gives the direct path's strength; `device`: the true position.
@@ -32,9 +35,9 @@ void obstruct(std::vector<CsiFrame>& frames,
               const RoomModel& room,
               const Vec3d& device);
 
-// [core][tone] of a channel that no test room produces: taps of random phase that decay with 30 ns,
-// independent for every antenna.
-std::vector<std::complex<double>> strange_channel(std::size_t cores,
+// [rx_chain][tone] of a channel that no test room produces: taps of random phase that decay with 30
+// ns, independent for every antenna.
+std::vector<std::complex<double>> strange_channel(std::size_t rx_chains,
                                                   std::span<const double> offset_hz,
                                                   std::mt19937& random);
 

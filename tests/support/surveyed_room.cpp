@@ -118,24 +118,25 @@ RoomAccessPoint make_access_point(const std::string& id, double x, double y) {
   ap.array.pose.orientation.yaw = std::atan2(-y, -x);  // faces the middle
   ap.array.element_offset = {{0.0, -0.089, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.089, 0.0}};
   ap.array.pattern = AntennaPattern::kHalfWaveDipole;
-  ap.cores = {2, 0, 3};
+  ap.rx_chains = {2, 0, 3};
   return ap;
 }
 
 ChainGains make_gains(const RoomModel& room, std::size_t access_point, double error) {
   const RoomAccessPoint& ap = room.access_points[access_point];
-  ChainGains gains{room.grid, ap.cores, {}, {}};
-  for (std::size_t core = 0; core < ap.cores.size(); ++core) {
-    const auto number = static_cast<double>(core + 3 * access_point);
-    const Value level = core == 0 ? Value(1.0)
-                                  : std::polar(1.0 + 0.1 * error * std::sin(number),
-                                               0.2 * error * std::cos(2.1 * number));
+  ChainGains gains{room.grid, ap.rx_chains, {}, {}};
+  for (std::size_t rx_chain = 0; rx_chain < ap.rx_chains.size(); ++rx_chain) {
+    const auto number = static_cast<double>(rx_chain + 3 * access_point);
+    const Value level = rx_chain == 0 ? Value(1.0)
+                                      : std::polar(1.0 + 0.1 * error * std::sin(number),
+                                                   0.2 * error * std::cos(2.1 * number));
     gains.gain.insert(gains.gain.end(), room.grid.size(), level);
   }
-  for (std::size_t i = 0; error != 0.0 && i < ap.cores.size() * ap.cores.size(); ++i) {
+  for (std::size_t i = 0; error != 0.0 && i < ap.rx_chains.size() * ap.rx_chains.size(); ++i) {
     const auto number = static_cast<double>(i + 9 * access_point);
-    gains.coupling.push_back(
-        i % (ap.cores.size() + 1) == 0 ? Value(1.0) : std::polar(kCoupling * error, 2.3 * number));
+    gains.coupling.push_back(i % (ap.rx_chains.size() + 1) == 0
+                                 ? Value(1.0)
+                                 : std::polar(kCoupling * error, 2.3 * number));
   }
   return gains;
 }
@@ -150,10 +151,10 @@ constexpr std::array<ArrayError, 3> kArrayErrors{{{{0.004, -0.003, 0.002}, 1.0 *
                                                   {{0.003, 0.002, 0.004}, 0.6 * kDegree}}};
 
 void state_coupling(const RoomAccessPoint& ap, std::map<std::string, double>& truth) {
-  const std::size_t cores = ap.cores.size();
+  const std::size_t rx_chains = ap.rx_chains.size();
   for (std::size_t i = 0; i < ap.gains.coupling.size(); ++i) {
-    const std::string name = ap.id + ".core" + std::to_string(ap.cores[i / cores]) + "/core" +
-                             std::to_string(ap.cores[i % cores]) + ".coupling";
+    const std::string name = ap.id + ".core" + std::to_string(ap.rx_chains[i / rx_chains]) +
+                             "/core" + std::to_string(ap.rx_chains[i % rx_chains]) + ".coupling";
     truth[name + ".re"] = ap.gains.coupling[i].real();
     truth[name + ".im"] = ap.gains.coupling[i].imag();
   }
@@ -200,7 +201,7 @@ std::vector<Vec3d> places(const std::vector<SceneBox>& furniture,
   return result;
 }
 
-// [core][tone], with the chain gains, noise, and the unknown factor and delay of a burst.
+// [rx_chain][tone], with the chain gains, noise, and the unknown factor and delay of a burst.
 std::vector<Value> received(const RoomModel& room,
                             const RoomAccessPoint& ap,
                             const Vec3d& position,

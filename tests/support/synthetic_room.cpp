@@ -34,7 +34,7 @@ RoomAccessPoint make_access_point(const std::string& id, double x, double y) {
   ap.array.pose.orientation.yaw = std::atan2(-y, -x);  // faces the middle
   ap.array.element_offset = {{0.0, -0.089, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.089, 0.0}};
   ap.array.pattern = AntennaPattern::kHalfWaveDipole;
-  ap.cores = {2, 0, 3};
+  ap.rx_chains = {2, 0, 3};
   return ap;
 }
 
@@ -42,9 +42,9 @@ RoomAccessPoint make_access_point(const std::string& id, double x, double y) {
 
 ChainGains make_gains(const RoomModel& room, std::size_t access_point) {
   const RoomAccessPoint& ap = room.access_points[access_point];
-  ChainGains gains{room.grid, ap.cores, {}, {}};
-  for (std::size_t core = 0; core < ap.cores.size(); ++core) {
-    const auto number = static_cast<double>(core + 3 * access_point);
+  ChainGains gains{room.grid, ap.rx_chains, {}, {}};
+  for (std::size_t rx_chain = 0; rx_chain < ap.rx_chains.size(); ++rx_chain) {
+    const auto number = static_cast<double>(rx_chain + 3 * access_point);
     const Value level = std::polar(1.0 + 0.15 * std::sin(number), 2.1 * number);
     for (std::size_t k = 0; k < room.grid.size(); ++k) {
       const double x = room.grid.tone_index[k] / 58.0;
@@ -133,15 +133,15 @@ std::vector<CsiFrame> frames_of(const RoomModel& room,
       CsiFrame frame;
       frame.time = Timestamp(std::chrono::milliseconds(10 * n));
       frame.access_point = static_cast<int>(i);
-      frame.cores = ap.cores;
+      frame.rx_chains = ap.rx_chains;
       frame.tone_index = room.grid.tone_index;
       frame.complete = true;
-      frame.csi = Csi(ap.cores.size(), 1, room.grid.size());
+      frame.csi = Csi(ap.rx_chains.size(), 1, room.grid.size());
       // Drawn one by one: the order in which arguments are evaluated differs between compilers.
       const double phase = 2.0 * std::numbers::pi * uniform(random);
       const Value factor = std::polar(std::exp(normal(random)), phase);
       const double delay = 60e-9 + 290e-9 * uniform(random);
-      for (std::size_t m = 0; m < ap.cores.size(); ++m) {
+      for (std::size_t m = 0; m < ap.rx_chains.size(); ++m) {
         const auto row = frame.csi.row(m, 0);
         for (std::size_t k = 0; k < room.grid.size(); ++k) {
           const double imaginary = sigma * normal(random);

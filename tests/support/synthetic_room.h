@@ -27,7 +27,7 @@ struct FrameOptions {
   unsigned seed = 1;
 };
 
-// [core][tone] at the antennas of an access point, each traced separately.
+// [rx_chain][tone] at the antennas of an access point, each traced separately.
 std::vector<std::complex<double>> channel_at(const RoomModel& room,
                                              const RoomAccessPoint& access_point,
                                              const Vec3d& position);
@@ -38,8 +38,8 @@ std::vector<Ray> rays_to(const PathTracer& tracer,
                          const AntennaArray& array,
                          const Vec3d& position);
 
-// Frames that the access points report when their antennas receive `channels` ([core][tone] each;
-// empty: no reception): unknown gain, phase and timing offset per frame, chain gains, noise.
+// Frames that the access points report when their antennas receive `channels` ([rx_chain][tone]
+// each; empty: no reception): unknown gain, phase and timing offset per frame, chain gains, noise.
 std::vector<CsiFrame> frames_of(const RoomModel& room,
                                 const std::vector<std::vector<std::complex<double>>>& channels,
                                 const FrameOptions& options = {});

@@ -21,7 +21,7 @@ std::vector<CsiFrame> frames_past(const RoomModel& room,
     std::vector<std::vector<std::complex<double>>> channels;
     for (const RoomAccessPoint& ap : room.access_points) {
       auto& h = channels.emplace_back();
-      for (std::size_t m = 0; m < ap.cores.size(); ++m) {
+      for (std::size_t m = 0; m < ap.rx_chains.size(); ++m) {
         const Vec3d antenna = element_position(ap.array, m);
         const double direct = norm(link.transmitter - antenna);
         const double echo = norm(link.transmitter - person) + norm(person - antenna);

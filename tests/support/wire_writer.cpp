@@ -148,9 +148,9 @@ std::uint16_t chanspec_of(const WireFrame& frame) {
 }  // namespace
 
 WireChannel delayed_path(double delay, double spacing_hz) {
-  return [delay, spacing_hz](int core, int stream, int tone) {
+  return [delay, spacing_hz](int rx_chain, int stream, int tone) {
     const double phase = -2.0 * std::numbers::pi * spacing_hz * tone * delay;
-    return std::polar(100.0, phase + 0.7 * core - 1.1 * stream);
+    return std::polar(100.0, phase + 0.7 * rx_chain - 1.1 * stream);
   };
 }
 
@@ -163,15 +163,15 @@ std::uint32_t pack_int16(std::complex<double> value) {
   return half(value.real()) | half(value.imag()) << 16U;
 }
 
-std::vector<std::complex<double>> wire_tones(const WireFrame& frame, int core, int stream) {
+std::vector<std::complex<double>> wire_tones(const WireFrame& frame, int rx_chain, int stream) {
   const int total = frame.channel_mhz / 20 * tones_per_20_mhz(frame.phy);
   std::vector<std::complex<double>> tones(static_cast<std::size_t>(total));
   for (int tone = -total / 2; tone < total / 2; ++tone) {
     // Noise 46 dB down, a function of the tone so that runs agree.
-    std::complex<double> value = std::polar(0.5, 2.399963 * tone * tone + core);
+    std::complex<double> value = std::polar(0.5, 2.399963 * tone * tone + rx_chain);
     const int own = tone - frame.centre_tone;
     if (sounded(frame, own)) {
-      value = rotation(frame, own) * frame.channel(core, stream, tone);
+      value = rotation(frame, own) * frame.channel(rx_chain, stream, tone);
     } else if (tone == 0) {
       value = 50.0 * frame.garbage_at_centre;
     }
@@ -182,15 +182,15 @@ std::vector<std::complex<double>> wire_tones(const WireFrame& frame, int core, i
 
 Recording write_axcsi(const WireFrame& frame, Timestamp time) {
   Recording recording;
-  for (const int core : frame.cores) {
+  for (const int rx_chain : frame.rx_chains) {
     for (int stream = 0; stream < frame.streams; ++stream) {
-      const auto tones = wire_tones(frame, core, stream);
+      const auto tones = wire_tones(frame, rx_chain, stream);
       for (std::size_t first = 0; first < tones.size(); first += 256) {
         const std::size_t count = std::min<std::size_t>(256, tones.size() - first);
         Bytes bytes;
         put_address(bytes, frame.transmitter);
         put(bytes, frame.sequence, 2);
-        put(bytes, static_cast<std::uint64_t>(core), 2);
+        put(bytes, static_cast<std::uint64_t>(rx_chain), 2);
         put(bytes, static_cast<std::uint64_t>(stream), 2);
         put(bytes, first, 2);
         put(bytes, first + count - 1, 2);
@@ -218,16 +218,16 @@ Recording write_axcsi(const WireFrame& frame, Timestamp time) {
 
 Recording write_nexmon(const WireFrame& frame, NexmonChip chip, int version, Timestamp time) {
   Recording recording;
-  for (const int core : frame.cores) {
+  for (const int rx_chain : frame.rx_chains) {
     for (int stream = 0; stream < frame.streams; ++stream) {
-      auto tones = wire_tones(frame, core, stream);
+      auto tones = wire_tones(frame, rx_chain, stream);
       Bytes bytes;
       put(bytes, 0x1111, 2);
       put(bytes, version == 1 ? 0x11 : static_cast<std::uint64_t>(frame.power_dbm.at(0)), 1);
       put(bytes, version == 1 ? 0x11 : 0x88, 1);
       put_address(bytes, frame.transmitter);
       put(bytes, frame.sequence_control, 2);
-      const auto configuration = static_cast<std::uint64_t>(core | stream << 3);
+      const auto configuration = static_cast<std::uint64_t>(rx_chain | stream << 3);
       put(bytes, chip == NexmonChip::k4366c0 ? configuration << 8U : configuration, 2);
       put(bytes, chanspec_of(frame), 2);
       put(bytes, static_cast<std::uint64_t>(chip), 2);
@@ -253,11 +253,11 @@ Recording write_nexmon(const WireFrame& frame, NexmonChip chip, int version, Tim
 
 Recording write_ubilocate(const WireFrame& frame, Timestamp time) {
   std::uint64_t core_mask = 0;
-  for (const int core : frame.cores) {
-    core_mask |= std::uint64_t{1} << core;
+  for (const int rx_chain : frame.rx_chains) {
+    core_mask |= std::uint64_t{1} << rx_chain;
   }
   Recording recording;
-  for (const int core : frame.cores) {
+  for (const int rx_chain : frame.rx_chains) {
     for (int stream = 0; stream < frame.streams; ++stream) {
       Bytes bytes;
       put(bytes, 0x1111, 2);
@@ -265,10 +265,10 @@ Recording write_ubilocate(const WireFrame& frame, Timestamp time) {
       put(bytes, (std::uint64_t{1} << frame.streams) - 1, 1);
       put_address(bytes, frame.transmitter);
       put(bytes, frame.sequence_control, 2);
-      put(bytes, 4 * static_cast<std::uint64_t>(core) + static_cast<std::uint64_t>(stream), 2);
+      put(bytes, 4 * static_cast<std::uint64_t>(rx_chain) + static_cast<std::uint64_t>(stream), 2);
       put(bytes, chanspec_of(frame), 2);
       put(bytes, frame.sequence, 2);
-      for (const std::complex<double> tone : wire_tones(frame, core, stream)) {
+      for (const std::complex<double> tone : wire_tones(frame, rx_chain, stream)) {
         put(bytes, pack_float12(tone), 4);
       }
       const bool first = recording.empty();

@@ -16,7 +16,7 @@ namespace rayloc::test {
 enum class WirePhy { kLegacy = 0, kHt = 1, kVht = 2, kHe = 3 };
 
 // The channel of one receive chain and stream at a tone, counted from the channel's centre.
-using WireChannel = std::function<std::complex<double>(int core, int stream, int tone)>;
+using WireChannel = std::function<std::complex<double>(int rx_chain, int stream, int tone)>;
 
 // One path of unit size with a delay [s]: exp(-j 2 pi f tau), f from the centre of the channel;
 // chains and streams differ by a phase.
@@ -29,7 +29,7 @@ struct WireFrame {
   int occupied_mhz = 40;
   int centre_tone = 0;
   int training_stride = 1;  // HE: 2 and 4 sound only every second or fourth tone
-  std::vector<int> cores = {0, 1, 2, 3};
+  std::vector<int> rx_chains = {0, 1, 2, 3};
   int streams = 1;  // number of extracted streams
   int transmitted_streams = 1;
   std::uint64_t transmitter = 0x02524c000001;
@@ -50,7 +50,7 @@ std::uint32_t pack_float9(std::complex<double> value);
 std::uint32_t pack_int16(std::complex<double> value);
 
 // The tones of one core and stream in wire order, with the rotations of 802.11.
-std::vector<std::complex<double>> wire_tones(const WireFrame& frame, int core, int stream);
+std::vector<std::complex<double>> wire_tones(const WireFrame& frame, int rx_chain, int stream);
 
 // The frame's datagrams, all of the same time: for each core, for each stream, for each 256 tones.
 Recording write_axcsi(const WireFrame& frame, Timestamp time);

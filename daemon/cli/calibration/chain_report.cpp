@@ -33,7 +33,7 @@ void print_chains(const RechainResult& result, bool with_refused) {
       std::fprintf(stderr,
                    "  core %d against %d: phase %.1f -> %.1f deg (sigma %.1f), gain %.2f -> %.2f "
                    "dB\n",
-                   chain.core,
+                   chain.rx_chain,
                    chain.against,
                    chain.before.phase_deg,
                    chain.after.phase_deg,

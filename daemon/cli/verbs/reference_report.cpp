@@ -13,12 +13,12 @@ namespace {
 
 void print_change(const RoomAccessPoint& ap, const DayChange& change) {
   std::string turns;
-  for (std::size_t m = 1; m < ap.cores.size(); ++m) {
+  for (std::size_t m = 1; m < ap.rx_chains.size(); ++m) {
     const std::complex<double> turn = change.chains.turn[m] / change.chains.turn[0];
     turns += fmt::format("{} core {} against {} {:+.0f} deg {:+.1f} dB",
                          turns.empty() ? "" : ",",
-                         ap.cores[m],
-                         ap.cores[0],
+                         ap.rx_chains[m],
+                         ap.rx_chains[0],
                          std::arg(turn) * 180.0 / std::numbers::pi,
                          20.0 * std::log10(std::abs(turn)));
   }

@@ -159,7 +159,7 @@ Json chains_json(const std::vector<ChainChange>& chains) {
   };
   Json all = Json::array();
   for (const ChainChange& one : chains) {
-    all.push_back({{"core", one.core},
+    all.push_back({{"core", one.rx_chain},
                    {"against", one.against},
                    {"before", values(one.before)},
                    {"after", values(one.after)},
@@ -261,7 +261,7 @@ std::vector<KnownSpot> Rechain::spots_of(std::size_t access_point, ContentHash& 
   std::vector<KnownSpot> spots;
   for (const SpotFrames& spot : received_.spots) {
     auto burst =
-        combine_burst(spot.frames, {static_cast<int>(access_point), room_.grid, ap.cores, {}});
+        combine_burst(spot.frames, {static_cast<int>(access_point), room_.grid, ap.rx_chains, {}});
     if (!burst) {
       received_.refused.push_back({fmt::format("{} at ({:g}, {:g}, {:g})",
                                                ap.id,
@@ -375,11 +375,11 @@ std::vector<ChainChange> Rechain::changes(const RefitAccessPoint& result) const 
   };
   const auto before = parameters_of(before_);
   const auto after = parameters_of(after_);
-  const auto& cores = result.refit.gains.cores;
+  const auto& rx_chains = result.refit.gains.rx_chains;
   std::vector<ChainChange> chains;
   for (std::size_t i = 0; i + 1 < after.size(); i += 2) {
-    chains.push_back({cores[1 + i / 2],
-                      cores[0],
+    chains.push_back({rx_chains[1 + i / 2],
+                      rx_chains[0],
                       {before[i].value, before[i + 1].value},
                       {after[i].value, after[i + 1].value},
                       {after[i].sigma, after[i + 1].sigma}});

@@ -30,7 +30,7 @@ struct ChainValues {
 
 // Mean gain and phase of a chain against another.
 struct ChainChange {
-  int core = 0;
+  int rx_chain = 0;
   int against = 0;
   ChainValues before;
   ChainValues after;

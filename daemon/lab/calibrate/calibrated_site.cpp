@@ -24,18 +24,18 @@ Fitted<double> stated(double change,
   return {change, 0.0, found == parameters.end() ? 0.0 : found->sigma};
 }
 
-std::string chain_name(const CalibratedAccessPoint& ap, std::size_t core) {
-  return ap.id + ".core" + std::to_string(ap.gains.cores[core]) + "/core" +
-         std::to_string(ap.gains.cores[0]);
+std::string chain_name(const CalibratedAccessPoint& ap, std::size_t rx_chain) {
+  return ap.id + ".core" + std::to_string(ap.gains.rx_chains[rx_chain]) + "/core" +
+         std::to_string(ap.gains.rx_chains[0]);
 }
 
 // Chains that the method fitted together with the room get the sigma that it states.
 void state_chains(std::span<const RoomParameter> parameters, CalibratedAccessPoint& ap) {
-  for (std::size_t core = 1; core < ap.gains.cores.size(); ++core) {
-    const ParameterId phase{chain_name(ap, core), Quantity::kPhase};
+  for (std::size_t rx_chain = 1; rx_chain < ap.gains.rx_chains.size(); ++rx_chain) {
+    const ParameterId phase{chain_name(ap, rx_chain), Quantity::kPhase};
     for (const RoomParameter& parameter : parameters) {
       if (parameter.id == phase && parameter.sigma > 0.0) {
-        ap.gain_sigma[core] = kDegree * parameter.sigma;
+        ap.gain_sigma[rx_chain] = kDegree * parameter.sigma;
         ap.gain_sigma[0] = 0.0;  // reference chain of the others
       }
     }
@@ -104,10 +104,10 @@ void count_yaw_from_survey(const RoomModel& surveyed,
 std::vector<RoomParameter> chain_parameters(const CalibratedAccessPoint& ap) {
   constexpr double kDecibels = 20.0 * std::numbers::log10e;  // of one neper
   std::vector<RoomParameter> parameters;
-  for (std::size_t core = 1; core < ap.gains.cores.size(); ++core) {
-    const std::complex<double> ratio = chain_ratio(ap.gains, core);
-    const std::string name = chain_name(ap, core);
-    const double sigma = std::hypot(ap.gain_sigma[core], ap.gain_sigma[0]);
+  for (std::size_t rx_chain = 1; rx_chain < ap.gains.rx_chains.size(); ++rx_chain) {
+    const std::complex<double> ratio = chain_ratio(ap.gains, rx_chain);
+    const std::string name = chain_name(ap, rx_chain);
+    const double sigma = std::hypot(ap.gain_sigma[rx_chain], ap.gain_sigma[0]);
     parameters.push_back({{kDecibels * std::log(std::abs(ratio)), 0.0, kDecibels * sigma},
                           {name, Quantity::kGain},
                           "dB"});

@@ -43,8 +43,8 @@ void add_to_hash(ContentHash& hash, const std::string& access_point, const CsiFr
   hash.add(access_point);
   hash.add(to_string(frame.transmitter));
   hash.add(static_cast<std::uint64_t>(frame.time.time_since_epoch().count()));
-  for (const std::uint8_t core : frame.cores) {
-    hash.add(static_cast<std::uint64_t>(core));
+  for (const std::uint8_t rx_chain : frame.rx_chains) {
+    hash.add(static_cast<std::uint64_t>(rx_chain));
   }
   for (const auto value : frame.csi.values()) {
     hash.add(static_cast<double>(value.real()));

@@ -85,7 +85,7 @@ Expected<StoredCheckpoint> load_checkpoint(const std::filesystem::path& file,
     checkpoint.survey_sigma = json.at("survey_sigma");
     for (std::size_t a = 0; a < room.access_points.size(); ++a) {
       const RoomAccessPoint& ap = room.access_points[a];
-      ChainGains gains{ap.gains.grid, ap.cores, {}, ap.gains.coupling};
+      ChainGains gains{ap.gains.grid, ap.rx_chains, {}, ap.gains.coupling};
       for (const Json& gain : json.at("gains").at(a)) {
         gains.gain.emplace_back(gain.at(0).get<double>(), gain.at(1).get<double>());
       }

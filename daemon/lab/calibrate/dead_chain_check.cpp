@@ -21,16 +21,18 @@ constexpr double kDeadShare = 0.01;
 // Frames of the access point, and frames that contain the rx chain.
 struct Presence {
   std::size_t frames = 0;
-  std::size_t with_core = 0;
+  std::size_t with_rx_chain = 0;
 };
 
-Presence presence_of(std::size_t access_point, std::uint8_t core, const CalibrationInputs& inputs) {
+Presence presence_of(std::size_t access_point,
+                     std::uint8_t rx_chain,
+                     const CalibrationInputs& inputs) {
   Presence presence;
   for (const SurveyedFrames& spot : inputs.points) {
     for (const CsiFrame& frame : spot.frames) {
       if (frame.access_point == static_cast<int>(access_point)) {
         ++presence.frames;
-        presence.with_core += brings_core(frame, core) ? 1U : 0U;
+        presence.with_rx_chain += brings_rx_chain(frame, rx_chain) ? 1U : 0U;
       }
     }
   }
@@ -74,29 +76,29 @@ std::string dead_chains_of(const RoomModel& room,
                            const std::vector<CalibrationPoint>& points,
                            const CalibrationInputs& inputs) {
   std::string text;
-  const auto add = [&](std::size_t access_point, std::uint8_t core, const std::string& what) {
+  const auto add = [&](std::size_t access_point, std::uint8_t rx_chain, const std::string& what) {
     text += fmt::format(
         "{}access point {}: core {} {}: check its antenna and pigtail and survey again, or take "
         "the core out of site.toml",
         text.empty() ? "" : "\n",
         room.access_points[access_point].id,
-        core,
+        rx_chain,
         what);
   };
   for (std::size_t a = 0; a < room.access_points.size(); ++a) {
-    const std::vector<std::uint8_t>& cores = room.access_points[a].cores;
-    for (std::size_t row = 0; row < cores.size(); ++row) {
-      const Presence presence = presence_of(a, cores[row], inputs);
-      const WeakPoints weak = weak_points(points, a, cores.size(), row);
-      if (presence.frames >= kFewestSurveyFrames && 10 * presence.with_core < presence.frames) {
+    const std::vector<std::uint8_t>& rx_chains = room.access_points[a].rx_chains;
+    for (std::size_t row = 0; row < rx_chains.size(); ++row) {
+      const Presence presence = presence_of(a, rx_chains[row], inputs);
+      const WeakPoints weak = weak_points(points, a, rx_chains.size(), row);
+      if (presence.frames >= kFewestSurveyFrames && 10 * presence.with_rx_chain < presence.frames) {
         add(a,
-            cores[row],
+            rx_chains[row],
             fmt::format("has no CSI in {} of {} frames",
-                        presence.frames - presence.with_core,
+                        presence.frames - presence.with_rx_chain,
                         presence.frames));
       } else if (weak.received >= kFewestWeakPoints && 4 * weak.weak >= 3 * weak.received) {
         add(a,
-            cores[row],
+            rx_chains[row],
             fmt::format(
                 "is 20 dB weaker than the others at {} of {} points", weak.weak, weak.received));
       }

@@ -17,8 +17,8 @@ void add_access_point(ContentHash& hash, const RoomAccessPoint& ap) {
     hash.add(offset);
   }
   add_antenna(hash, ap.array.pattern, ap.array.polarization);
-  for (const std::uint8_t core : ap.cores) {
-    hash.add(static_cast<std::uint64_t>(core));
+  for (const std::uint8_t rx_chain : ap.rx_chains) {
+    hash.add(static_cast<std::uint64_t>(rx_chain));
   }
 }
 

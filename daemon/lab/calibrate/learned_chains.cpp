@@ -76,7 +76,7 @@ Expected<std::vector<ChainState>> learn_chains(const Site& site,
 
 ChainGains multiplied(const ChainGains& gains, const ChainFactors& factors) {
   ChainGains result = gains;
-  const std::size_t tones = gains.gain.size() / gains.cores.size();
+  const std::size_t tones = gains.gain.size() / gains.rx_chains.size();
   double power = 0.0;
   for (std::size_t i = 0; i < result.gain.size(); ++i) {
     result.gain[i] *= factors.factor[i / tones];

@@ -28,7 +28,7 @@ constexpr Duration kZone = std::chrono::minutes(15);  // time zones are multiple
 constexpr Duration kFarthestZone = std::chrono::hours(14);
 
 bool same_shape(const CsiFrame& a, const CsiFrame& b) {
-  return a.cores == b.cores && a.tone_index == b.tone_index &&
+  return a.rx_chains == b.rx_chains && a.tone_index == b.tone_index &&
          a.csi.values().size() == b.csi.values().size();
 }
 

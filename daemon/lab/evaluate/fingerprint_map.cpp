@@ -16,7 +16,7 @@ std::optional<FingerprintMap::Fingerprint> FingerprintMap::take(
   Fingerprint fingerprint;
   bool is_received = false;
   for (const AccessPoint& ap : access_points_) {
-    auto burst = combine_burst(frames, {ap.index, grid_, ap.cores, {}});
+    auto burst = combine_burst(frames, {ap.index, grid_, ap.rx_chains, {}});
     is_received = is_received || burst.has_value();
     fingerprint.push_back(burst ? std::move(burst->h) : std::vector<std::complex<double>>());
   }

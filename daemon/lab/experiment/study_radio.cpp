@@ -16,12 +16,12 @@ ChainGains before_changes(ChainGains gains, const std::vector<std::complex<doubl
 }
 
 ChainGains gains_on_grid(const ChainGains& all, const OfdmGrid& grid) {
-  ChainGains gains{grid, all.cores, {}, all.coupling};
-  for (std::size_t core = 0; core < all.cores.size(); ++core) {
+  ChainGains gains{grid, all.rx_chains, {}, all.coupling};
+  for (std::size_t rx_chain = 0; rx_chain < all.rx_chains.size(); ++rx_chain) {
     for (const std::int16_t tone : grid.tone_index) {
       const auto found =
           std::lower_bound(all.grid.tone_index.begin(), all.grid.tone_index.end(), tone);
-      gains.gain.push_back(all.gain[core * all.grid.size() +
+      gains.gain.push_back(all.gain[rx_chain * all.grid.size() +
                                     static_cast<std::size_t>(found - all.grid.tone_index.begin())]);
     }
   }
@@ -33,7 +33,7 @@ std::vector<CsiFrame> decoded_frames(const SpotCapture& capture,
                                      int index) {
   CsiReceiverOptions options;
   options.access_point = index;
-  options.expected_cores = ap.cores;
+  options.expected_rx_chains = ap.rx_chains;
   CsiReceiver receiver(options);
   std::vector<CsiFrame> frames;
   for (const SimulatedDatagram& datagram : capture.datagrams) {

@@ -226,7 +226,7 @@ Expected<RoomModel> make_room(const RoomPlan& plan, const Condition& condition) 
   for (const SiteAccessPoint& ap : plan.access_points) {
     ModelError error;
     error.plan_tolerance = std::max(condition.plan_error_m, kMinTolerance);
-    room.access_points.push_back({ap.id, ap.array, ap.cores, {}, error});
+    room.access_points.push_back({ap.id, ap.array, ap.rx_chains, {}, error});
   }
   return room;
 }

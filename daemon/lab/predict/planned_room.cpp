@@ -80,8 +80,8 @@ OfdmGrid grid_of(double centre_hz, int bandwidth_mhz) {
 ChainGains without_gains(const RoomAccessPoint& access_point, const OfdmGrid& grid) {
   ChainGains gains;
   gains.grid = grid;
-  gains.cores = access_point.cores;
-  gains.gain.assign(access_point.cores.size() * grid.size(), 1.0);
+  gains.rx_chains = access_point.rx_chains;
+  gains.gain.assign(access_point.rx_chains.size() * grid.size(), 1.0);
   return gains;
 }
 

@@ -38,7 +38,7 @@ Listener listener_of(const RoomModel& room, std::size_t index, const PredictionO
   capture.seed = options.seed;
   CsiReceiverOptions receiver;
   receiver.access_point = static_cast<int>(index);
-  receiver.expected_cores = room.access_points[index].cores;
+  receiver.expected_rx_chains = room.access_points[index].rx_chains;
   return {CaptureSimulator(room, index, capture), CsiReceiver(receiver)};
 }
 

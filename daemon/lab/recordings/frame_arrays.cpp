@@ -45,23 +45,23 @@ std::size_t place_of(const std::vector<T>& all, T one) {
 }
 
 void add_frame(const CsiFrame& frame, std::size_t number, std::size_t stream, FrameArrays& arrays) {
-  const std::size_t cores = arrays.cores.size();
+  const std::size_t rx_chains = arrays.rx_chains.size();
   const std::size_t tones = arrays.tone_index.size();
   std::vector<std::size_t> columns;
   columns.reserve(frame.tone_index.size());
   for (const std::int16_t tone : frame.tone_index) {
     columns.push_back(place_of(arrays.tone_index, tone));
   }
-  for (std::size_t i = 0; i < frame.cores.size(); ++i) {
-    const std::size_t core = place_of(arrays.cores, frame.cores[i]);
+  for (std::size_t i = 0; i < frame.rx_chains.size(); ++i) {
+    const std::size_t rx_chain = place_of(arrays.rx_chains, frame.rx_chains[i]);
     if (i < frame.power_dbm.size() && frame.power_dbm[i]) {
-      arrays.power_dbm[number * cores + core] = *frame.power_dbm[i];
+      arrays.power_dbm[number * rx_chains + rx_chain] = *frame.power_dbm[i];
     }
     if (stream >= frame.csi.streams()) {
       continue;
     }
     const auto row = frame.csi.row(i, stream);
-    const std::size_t first = (number * cores + core) * tones;
+    const std::size_t first = (number * rx_chains + rx_chain) * tones;
     for (std::size_t j = 0; j < columns.size(); ++j) {
       arrays.csi[first + columns[j]] = row[j];
       arrays.mask[first + columns[j]] = 1;
@@ -72,16 +72,16 @@ void add_frame(const CsiFrame& frame, std::size_t number, std::size_t stream, Fr
 }  // namespace
 
 FrameArrays frame_arrays(std::span<const CsiFrame> frames, std::size_t stream) {
-  std::set<std::uint8_t> cores;
+  std::set<std::uint8_t> rx_chains;
   std::set<std::int16_t> tones;
   for (const CsiFrame& frame : frames) {
-    cores.insert(frame.cores.begin(), frame.cores.end());
+    rx_chains.insert(frame.rx_chains.begin(), frame.rx_chains.end());
     tones.insert(frame.tone_index.begin(), frame.tone_index.end());
   }
   FrameArrays arrays;
-  arrays.cores.assign(cores.begin(), cores.end());
+  arrays.rx_chains.assign(rx_chains.begin(), rx_chains.end());
   arrays.tone_index.assign(tones.begin(), tones.end());
-  const std::size_t rows = frames.size() * cores.size();
+  const std::size_t rows = frames.size() * rx_chains.size();
   arrays.csi.resize(rows * tones.size());
   arrays.mask.resize(rows * tones.size());
   arrays.power_dbm.assign(rows, std::numeric_limits<float>::quiet_NaN());
@@ -104,7 +104,7 @@ Expected<void> write_npz(const FrameArrays& arrays,
   file->add("mask", "'|b1'", bytes(arrays.mask), shape);
   file->add("headers", kFrameHeaderDescr, bytes(arrays.headers), {shape[0]});
   file->add("power_dbm", arrays.power_dbm, {shape[0], shape[1]});
-  file->add("cores", arrays.cores, {shape[1]});
+  file->add("cores", arrays.rx_chains, {shape[1]});
   file->add("tone_index", arrays.tone_index, {shape[2]});
   file->add_texts("access_points", access_points);
   return file->close();

@@ -43,15 +43,15 @@ inline constexpr const char* kFrameHeaderDescr =
     "('transmitter', '|S17'), ('format', '|S16'), ('phy', '|S7'), ('flags', '|S67')]";
 
 struct FrameArrays {
-  std::vector<std::uint8_t> cores;       // union over all frames, ascending
+  std::vector<std::uint8_t> rx_chains;   // union over all frames, ascending
   std::vector<std::int16_t> tone_index;  // union over all frames, ascending
   std::vector<FrameHeader> headers;      // [frame]
-  std::vector<std::complex<float>> csi;  // [frame][core][tone], 0 if not measured
+  std::vector<std::complex<float>> csi;  // [frame][rx_chain][tone], 0 if not measured
   std::vector<std::uint8_t> mask;        // same indices, 1 if measured
-  std::vector<float> power_dbm;          // [frame][core], NaN if unknown
+  std::vector<float> power_dbm;          // [frame][rx_chain], NaN if unknown
 
   std::vector<std::size_t> shape() const {
-    return {headers.size(), cores.size(), tone_index.size()};
+    return {headers.size(), rx_chains.size(), tone_index.size()};
   }
 };
 

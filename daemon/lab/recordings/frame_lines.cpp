@@ -16,19 +16,19 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json values_of(const CsiFrame& frame) {
-  Json cores = Json::array();
-  for (std::size_t core = 0; core < frame.csi.antennas(); ++core) {
+  Json rx_chains = Json::array();
+  for (std::size_t rx_chain = 0; rx_chain < frame.csi.antennas(); ++rx_chain) {
     Json streams = Json::array();
     for (std::size_t stream = 0; stream < frame.csi.streams(); ++stream) {
       Json tones = Json::array();
-      for (const std::complex<float> h : frame.csi.row(core, stream)) {
+      for (const std::complex<float> h : frame.csi.row(rx_chain, stream)) {
         tones.push_back(Json::array({h.real(), h.imag()}));
       }
       streams.push_back(std::move(tones));
     }
-    cores.push_back(std::move(streams));
+    rx_chains.push_back(std::move(streams));
   }
-  return cores;
+  return rx_chains;
 }
 
 }  // namespace
@@ -46,7 +46,7 @@ std::string frame_json(const CsiFrame& frame, const std::string& access_point, b
                {"bandwidth_mhz", frame.bandwidth_mhz},
                {"sequence", frame.sequence},
                {"sequence_control", frame.sequence_control},
-               {"cores", frame.cores},
+               {"cores", frame.rx_chains},
                {"streams", frame.csi.streams()},
                {"tones", frame.csi.tones()},
                {"power_dbm", std::move(power)},
@@ -63,10 +63,10 @@ std::string frame_json(const CsiFrame& frame, const std::string& access_point, b
 }
 
 std::string frame_text(const CsiFrame& frame, const std::string& access_point) {
-  std::string cores;
+  std::string rx_chains;
   std::string power;
-  for (std::size_t i = 0; i < frame.cores.size(); ++i) {
-    cores += (i == 0 ? "" : ",") + std::to_string(frame.cores[i]);
+  for (std::size_t i = 0; i < frame.rx_chains.size(); ++i) {
+    rx_chains += (i == 0 ? "" : ",") + std::to_string(frame.rx_chains[i]);
     power += i == 0 ? "" : ",";
     power += frame.power_dbm[i] ? std::to_string(static_cast<int>(*frame.power_dbm[i])) : "?";
   }
@@ -74,8 +74,8 @@ std::string frame_text(const CsiFrame& frame, const std::string& access_point) {
                      to_string(frame.transmitter) + "  " + std::string(frame.format) + "  " +
                      std::string(to_string(frame.phy)) + " " + std::to_string(frame.bandwidth_mhz) +
                      " MHz  sequence " + std::to_string(frame.sequence) + "/" +
-                     std::to_string(frame.sequence_control) + "  cores " + cores + "  streams " +
-                     std::to_string(frame.csi.streams()) + "  tones " +
+                     std::to_string(frame.sequence_control) + "  cores " + rx_chains +
+                     "  streams " + std::to_string(frame.csi.streams()) + "  tones " +
                      std::to_string(frame.csi.tones()) + "  " + power + " dBm";
   line += frame.complete ? "" : "  incomplete";
   for (const std::string_view flag : frame.flags) {

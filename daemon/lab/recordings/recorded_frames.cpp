@@ -142,10 +142,10 @@ void note_recording(const RecordedSource& source,
                     "one; see the extractor's filter of addresses, or state it as [[transmitter]] "
                     "in site.toml");
   }
-  for (const auto& [core, frames] : decoded.without_core) {
+  for (const auto& [rx_chain, frames] : decoded.without_rx_chain) {
     if (frames >= ChainPresence::kFrames && 2 * frames > decoded.frames) {
       notes.push_back(
-          what + "core " + std::to_string(core) + " has no CSI in " + std::to_string(frames) +
+          what + "core " + std::to_string(rx_chain) + " has no CSI in " + std::to_string(frames) +
           " of " + std::to_string(decoded.frames) +
           " frames: check its antenna and pigtail, and that the extractor is set to measure it");
     }

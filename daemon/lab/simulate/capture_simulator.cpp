@@ -20,7 +20,7 @@ RadioSetup setup_of(const RoomModel& room, std::size_t access_point, int bandwid
   return {room.grid.spacing_hz == kHeSpacing ? PhyFormat::kHe : PhyFormat::kVht,
           bandwidth_mhz,
           room.grid.centre_hz,
-          room.access_points.at(access_point).cores};
+          room.access_points.at(access_point).rx_chains};
 }
 
 // WIRE_FORMATS 1.2. The primary channel is the lowest. 0, which names no channel, beyond 5 GHz.
@@ -124,7 +124,7 @@ CaptureSimulator::CaptureSimulator(std::span<const RoomModel> rooms,
                                    std::size_t access_point,
                                    const CaptureOptions& options)
     : options_(options),
-      cores_(rooms.front().access_points.at(access_point).cores),
+      rx_chains_(rooms.front().access_points.at(access_point).rx_chains),
       header_(header_of(options, setup_of(rooms.front(), access_point, options.bandwidth_mhz))),
       losses_(random_stream(options.seed, "losses", access_point)) {
   for (const RoomModel& room : rooms) {
@@ -200,7 +200,7 @@ Expected<SpotCapture> CaptureSimulator::capture(const SimulatedSpot& spot) {
     header_.sequence_control = sent.sequence_control;
     header_.power_dbm = received.power_dbm;
     Timestamp time = sent.time;
-    for (auto& payload : write_axcsi_frame({header_, cores_, std::move(received.tones)})) {
+    for (auto& payload : write_axcsi_frame({header_, rx_chains_, std::move(received.tones)})) {
       if (uniform(losses_) < options_.impairments.loss_share) {
         ++capture.lost;
       } else {

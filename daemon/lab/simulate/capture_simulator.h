@@ -111,7 +111,7 @@ class CaptureSimulator {
 
   CaptureOptions options_;
   std::deque<OnChannel> channels_;
-  std::vector<std::uint8_t> cores_;
+  std::vector<std::uint8_t> rx_chains_;
   AxcsiHeader header_;  // header of the last frame
   RandomStream losses_;
 };

@@ -57,7 +57,7 @@ SimulatedRadio::SimulatedRadio(const RadioSetup& setup,
                                RandomStream random)
     : setup_(setup), impairments_(impairments), random_(random) {
   chains_.grid = radio_grid(setup);
-  chains_.cores = setup.cores;
+  chains_.rx_chains = setup.rx_chains;
   draw_chains(calibrated);
   draw_coupling(calibrated);
   if (impairments_.snr_db > 0.0) {
@@ -70,8 +70,8 @@ SimulatedRadio::SimulatedRadio(const RadioSetup& setup,
 void SimulatedRadio::draw_chains(const ChainGains& calibrated) {
   const double half = 0.5 * transform_size(setup_.phy, setup_.bandwidth_mhz);
   const bool known = impairments_.calibrated_chains && !calibrated.empty();
-  RAYLOC_CHECK(!known || calibrated.cores == chains_.cores);
-  for (std::size_t core = 0; core < chains_.cores.size(); ++core) {
+  RAYLOC_CHECK(!known || calibrated.rx_chains == chains_.rx_chains);
+  for (std::size_t rx_chain = 0; rx_chain < chains_.rx_chains.size(); ++rx_chain) {
     const double level = impairments_.chain_gain_db * normal_(random_);
     const double phase = impairments_.chain_phase_deg * (2.0 * uniform_(random_) - 1.0);
     const double start_db = kTurn * uniform_(random_);
@@ -83,9 +83,9 @@ void SimulatedRadio::draw_chains(const ChainGains& calibrated) {
     for (const std::int16_t tone : chains_.grid.tone_index) {
       if (known) {
         const double hop = chains_.grid.centre_hz - calibrated.grid.centre_hz;
-        chains_.gain.push_back(
-            calibrated.gain[core * calibrated.grid.size() + nearest_tone(calibrated.grid, tone)] *
-            std::polar(1.0, -kTurn * hop * cable));
+        chains_.gain.push_back(calibrated.gain[rx_chain * calibrated.grid.size() +
+                                               nearest_tone(calibrated.grid, tone)] *
+                               std::polar(1.0, -kTurn * hop * cable));
         continue;
       }
       // One period over the band.
@@ -101,9 +101,9 @@ void SimulatedRadio::draw_chains(const ChainGains& calibrated) {
 void SimulatedRadio::draw_coupling(const ChainGains& calibrated) {
   const double coupling = amplitude_below(impairments_.coupling_db);
   const double image = amplitude_below(impairments_.image_rejection_db);
-  const std::size_t cores = chains_.cores.size();
-  for (std::size_t m = 0; m < cores; ++m) {
-    for (std::size_t n = 0; n < cores; ++n) {
+  const std::size_t rx_chains = chains_.rx_chains.size();
+  for (std::size_t m = 0; m < rx_chains; ++m) {
+    for (std::size_t n = 0; n < rx_chains; ++n) {
       const double phase = kTurn * uniform_(random_);
       coupling_.push_back(m == n ? Value(1.0) : std::polar(coupling, phase));
     }
@@ -115,7 +115,7 @@ void SimulatedRadio::draw_coupling(const ChainGains& calibrated) {
 }
 
 void SimulatedRadio::turn_chains(std::span<const Value> factors) {
-  RAYLOC_CHECK(factors.empty() || factors.size() == chains_.cores.size());
+  RAYLOC_CHECK(factors.empty() || factors.size() == chains_.rx_chains.size());
   const std::size_t tones = chains_.grid.size();
   for (std::size_t i = 0; i < factors.size() * tones; ++i) {
     chains_.gain[i] *= factors[i / tones];
@@ -149,14 +149,14 @@ std::vector<Value> SimulatedRadio::transmit_error(std::uint64_t seed) const {
 std::vector<Value> SimulatedRadio::at_chains(std::span<const Value> h,
                                              std::uint64_t error_seed) const {
   const std::size_t tones = chains_.grid.size();
-  const std::size_t cores = chains_.cores.size();
+  const std::size_t rx_chains = chains_.rx_chains.size();
   const std::vector<Value> error = transmit_error(error_seed);
   std::vector<Value> signal(h.size());
-  for (std::size_t m = 0; m < cores; ++m) {
+  for (std::size_t m = 0; m < rx_chains; ++m) {
     for (std::size_t k = 0; k < tones; ++k) {
       Value at_antenna;
-      for (std::size_t n = 0; n < cores; ++n) {
-        at_antenna += coupling_[m * cores + n] * h[n * tones + k];
+      for (std::size_t n = 0; n < rx_chains; ++n) {
+        at_antenna += coupling_[m * rx_chains + n] * h[n * tones + k];
       }
       signal[m * tones + k] = chains_.gain[m * tones + k] * at_antenna * (1.0 + error[k]);
     }
@@ -173,7 +173,7 @@ void SimulatedRadio::turn(std::vector<Value>& signal) {
   if (uniform_(random_) < impairments_.delay_outlier_share) {
     delay_ns += impairments_.delay_outlier_ns;
   }
-  for (std::size_t m = 0; m < chains_.cores.size(); ++m) {
+  for (std::size_t m = 0; m < chains_.rx_chains.size(); ++m) {
     const double jitter =
         kDegree * impairments_.phase_jitter_deg / std::numbers::sqrt2 * normal_(random_);
     for (std::size_t k = 0; k < tones; ++k) {
@@ -187,7 +187,7 @@ void SimulatedRadio::turn(std::vector<Value>& signal) {
 // (tone_plan.h; HE at 160 MHz by one tone not quite).
 void SimulatedRadio::add_image(std::vector<Value>& signal) const {
   const std::size_t tones = chains_.grid.size();
-  for (std::size_t m = 0; m < chains_.cores.size(); ++m) {
+  for (std::size_t m = 0; m < chains_.rx_chains.size(); ++m) {
     const std::span row = std::span(signal).subspan(m * tones, tones);
     for (std::size_t k = 0; 2 * k < tones; ++k) {
       Value& low = row[k];
@@ -206,8 +206,8 @@ RadioFrame SimulatedRadio::on_channel(const std::vector<Value>& signal) {
   const auto middle = static_cast<std::ptrdiff_t>(total / 2);
   const double noise = std::sqrt(noise_power_);
   RadioFrame frame;
-  frame.tones.resize(chains_.cores.size() * total);
-  for (std::size_t m = 0; m < chains_.cores.size(); ++m) {
+  frame.tones.resize(chains_.rx_chains.size() * total);
+  for (std::size_t m = 0; m < chains_.rx_chains.size(); ++m) {
     const std::span row = std::span(frame.tones).subspan(m * total, total);
     for (Value& tone : row) {
       tone = noise * normal();
@@ -225,7 +225,7 @@ RadioFrame SimulatedRadio::on_channel(const std::vector<Value>& signal) {
     const double dbm = impairments_.transmit_power_dbm +
                        10.0 * std::log10(std::max(level + noise_power_, 1e-30)) +
                        impairments_.power_error_db * (2.0 * uniform_(random_) - 1.0);
-    frame.power_dbm.at(chains_.cores[m]) =
+    frame.power_dbm.at(chains_.rx_chains[m]) =
         static_cast<std::int8_t>(std::clamp(std::round(dbm), -128.0, -1.0));
   }
   return frame;

@@ -27,16 +27,17 @@ struct RadioSetup {
   PhyFormat phy = PhyFormat::kVht;
   int bandwidth_mhz = 0;
   double centre_hz = 0.0;
-  std::vector<std::uint8_t> cores;
+  std::vector<std::uint8_t> rx_chains;
 };
 
 // All tones that frames of this radio measure.
 OfdmGrid radio_grid(const RadioSetup& setup);
 
 struct RadioFrame {
-  // [core][tone], all tones of the channel from the lowest on.
+  // [rx_chain][tone], all tones of the channel from the lowest on.
   std::vector<std::complex<double>> tones;
-  std::array<std::int8_t, kMaxCores> power_dbm{};  // by core; 0: the radio does not have this core
+  std::array<std::int8_t, kMaxRxChains>
+      power_dbm{};  // by core; 0: the radio does not have this core
 };
 
 class SimulatedRadio {
@@ -57,7 +58,7 @@ class SimulatedRadio {
   // chains then differ in their frames.
   void draw_frames_from(RandomStream random);
 
-  // `h`: [core][tone] on grid(), of the field at the antennas. REQUIRES: that size.
+  // `h`: [rx_chain][tone] on grid(), of the field at the antennas. REQUIRES: that size.
   RadioFrame receive(std::span<const std::complex<double>> h, std::uint64_t transmit_error_seed);
 
  private:
@@ -79,7 +80,7 @@ class SimulatedRadio {
   std::normal_distribution<double> normal_;
   std::uniform_real_distribution<double> uniform_;
   ChainGains chains_;
-  std::vector<Value> coupling_;  // [core][core]
+  std::vector<Value> coupling_;  // [rx_chain][rx_chain]
   std::vector<Value> image_;     // by core
   double noise_power_ = 0.0;     // per tone, in the scale of h
 };

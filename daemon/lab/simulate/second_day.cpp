@@ -146,7 +146,7 @@ Expected<LivedInRoom> live_in(const RoomModel& room, const SecondDay& day, std::
     Pose& pose = lived.room.access_points[i].array.pose;
     lived.access_points.push_back(bump(pose, day, stream_of(seed, day, "bump", i)));
     lived.access_points.back().chain_changes = draw_chains(
-        room.access_points[i].cores.size(), day, stream_of(seed, day, "power cycle", i));
+        room.access_points[i].rx_chains.size(), day, stream_of(seed, day, "power cycle", i));
   }
   if (day.moved_things > 0.0) {
     RAYLOC_TRY(move_things(lived, day, stream_of(seed, day, "furniture")));

@@ -33,15 +33,15 @@ Json impairments_json(const Impairments& impairments) {
 Json chains_json(const ChainGains& chains) {
   const std::size_t tones = chains.grid.size();
   Json json = Json::array();
-  for (std::size_t core = 0; core < chains.cores.size(); ++core) {
+  for (std::size_t rx_chain = 0; rx_chain < chains.rx_chains.size(); ++rx_chain) {
     std::complex<double> ratio;
     double power = 0.0;
     for (std::size_t k = 0; k < tones; ++k) {
-      ratio += chains.gain[core * tones + k] * std::conj(chains.gain[k]);
+      ratio += chains.gain[rx_chain * tones + k] * std::conj(chains.gain[k]);
       power += std::norm(chains.gain[k]);
     }
     ratio /= power;
-    json.push_back({{"core", chains.cores[core]},
+    json.push_back({{"core", chains.rx_chains[rx_chain]},
                     {"gain_db", 20.0 * std::log10(std::abs(ratio))},
                     {"phase_deg", std::arg(ratio) * 180.0 / std::numbers::pi}});
   }

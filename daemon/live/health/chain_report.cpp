@@ -37,7 +37,7 @@ v1::ChainReport chain_report(const ChainState& state, const RoomModel& room) {
     const auto& factor = state.factors.factor;
     for (std::size_t m = 1; m < factor.size(); ++m) {
       v1::ChainTurn& turn = *report.add_turns();
-      turn.set_core(ap.cores[m]);
+      turn.set_core(ap.rx_chains[m]);
       turn.set_phase_deg(kDegreesPerRadian * std::arg(factor[m] / factor[0]));
       turn.set_phase_sigma_deg(kDegreesPerRadian * state.factors.sigma[m]);
       turn.set_level_db(20.0 * std::log10(std::abs(factor[m])));

@@ -84,9 +84,9 @@ v1::SourceState source_state(const SourceReport& report,
         static_cast<std::uint32_t>(report.receiver.channel->bandwidth_mhz));
   }
   state.set_format(report.frames.format);
-  for (const auto& [core, census] : report.frames.cores) {
+  for (const auto& [rx_chain, census] : report.frames.rx_chains) {
     v1::CoreReport* to = state.add_cores();
-    to->set_core(static_cast<std::uint32_t>(core));
+    to->set_core(static_cast<std::uint32_t>(rx_chain));
     to->set_frames(census.frames);
     to->set_below_strongest_db(census.below_strongest_db);
   }

@@ -134,17 +134,17 @@ void add_chains(const v1::ChainReport& chains, const Labels& site, Families& fam
                labels,
                is_learning ? 1.0 : 0.0);
   for (const v1::ChainTurn& turn : chains.turns()) {
-    Labels of_core = labels;
-    of_core.push_back({"core", std::to_string(turn.core())});
+    Labels of_rx_chain = labels;
+    of_rx_chain.push_back({"core", std::to_string(turn.core())});
     families.add("rayloc_chain_phase_degrees",
                  "Phase offset of a receive chain since the calibration, as learned",
                  false,
-                 of_core,
+                 of_rx_chain,
                  turn.phase_deg());
     families.add("rayloc_chain_phase_sigma_degrees",
                  "Standard deviation of rayloc_chain_phase_degrees",
                  false,
-                 of_core,
+                 of_rx_chain,
                  turn.phase_sigma_deg());
   }
 }

@@ -122,7 +122,7 @@ Json access_points_json(const RoomModel& room) {
                     {"position", exact_point(access_point.array.pose.position)},
                     {"facing", exact_point(facing)},
                     {"antennas", std::move(antennas)},
-                    {"cores", access_point.cores}});
+                    {"cores", access_point.rx_chains}});
   }
   return list;
 }

@@ -55,7 +55,7 @@ class Hints {
     addresses();
     format();
     if (frames_ >= kEnoughFrames) {
-      cores();
+      rx_chains();
       completeness();
       bandwidth();
     }
@@ -165,34 +165,35 @@ class Hints {
     }
   }
 
-  void cores() {
-    for (const std::uint8_t core : stated_.cores) {
-      const auto found = std::find_if(source_.cores().begin(),
-                                      source_.cores().end(),
-                                      [&](const auto& report) { return report.core() == core; });
+  void rx_chains() {
+    for (const std::uint8_t rx_chain : stated_.rx_chains) {
+      const auto found =
+          std::find_if(source_.cores().begin(), source_.cores().end(), [&](const auto& report) {
+            return report.core() == rx_chain;
+          });
       const std::uint64_t received = found == source_.cores().end() ? 0U : found->frames();
       if (received == 0) {
         add(Kind::kProblem,
-            fmt::format("no frame has core {}, which site.toml names", core),
+            fmt::format("no frame has core {}, which site.toml names", rx_chain),
             "add it to the antennas of the extractor (RXANT of config5GHZ.sh, -C of "
             "makecsiparams), check its antenna and pigtail, or correct site.toml");
       } else if (received * 10 < frames_ * 9) {
         add(Kind::kWarning,
-            fmt::format("core {} is in {} of {} frames only", core, received, frames_),
+            fmt::format("core {} is in {} of {} frames only", rx_chain, received, frames_),
             "datagrams are lost on their way, or the access point is overloaded: lower the rate "
             "of frames");
       } else if (found->below_strongest_db() > kDeafDb) {
         add(Kind::kWarning,
             fmt::format(
                 "core {} receives {:.0f} dB less than the strongest: its antenna may be dead",
-                core,
+                rx_chain,
                 found->below_strongest_db()),
             "check the antenna and its pigtail; if it has none, take the core out of site.toml");
       }
     }
     for (const v1::CoreReport& report : source_.cores()) {
-      if (std::find(stated_.cores.begin(), stated_.cores.end(), report.core()) ==
-          stated_.cores.end()) {
+      if (std::find(stated_.rx_chains.begin(), stated_.rx_chains.end(), report.core()) ==
+          stated_.rx_chains.end()) {
         add(Kind::kWarning,
             fmt::format("core {} comes and is not in site.toml", report.core()),
             "add its antenna to site.toml: more antennas locate better");

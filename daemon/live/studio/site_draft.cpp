@@ -18,7 +18,7 @@ Json json_of(const Vec3d& v) { return Json::array({v.x, v.y, v.z}); }
 Json json_of(const DraftAccessPoint& one) {
   Json antennas = Json::array();
   for (const DraftAntenna& antenna : one.antennas) {
-    antennas.push_back({{"core", antenna.core}, {"offset", json_of(antenna.offset)}});
+    antennas.push_back({{"core", antenna.rx_chain}, {"offset", json_of(antenna.offset)}});
   }
   return {{"was", one.was},
           {"id", one.id},
@@ -109,7 +109,7 @@ SiteDraft draft_of(const Json& json) {
 }  // namespace
 
 bool DraftAntenna::operator==(const DraftAntenna& other) const {
-  return core == other.core && offset.x == other.offset.x && offset.y == other.offset.y &&
+  return rx_chain == other.rx_chain && offset.x == other.offset.x && offset.y == other.offset.y &&
          offset.z == other.offset.z;
 }
 

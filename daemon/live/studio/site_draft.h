@@ -17,7 +17,7 @@
 namespace rayloc {
 
 struct DraftAntenna {
-  int core = 0;
+  int rx_chain = 0;
   Vec3d offset;  // [m], local frame
 
   bool operator==(const DraftAntenna& other) const;

@@ -30,9 +30,9 @@ Json presets_json() {
   Json list = Json::array();
   for (const AntennaPreset& preset : kAntennaPresets) {
     Json antennas = Json::array();
-    for (std::size_t i = 0; i < preset.cores.size(); ++i) {
+    for (std::size_t i = 0; i < preset.rx_chains.size(); ++i) {
       antennas.push_back(
-          {{"core", preset.cores.at(i)},
+          {{"core", preset.rx_chains.at(i)},
            {"offset", {0.0, preset.spacing_m * (static_cast<double>(i) - 1.0), 0.0}}});
     }
     list.push_back(

@@ -110,7 +110,7 @@ std::string polygon_text(const std::vector<FloorPoint>& polygon) {
 
 std::string antenna_text(const DraftAntenna& antenna) {
   return fmt::format("[[access_point.antenna]]\ncore = {}\noffset = {}\n",
-                     antenna.core,
+                     antenna.rx_chain,
                      vector_text(antenna.offset));
 }
 
@@ -215,7 +215,10 @@ class SiteEditing {
         note(text_.erase_table(*tables[i]));
         continue;
       }
-      set_if(is[i].core != wanted[i].core, *tables[i], "core", std::to_string(wanted[i].core));
+      set_if(is[i].rx_chain != wanted[i].rx_chain,
+             *tables[i],
+             "core",
+             std::to_string(wanted[i].rx_chain));
       set_if(norm(is[i].offset - wanted[i].offset) > 0.0,
              *tables[i],
              "offset",
@@ -256,7 +259,7 @@ bool same(const DraftAccessPoint& a, const DraftAccessPoint& b) {
     equal = equal && std::abs(a.degrees.at(i) - b.degrees.at(i)) < kRounding;
   }
   for (std::size_t i = 0; equal && i < a.antennas.size(); ++i) {
-    equal = a.antennas[i].core == b.antennas[i].core &&
+    equal = a.antennas[i].rx_chain == b.antennas[i].rx_chain &&
             near(a.antennas[i].offset, b.antennas[i].offset);
   }
   return equal;

@@ -27,7 +27,7 @@ Json to_json(const ChainState& state, const RoomAccessPoint& ap) {
   }
   return {{"id", ap.id},
           {"chains", state.knowledge == ChainKnowledge::kLearned ? kLearned : kLearning},
-          {"cores", ap.cores},
+          {"cores", ap.rx_chains},
           {"factor", std::move(factors)},
           {"phase_sigma_rad", state.factors.sigma},
           {"level_sigma", state.factors.level_sigma},
@@ -69,11 +69,11 @@ std::vector<ChainState> states_of(const Json& json, const RoomModel& room) {
     for (std::size_t a = 0; a < room.access_points.size(); ++a) {
       const RoomAccessPoint& ap = room.access_points[a];
       if (ap.id != one.at("id").get<std::string>() ||
-          ap.cores != one.at("cores").get<std::vector<std::uint8_t>>()) {
+          ap.rx_chains != one.at("cores").get<std::vector<std::uint8_t>>()) {
         continue;
       }
       ChainState state = from_json(one, a);
-      if (is_usable(state, ap.cores.size())) {
+      if (is_usable(state, ap.rx_chains.size())) {
         states.push_back(std::move(state));
       }
     }

@@ -21,12 +21,12 @@ std::string turns(const ChainState& state, const RoomAccessPoint& ap) {
   std::string text;
   const auto& factor = state.factors.factor;
   for (std::size_t m = 1; m < factor.size(); ++m) {
-    text += (text.empty() ? "core " : ", core ") + std::to_string(ap.cores[m]) + " by " +
+    text += (text.empty() ? "core " : ", core ") + std::to_string(ap.rx_chains[m]) + " by " +
             std::to_string(std::lround(kDegreesPerRadian * std::arg(factor[m] / factor[0]))) +
             " degrees +- " +
             std::to_string(std::lround(std::ceil(kDegreesPerRadian * state.factors.sigma[m])));
   }
-  return text + " against core " + std::to_string(ap.cores[0]);
+  return text + " against core " + std::to_string(ap.rx_chains[0]);
 }
 
 bool differs(const ChainState& a, const ChainState& b) {

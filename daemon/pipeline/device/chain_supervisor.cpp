@@ -98,7 +98,7 @@ void ChainSupervisor::go_on(const Carried& before) {
   std::erase_if(chains, [&](const ChainState& state) {
     const auto& access_points = rooms_.first().access_points;
     return state.access_point >= access_points.size() ||
-           state.factors.factor.size() != access_points[state.access_point].cores.size();
+           state.factors.factor.size() != access_points[state.access_point].rx_chains.size();
   });
   keeper_.go_on(chains, rooms_.learners());
   monitor_->go_on(before.calibration);

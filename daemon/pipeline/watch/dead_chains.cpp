@@ -18,9 +18,9 @@ bool DeadChains::observe(const std::vector<CsiFrame>& frames, const RoomModel& r
     const bool is_flagged =
         std::find(frame.flags.begin(), frame.flags.end(), ChainPresence::kFlag) !=
         frame.flags.end();
-    for (const std::uint8_t core : room.access_points[access_point].cores) {
-      bool& dead = dead_[{access_point, core}];
-      const bool now = !brings_core(frame, core) && (dead || is_flagged);
+    for (const std::uint8_t rx_chain : room.access_points[access_point].rx_chains) {
+      bool& dead = dead_[{access_point, rx_chain}];
+      const bool now = !brings_rx_chain(frame, rx_chain) && (dead || is_flagged);
       changes = changes || dead != now;
       dead = now;
     }
@@ -35,7 +35,7 @@ std::vector<CalibrationWarning> DeadChains::warnings(const RoomModel& room) cons
       CalibrationWarning& warning = all.emplace_back();
       warning.problem = CalibrationProblem::kDeadChain;
       warning.access_point = chain.first;
-      warning.core = chain.second;
+      warning.rx_chain = chain.second;
       warning.text = "dead_chain: access point " + room.access_points[chain.first].id +
                      ": no frame has core " + std::to_string(chain.second) +
                      " any more, or it holds nothing; check its antenna and pigtail; the other "

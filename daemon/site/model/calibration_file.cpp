@@ -29,19 +29,21 @@ std::string tones_text(const std::vector<std::int16_t>& tones) {
   return text + "]";
 }
 
-std::string chain_text(const CalibratedAccessPoint& ap, std::size_t core) {
+std::string chain_text(const CalibratedAccessPoint& ap, std::size_t rx_chain) {
   const std::size_t tones = ap.gains.grid.size();
-  const std::size_t cores = ap.gains.cores.size();
-  std::string text = "[[access_point.chain]]\ncore = " + std::to_string(ap.gains.cores[core]) +
-                     "\nsigma_rad = " + to_text(ap.gain_sigma.at(core)) +
-                     "\nelement_y_m = " + to_text(ap.element_y.at(core));
-  for (std::size_t from = 0; from < cores && !ap.gains.coupling.empty(); ++from) {
+  const std::size_t rx_chains = ap.gains.rx_chains.size();
+  std::string text =
+      "[[access_point.chain]]\ncore = " + std::to_string(ap.gains.rx_chains[rx_chain]) +
+      "\nsigma_rad = " + to_text(ap.gain_sigma.at(rx_chain)) +
+      "\nelement_y_m = " + to_text(ap.element_y.at(rx_chain));
+  for (std::size_t from = 0; from < rx_chains && !ap.gains.coupling.empty(); ++from) {
     text += (from == 0 ? "\ncoupling = [" : ", ") +
-            pair_text(ap.gains.coupling[core * cores + from]) + (from + 1 == cores ? "]" : "");
+            pair_text(ap.gains.coupling[rx_chain * rx_chains + from]) +
+            (from + 1 == rx_chains ? "]" : "");
   }
   text += "\ngain = [";
   for (std::size_t k = 0; k < tones; ++k) {
-    text += (k % 4 == 0 ? "\n  " : " ") + pair_text(ap.gains.gain[core * tones + k]) + ",";
+    text += (k % 4 == 0 ? "\n  " : " ") + pair_text(ap.gains.gain[rx_chain * tones + k]) + ",";
   }
   return text + "\n]\n";
 }
@@ -91,7 +93,7 @@ void read_tones(const TomlTable& table, OfdmGrid& grid) {
 void read_chains(const TomlTable& table, CalibratedAccessPoint& ap) {
   for (const TomlTable& chain : table.tables("chain")) {
     chain.require({{"core", "core = 0"}, {"gain", "gain = [[1.0, 0.0], ...], one pair a tone"}});
-    ap.gains.cores.push_back(
+    ap.gains.rx_chains.push_back(
         static_cast<std::uint8_t>(chain.integer("core", {0.0, 255.0, ""}).value_or(0)));
     ap.gain_sigma.push_back(chain.number("sigma_rad", {}).value_or(0.0));
     ap.element_y.push_back(chain.number("element_y_m", {}).value_or(0.0));
@@ -113,8 +115,8 @@ void read_chains(const TomlTable& table, CalibratedAccessPoint& ap) {
       ap.gains.gain.emplace_back(gain.values[0], gain.values[1]);
     }
   }
-  const std::size_t cores = ap.gains.cores.size();
-  if (!ap.gains.coupling.empty() && ap.gains.coupling.size() != cores * cores) {
+  const std::size_t rx_chains = ap.gains.rx_chains.size();
+  if (!ap.gains.coupling.empty() && ap.gains.coupling.size() != rx_chains * rx_chains) {
     table.error_at("chain",
                    "'coupling' of every chain has as many pairs as there are chains, or none has "
                    "it; calibrate again");
@@ -287,8 +289,8 @@ std::string to_toml(const CalibrationFile& calibration) {
     text += "centre_hz = " + to_text(ap.gains.grid.centre_hz) +
             "\ntone_spacing_hz = " + to_text(ap.gains.grid.spacing_hz) +
             "\ntones = " + tones_text(ap.gains.grid.tone_index) + "\n";
-    for (std::size_t core = 0; core < ap.gains.cores.size(); ++core) {
-      text += chain_text(ap, core);
+    for (std::size_t rx_chain = 0; rx_chain < ap.gains.rx_chains.size(); ++rx_chain) {
+      text += chain_text(ap, rx_chain);
     }
     for (const TransmitterLevel& level : ap.levels) {
       text += level_text(level);

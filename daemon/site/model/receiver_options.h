@@ -16,7 +16,7 @@ inline CsiReceiverOptions receiver_options(const Site& site, int index) {
   CsiReceiverOptions options;
   options.access_point = index;
   options.format = access_point.format;
-  options.expected_cores = access_point.cores;
+  options.expected_rx_chains = access_point.rx_chains;
   options.reject_mixture = true;
   options.settle = std::chrono::milliseconds(250);
   if (site.carrier.bandwidth_mhz > 0) {

@@ -16,10 +16,11 @@ std::string link_text(const PersonLink& link, const RoomModel& room) {
                      "\"\nroom_fit = " + to_text(link.room_fit) + "\nscale = [" +
                      pair_text(link.scale) + "]\n";
   const std::size_t tones = room.grid.size();
-  for (std::size_t core = 0; core < ap.cores.size(); ++core) {
-    text += "[[transmitter.link.chain]]\ncore = " + std::to_string(ap.cores[core]) + "\nempty = [";
+  for (std::size_t rx_chain = 0; rx_chain < ap.rx_chains.size(); ++rx_chain) {
+    text += "[[transmitter.link.chain]]\ncore = " + std::to_string(ap.rx_chains[rx_chain]) +
+            "\nempty = [";
     for (std::size_t k = 0; k < tones; ++k) {
-      text += (k % 4 == 0 ? "\n  " : " ") + pair_text(link.empty[core * tones + k]) + ",";
+      text += (k % 4 == 0 ? "\n  " : " ") + pair_text(link.empty[rx_chain * tones + k]) + ",";
     }
     text += "\n]\n";
   }
@@ -74,17 +75,18 @@ PersonModel read_person(const TomlTable& root) {
 std::vector<std::complex<double>> read_empty(const TomlTable& table,
                                              const RoomAccessPoint& ap,
                                              std::size_t tones) {
-  std::vector<std::complex<double>> empty(ap.cores.size() * tones);
+  std::vector<std::complex<double>> empty(ap.rx_chains.size() * tones);
   const auto chains = table.tables("chain");
-  if (chains.size() != ap.cores.size()) {
+  if (chains.size() != ap.rx_chains.size()) {
     table.error("has " + std::to_string(chains.size()) + " chains, site.toml states " +
-                std::to_string(ap.cores.size()) + " for access point '" + ap.id +
+                std::to_string(ap.rx_chains.size()) + " for access point '" + ap.id +
                 "'; record the empty room again (rayloc reference)");
     return empty;
   }
   for (std::size_t i = 0; i < chains.size(); ++i) {
     chains[i].require({{"core", "core = 0"}, {"empty", "empty = [[1.0, 0.0], ...]"}});
-    if (const auto core = chains[i].integer("core", {0.0, 255.0, ""}); core != ap.cores[i]) {
+    if (const auto rx_chain = chains[i].integer("core", {0.0, 255.0, ""});
+        rx_chain != ap.rx_chains[i]) {
       chains[i].error_at("core", "'core' is not that of site.toml; record the empty room again");
     }
     const auto values =

@@ -377,11 +377,11 @@ class RoomMatch {
 std::vector<SiteAntenna> antennas_of(const Site& site) {
   std::vector<SiteAntenna> antennas;
   for (const SiteAccessPoint& ap : site.access_points) {
-    for (std::size_t i = 0; i < ap.cores.size(); ++i) {
-      antennas.push_back(
-          {fmt::format(
-               "the antenna of core {} of access point '{}'", static_cast<int>(ap.cores[i]), ap.id),
-           element_position(ap.array, i)});
+    for (std::size_t i = 0; i < ap.rx_chains.size(); ++i) {
+      antennas.push_back({fmt::format("the antenna of core {} of access point '{}'",
+                                      static_cast<int>(ap.rx_chains[i]),
+                                      ap.id),
+                          element_position(ap.array, i)});
     }
   }
   for (const SiteTransmitter& transmitter : site.transmitters) {

@@ -90,7 +90,7 @@ Expected<void> apply_calibration(const Site& site, RoomModel& room) {
           ErrorKind::kConfiguration,
           file.string() + ": the site has no access point '" + found.id + "'; calibrate again");
     }
-    if (found.gains.cores != ap->cores || found.gains.grid != room.grid) {
+    if (found.gains.rx_chains != ap->rx_chains || found.gains.grid != room.grid) {
       return make_error(ErrorKind::kConfiguration,
                         file.string() + ": access point '" + found.id +
                             "' was calibrated with other cores or tones than site.toml states; "
@@ -164,7 +164,7 @@ Expected<RoomModel> room_model_of(const Site& site, std::shared_ptr<const Scene>
   room.grid = site.carrier.grid;
   room.device = device_of(site);
   for (const SiteAccessPoint& ap : site.access_points) {
-    room.access_points.push_back({ap.id, ap.array, ap.cores, {}, {}});
+    room.access_points.push_back({ap.id, ap.array, ap.rx_chains, {}, {}});
   }
   if (site.calibration_file) {
     RAYLOC_TRY(apply_calibration(site, room));

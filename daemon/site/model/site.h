@@ -35,9 +35,9 @@ struct Carrier {
 
 struct SiteAccessPoint {
   std::string id;
-  std::string format;               // wire format; empty: detected
-  AntennaArray array;               // as surveyed
-  std::vector<std::uint8_t> cores;  // receive chain of each element of `array`
+  std::string format;                   // wire format; empty: detected
+  AntennaArray array;                   // as surveyed
+  std::vector<std::uint8_t> rx_chains;  // receive chain of each element of `array`
 };
 
 enum class TransmitterRole { kDevice, kFixed };

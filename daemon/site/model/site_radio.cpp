@@ -78,12 +78,13 @@ double read_angle(const SiteTable& table, std::string_view key) {
 }
 
 void read_antenna(const SiteTable& table, SiteAccessPoint& access_point) {
-  const std::optional<std::int64_t> core = table.integer("core");
+  const std::optional<std::int64_t> rx_chain = table.integer("core");
   const auto offset = table.numbers<3>("offset");
-  if (core && std::find(access_point.cores.begin(), access_point.cores.end(), *core) !=
-                  access_point.cores.end()) {
+  if (rx_chain &&
+      std::find(access_point.rx_chains.begin(), access_point.rx_chains.end(), *rx_chain) !=
+          access_point.rx_chains.end()) {
     table.error_at("core",
-                   "core " + std::to_string(*core) +
+                   "core " + std::to_string(*rx_chain) +
                        " has an antenna already; each core "
                        "has one");
   }
@@ -98,8 +99,8 @@ void read_antenna(const SiteTable& table, SiteAccessPoint& access_point) {
       table.error_at("offset", "another antenna of this access point is at the same place");
     }
   }
-  if (core && offset) {  // otherwise an error exists, and the lists would get out of step
-    access_point.cores.push_back(static_cast<std::uint8_t>(*core));
+  if (rx_chain && offset) {  // otherwise an error exists, and the lists would get out of step
+    access_point.rx_chains.push_back(static_cast<std::uint8_t>(*rx_chain));
     access_point.array.element_offset.push_back(position);
   }
 }

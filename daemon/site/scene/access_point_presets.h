@@ -11,9 +11,9 @@ namespace rayloc {
 
 struct AntennaPreset {
   std::string_view model;
-  std::string_view remark;   // for people
-  double spacing_m;          // [m], between neighbours
-  std::array<int, 3> cores;  // from the left, seen from in front of it: local -y first
+  std::string_view remark;       // for people
+  double spacing_m;              // [m], between neighbours
+  std::array<int, 3> rx_chains;  // from the left, seen from in front of it: local -y first
 };
 
 // The order and 8.9 cm of the RT-AX86U: IndoLocate's script (github.com/intentlab-iitk/IndoLocate).

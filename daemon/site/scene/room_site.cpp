@@ -79,11 +79,11 @@ std::string access_point_block(const RoomPlan& plan, const AntennaPreset& preset
       place.position.z,
       place.yaw_deg);
   double y = -preset.spacing_m;
-  for (const int core : preset.cores) {
+  for (const int rx_chain : preset.rx_chains) {
     text += fmt::format(
         "[[access_point.antenna]]{}\ncore = {}\noffset = [0, {}, 0]\n",
         y < 0.0 ? "  # from the access point: +x is the direction it faces, +y its left" : "",
-        core,
+        rx_chain,
         y);
     y += preset.spacing_m;
   }
@@ -177,9 +177,9 @@ std::string access_point_text(const SiteAccessPoint& ap) {
       degrees(o.roll),
       pattern_text(ap),
       ap.array.polarization == Polarization::kVertical ? "V" : "H");
-  for (std::size_t i = 0; i < ap.cores.size(); ++i) {
+  for (std::size_t i = 0; i < ap.rx_chains.size(); ++i) {
     text += fmt::format("[[access_point.antenna]]\ncore = {}\noffset = {}\n",
-                        ap.cores[i],
+                        ap.rx_chains[i],
                         vector_text(ap.array.element_offset[i]));
   }
   return text;

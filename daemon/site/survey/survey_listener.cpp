@@ -22,7 +22,7 @@ Expected<SurveyListener> SurveyListener::open(const Site& site,
     auto source = open_datagram_source(transport_schemes(), wanted.address, "udp");
     RAYLOC_TRY(source);
     Port port{ap.id,
-              ap.cores,
+              ap.rx_chains,
               std::move(*source),
               CsiReceiver(receiver_options(site, static_cast<int>(wanted.access_point))),
               nullptr,
@@ -53,8 +53,9 @@ bool SurveyListener::counts_as_whole(const Port& port, const CsiFrame& frame) co
   if (!is_surveyed(frame.transmitter)) {
     return false;
   }
-  return std::all_of(port.cores.begin(), port.cores.end(), [&](std::uint8_t core) {
-    return std::find(frame.cores.begin(), frame.cores.end(), core) != frame.cores.end();
+  return std::all_of(port.rx_chains.begin(), port.rx_chains.end(), [&](std::uint8_t rx_chain) {
+    return std::find(frame.rx_chains.begin(), frame.rx_chains.end(), rx_chain) !=
+           frame.rx_chains.end();
   });
 }
 

@@ -44,7 +44,7 @@ class SurveyListener {
  private:
   struct Port {
     std::string id;
-    std::vector<std::uint8_t> cores;
+    std::vector<std::uint8_t> rx_chains;
     std::unique_ptr<DatagramSource> source;
     CsiReceiver receiver;
     std::unique_ptr<DatagramSink> recorder;  // null: no recording

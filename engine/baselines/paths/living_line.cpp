@@ -10,7 +10,7 @@ namespace rayloc {
 std::optional<AntennaLine> living_line(const RoomAccessPoint& access_point,
                                        const BurstObservation& burst,
                                        std::vector<std::string>& warnings) {
-  std::vector<std::size_t> elements(access_point.cores.size());
+  std::vector<std::size_t> elements(access_point.rx_chains.size());
   std::iota(elements.begin(), elements.end(), std::size_t{0});
   if (const auto dead = dead_chain(burst)) {
     elements.erase(elements.begin() + static_cast<std::ptrdiff_t>(dead->row));

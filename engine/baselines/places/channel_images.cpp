@@ -30,8 +30,9 @@ std::vector<std::vector<float>> rows_of(const RoomModel& room,
     }
     const auto one = preprocess_burst(room, access_point, {&frame, 1}, {}, of_single_frames);
     if (one) {
-      std::vector<float>& row = rows.emplace_back(kind.planes(ap.cores.size()) * room.grid.size());
-      kind.draw({one->h, ap.cores.size(), room.grid.size(), spacing}, row);
+      std::vector<float>& row =
+          rows.emplace_back(kind.planes(ap.rx_chains.size()) * room.grid.size());
+      kind.draw({one->h, ap.rx_chains.size(), room.grid.size(), spacing}, row);
     }
   }
   return rows;
@@ -44,7 +45,7 @@ ImageShape image_shape(const RoomModel& room,
                        const ImageKind& kind) {
   ImageShape shape{0, kImageRows, room.grid.size()};
   for (const std::size_t i : access_points) {
-    shape.channels += kind.planes(room.access_points[i].cores.size());
+    shape.channels += kind.planes(room.access_points[i].rx_chains.size());
   }
   return shape;
 }
@@ -62,7 +63,7 @@ BurstImages burst_images(const RoomModel& room,
   std::size_t first_plane = 0;
   for (const std::size_t i : access_points) {
     const RoomAccessPoint& ap = room.access_points[i];
-    const std::size_t planes = kind.planes(ap.cores.size());
+    const std::size_t planes = kind.planes(ap.rx_chains.size());
     const auto burst = preprocess_burst(room, i, frames, {}, estimate.warnings);
     const auto rows = burst ? rows_of(room, i, frames, kind) : std::vector<std::vector<float>>();
     result.received.push_back(!rows.empty());

@@ -67,7 +67,7 @@ Expected<Widar2> Widar2::create(std::shared_ptr<const RoomModel> room,
   std::string why;
   for (const std::size_t i : all) {
     const RoomAccessPoint& ap = made.room_->access_points[i];
-    std::vector<std::size_t> elements(ap.cores.size());
+    std::vector<std::size_t> elements(ap.rx_chains.size());
     std::iota(elements.begin(), elements.end(), std::size_t{0});
     const std::string problem = calibration_problem(*made.room_, ap);
     auto line = antenna_line(ap.array, elements);
@@ -123,7 +123,7 @@ void Widar2::take(const CsiFrame& frame) {
     return;
   }
   const RoomAccessPoint& ap = room_->access_points[found->access_point];
-  auto one = combine_burst({&frame, 1}, {frame.access_point, room_->grid, ap.cores, {}});
+  auto one = combine_burst({&frame, 1}, {frame.access_point, room_->grid, ap.rx_chains, {}});
   if (!one) {
     return;
   }

@@ -102,7 +102,7 @@ Expected<Witraj> Witraj::create(std::shared_ptr<const RoomModel> room,
   std::string names;
   for (const std::size_t i : all) {
     const RoomAccessPoint& ap = made.room_->access_points[i];
-    std::vector<std::size_t> elements(ap.cores.size());
+    std::vector<std::size_t> elements(ap.rx_chains.size());
     std::iota(elements.begin(), elements.end(), std::size_t{0});
     auto line = antenna_line(ap.array, elements);
     if (calibration_problem(*made.room_, ap).empty() && line) {
@@ -135,7 +135,7 @@ void Witraj::take(const CsiFrame& frame) {
   }
   Receiver& receiver = *found;
   const RoomAccessPoint& ap = room_->access_points[receiver.access_point];
-  BurstRequest request{frame.access_point, room_->grid, ap.cores, {}};
+  BurstRequest request{frame.access_point, room_->grid, ap.rx_chains, {}};
   auto one = combine_burst({&frame, 1}, request);
   if (!one) {
     return;

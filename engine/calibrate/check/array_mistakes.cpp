@@ -21,7 +21,7 @@ double degrees(double angle) {
 std::string list_of(const RoomAccessPoint& ap, const std::vector<std::size_t>& order) {
   std::string text;
   for (const std::size_t i : order) {
-    text += (text.empty() ? "" : ", ") + std::to_string(ap.cores[i]);
+    text += (text.empty() ? "" : ", ") + std::to_string(ap.rx_chains[i]);
   }
   return text;
 }
@@ -39,8 +39,8 @@ ArrayMistake in_order(const RoomAccessPoint& ap, const std::vector<std::size_t>&
   std::vector<std::size_t> stated(order.size());
   std::iota(stated.begin(), stated.end(), std::size_t{0});
   if (moved.size() == 2) {
-    const std::string a = std::to_string(ap.cores[moved.front()]);
-    const std::string b = std::to_string(ap.cores[moved.back()]);
+    const std::string a = std::to_string(ap.rx_chains[moved.front()]);
+    const std::string b = std::to_string(ap.rx_chains[moved.back()]);
     mistake.meaning = "with cores " + a + " and " + b + " exchanged";
     mistake.remedy = "core = " + b + " in place of core = " + a + ", and the reverse";
   } else {
@@ -71,7 +71,7 @@ ArrayMistake mirrored(const RoomAccessPoint& ap) {
 }
 
 void add_orders(const RoomAccessPoint& ap, std::vector<ArrayMistake>& mistakes) {
-  std::vector<std::size_t> order(ap.cores.size());
+  std::vector<std::size_t> order(ap.rx_chains.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   if (order.size() <= kAllOrders) {
     while (std::next_permutation(order.begin(), order.end())) {
@@ -100,7 +100,7 @@ bool is_round(const AntennaArray& array) {
 
 std::vector<ArrayMistake> mistakes_of_array(const RoomAccessPoint& access_point) {
   std::vector<ArrayMistake> mistakes;
-  if (access_point.cores.size() < 2) {
+  if (access_point.rx_chains.size() < 2) {
     return mistakes;
   }
   mistakes.push_back(rotated(access_point));

@@ -14,16 +14,17 @@ std::vector<std::complex<double>> reordered(const std::vector<std::complex<doubl
                                             const RoomAccessPoint& from,
                                             const RoomAccessPoint& to,
                                             std::size_t tones) {
-  if (h.empty() || from.cores.size() != to.cores.size()) {
+  if (h.empty() || from.rx_chains.size() != to.rx_chains.size()) {
     return {};
   }
   std::vector<std::complex<double>> result;
-  for (const std::uint8_t core : to.cores) {
-    const auto found = std::find(from.cores.begin(), from.cores.end(), core);
-    if (found == from.cores.end()) {
+  for (const std::uint8_t rx_chain : to.rx_chains) {
+    const auto found = std::find(from.rx_chains.begin(), from.rx_chains.end(), rx_chain);
+    if (found == from.rx_chains.end()) {
       return {};
     }
-    const auto row = h.begin() + (found - from.cores.begin()) * static_cast<std::ptrdiff_t>(tones);
+    const auto row =
+        h.begin() + (found - from.rx_chains.begin()) * static_cast<std::ptrdiff_t>(tones);
     result.insert(result.end(), row, row + static_cast<std::ptrdiff_t>(tones));
   }
   return result;

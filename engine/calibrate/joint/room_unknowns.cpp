@@ -69,25 +69,25 @@ std::string surface_name(const Scene& scene, std::uint32_t s) {
 
 // "ap1.core2/core0.coupling.re": coupling into the antenna of core 2 from that of core 0.
 ParameterId coupling_id(const Unknown& unknown, const RoomAccessPoint& ap) {
-  const std::size_t others = ap.cores.size() - 1;
+  const std::size_t others = ap.rx_chains.size() - 1;
   const std::size_t to = unknown.part / 2 / others;
   const std::size_t from = unknown.part / 2 % others;
-  return {ap.id + ".core" + std::to_string(ap.cores[to]) + "/core" +
-              std::to_string(ap.cores[from < to ? from : from + 1]),
+  return {ap.id + ".core" + std::to_string(ap.rx_chains[to]) + "/core" +
+              std::to_string(ap.rx_chains[from < to ? from : from + 1]),
           unknown.part % 2 == 0 ? Quantity::kCouplingReal : Quantity::kCouplingImaginary};
 }
 
 // Combines a coupling (RoomUnknowns::coupling()) of the antennas with that of the gains.
 void set_coupling(const double* values, ChainGains& gains) {
-  const std::size_t cores = gains.cores.size();
-  if (gains.empty() || std::all_of(values, values + 2 * cores * (cores - 1), [](double value) {
-        return value == 0.0;
-      })) {
+  const std::size_t rx_chains = gains.rx_chains.size();
+  if (gains.empty() || std::all_of(values,
+                                   values + 2 * rx_chains * (rx_chains - 1),
+                                   [](double value) { return value == 0.0; })) {
     return;
   }
   std::vector<std::complex<double>> coupling;
-  for (std::size_t a = 0; a < cores; ++a) {
-    for (std::size_t b = 0; b < cores; ++b) {
+  for (std::size_t a = 0; a < rx_chains; ++a) {
+    for (std::size_t b = 0; b < rx_chains; ++b) {
       coupling.emplace_back(a == b ? 1.0 : values[0], a == b ? 0.0 : values[1]);
       values += a == b ? 0 : 2;
     }
@@ -211,11 +211,11 @@ ParameterId parameter_id(const Unknown& unknown, const RoomModel& room) {
   const auto material = [&] { return room.scene->materials()[unknown.index].name; };
   const auto surface = [&] { return surface_name(*room.scene, unknown.index); };
   const auto chain = [&] {
-    const auto& cores = room.access_points[unknown.index].cores;
-    return access_point() + ".core" + std::to_string(cores[unknown.part]);
+    const auto& rx_chains = room.access_points[unknown.index].rx_chains;
+    return access_point() + ".core" + std::to_string(rx_chains[unknown.part]);
   };
   const auto against_the_first = [&] {
-    return chain() + "/core" + std::to_string(room.access_points[unknown.index].cores.front());
+    return chain() + "/core" + std::to_string(room.access_points[unknown.index].rx_chains.front());
   };
   switch (unknown.kind) {
     case Kind::kSurfaceOffset:

@@ -29,9 +29,9 @@ struct RotatedChains {
   bool is_rotated() const;
 };
 
-// For one array on two days, [core][tone], as delivered by the chains, antenna coupling included.
-// An Error when they have so little in common that it is another transmitter, place or radio.
-// REQUIRES: sizes equal and a multiple of the grid's.
+// For one array on two days, [rx_chain][tone], as delivered by the chains, antenna coupling
+// included. An Error when they have so little in common that it is another transmitter, place or
+// radio. REQUIRES: sizes equal and a multiple of the grid's.
 Expected<RotatedChains> compare_days(const OfdmGrid& grid,
                                      const std::vector<std::complex<double>>& before,
                                      const std::vector<std::complex<double>>& after);

@@ -53,7 +53,7 @@ class EmptyRoomFit {
     }
   }
 
-  // [core][tone], absolute; empty where no ray arrives. `tolerance` [m]: SpotArrays::expected.
+  // [rx_chain][tone], absolute; empty where no ray arrives. `tolerance` [m]: SpotArrays::expected.
   std::vector<Value> expected(std::size_t i, const Vec3d& place, double tolerance) const {
     const auto rays = arrays_[i].rays(place, device_);
     if (rays.empty()) {

@@ -18,7 +18,7 @@ namespace rayloc {
 // Array that an access point receives from the transmitter while the room is empty.
 struct EmptyRoom {
   std::size_t access_point = 0;         // of RoomModel::access_points
-  std::vector<std::complex<double>> h;  // [core][tone], chain gains removed
+  std::vector<std::complex<double>> h;  // [rx_chain][tone], chain gains removed
 };
 
 struct EmptyRoomOptions {

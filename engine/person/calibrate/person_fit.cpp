@@ -101,7 +101,7 @@ Expected<std::vector<FitLink>> PersonFitter::listen(const PersonModel& person) c
         room_, link.access_point, reference_.transmitter, person.body, options_.depth);
     RAYLOC_TRY(scattering);
     FitLink fit{PersonLikelihood(room_.grid,
-                                 ap.cores.size(),
+                                 ap.rx_chains.size(),
                                  link,
                                  norm(ap.array.pose.position - reference_.transmitter.position)),
                 {}};

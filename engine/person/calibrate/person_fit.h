@@ -20,7 +20,8 @@ namespace rayloc {
 // A person at a known place, as received by the links of a reference.
 struct PersonSpot {
   TargetPosition place;
-  // For each link, [core][tone] with chain gains removed; empty where the link received nothing.
+  // For each link, [rx_chain][tone] with chain gains removed; empty where the link received
+  // nothing.
   std::vector<std::vector<std::complex<double>>> h;
 };
 

@@ -54,7 +54,7 @@ class GeometryLink {
       : link_(reference.links[number]),
         number_(number),
         likelihood_(room.grid,
-                    room.access_points[link_.access_point].cores.size(),
+                    room.access_points[link_.access_point].rx_chains.size(),
                     link_,
                     norm(room.access_points[link_.access_point].array.pose.position -
                          reference.transmitter.position)) {}

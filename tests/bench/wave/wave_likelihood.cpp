@@ -37,7 +37,7 @@ std::vector<Ray> all_rays(const WavePlace& place, const WaveVariant& variant) {
 WaveLikelihood::WaveLikelihood(const OfdmGrid& grid,
                                const RoomAccessPoint& access_point,
                                double survey_sigma)
-    : model_(grid, access_point.cores.size()),
+    : model_(grid, access_point.rx_chains.size()),
       basis_(grid),
       offsets_(offsets_of(access_point.array)),
       survey_sigma_(survey_sigma) {

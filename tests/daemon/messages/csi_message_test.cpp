@@ -9,7 +9,7 @@ namespace {
 using namespace std::chrono_literals;
 using ::testing::ElementsAre;
 
-CsiFrame frame_of_two_cores() {
+CsiFrame frame_of_two_rx_chains() {
   CsiFrame frame;
   frame.time = Timestamp{1718000000s + 5ns};
   frame.format = "axcsi-v4";
@@ -18,13 +18,13 @@ CsiFrame frame_of_two_cores() {
   frame.channel_bandwidth_mhz = 80;
   frame.sequence = 7;
   frame.sequence_control = 112;
-  frame.cores = {0, 3};
+  frame.rx_chains = {0, 3};
   frame.tone_index = {-2, 2};
   frame.csi = Csi(2, 1, 2);
-  for (std::size_t core = 0; core < 2; ++core) {
+  for (std::size_t rx_chain = 0; rx_chain < 2; ++rx_chain) {
     for (std::size_t tone = 0; tone < 2; ++tone) {
-      const auto number = static_cast<float>(10 * core + tone);
-      frame.csi.row(core, 0)[tone] = {number, -number};
+      const auto number = static_cast<float>(10 * rx_chain + tone);
+      frame.csi.row(rx_chain, 0)[tone] = {number, -number};
     }
   }
   frame.power_dbm = {-40.0F, -50.0F};
@@ -34,7 +34,7 @@ CsiFrame frame_of_two_cores() {
 }
 
 TEST(CsiMessage, ContainsEveryFieldOfTheFrame) {
-  const v1::CsiFrame message = csi_message(frame_of_two_cores(), "ap1", "somebody");
+  const v1::CsiFrame message = csi_message(frame_of_two_rx_chains(), "ap1", "somebody");
   EXPECT_EQ(message.time().seconds(), 1718000000);
   EXPECT_EQ(message.time().nanos(), 5);
   EXPECT_EQ(message.ap(), "ap1");
@@ -56,7 +56,7 @@ TEST(CsiMessage, ContainsEveryFieldOfTheFrame) {
 }
 
 TEST(CsiMessage, StatesPowerOnlyWhenAllOfItIsKnown) {
-  CsiFrame frame = frame_of_two_cores();
+  CsiFrame frame = frame_of_two_rx_chains();
   frame.power_dbm[1].reset();
   EXPECT_TRUE(csi_message(frame, "ap1", "x").power_dbm().empty());
 }

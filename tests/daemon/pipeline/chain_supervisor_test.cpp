@@ -87,7 +87,7 @@ TEST_F(ChainSupervisorTest, ASuccessorRestoresTheStatesOfItsOwnAccessPoints) {
   Carried before;
   ChainState& state = before.chains.emplace_back();
   state.knowledge = ChainKnowledge::kLearned;
-  state.factors = ChainFactors::unity(fake_.rooms.first().access_points[0].cores.size());
+  state.factors = ChainFactors::unity(fake_.rooms.first().access_points[0].rx_chains.size());
   before.chains.push_back(state);
   before.chains.back().access_point = 99;
   chains_.go_on(before);

@@ -31,13 +31,14 @@ const RoomModel& room() {
 }
 
 // Frames of the first access point, without its second core, as its receiver emits them.
-std::vector<CsiFrame> frames(bool lacks_core, bool lasts) {
-  const auto& cores = room().access_points[0].cores;
+std::vector<CsiFrame> frames(bool lacks_rx_chain, bool lasts) {
+  const auto& rx_chains = room().access_points[0].rx_chains;
   std::vector<CsiFrame> all(3);
   for (CsiFrame& frame : all) {
-    frame.cores = lacks_core ? std::vector<std::uint8_t>{cores[0], cores[2]} : cores;
-    frame.csi = Csi(frame.cores.size(), 1, 16);
-    for (std::size_t m = 0; m < frame.cores.size(); ++m) {
+    frame.rx_chains =
+        lacks_rx_chain ? std::vector<std::uint8_t>{rx_chains[0], rx_chains[2]} : rx_chains;
+    frame.csi = Csi(frame.rx_chains.size(), 1, 16);
+    for (std::size_t m = 0; m < frame.rx_chains.size(); ++m) {
       for (std::size_t k = 0; k < 16; ++k) {
         frame.csi.row(m, 0)[k] = static_cast<float>(k + 1);
       }
@@ -58,10 +59,10 @@ TEST(Field, DeadChainIsNamedUntilItComesBack) {
   const CalibrationWarning warning = dead.warnings(room()).front();
   const RoomAccessPoint& ap = room().access_points[0];
   EXPECT_EQ(warning.problem, CalibrationProblem::kDeadChain);
-  EXPECT_EQ(warning.core, ap.cores[1]);
+  EXPECT_EQ(warning.rx_chain, ap.rx_chains[1]);
   EXPECT_THAT(warning.text,
               AllOf(HasSubstr("access point " + ap.id),
-                    HasSubstr("core " + std::to_string(ap.cores[1])),
+                    HasSubstr("core " + std::to_string(ap.rx_chains[1])),
                     HasSubstr("pigtail")));
   EXPECT_FALSE(dead.observe(frames(true, true), room())) << "nothing new";
   EXPECT_TRUE(dead.observe(frames(false, false), room()));
@@ -73,7 +74,7 @@ std::string notices_of(ChainKnowledge knowledge) {
       *Localizer::create(std::make_shared<const RoomModel>(room()), {})));
   ChainState state;
   state.knowledge = knowledge;
-  state.factors = ChainFactors::unity(room().access_points[0].cores.size());
+  state.factors = ChainFactors::unity(room().access_points[0].rx_chains.size());
   state.bursts = 12;
   const auto file = std::filesystem::path(::testing::TempDir()) /
                     ("chain_notices_" + std::to_string(::getpid()) + ".json");

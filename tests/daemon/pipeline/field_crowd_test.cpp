@@ -37,7 +37,7 @@ struct Clock {
 void add(test::Recording& recording, std::uint64_t transmitter, Duration after) {
   test::WireFrame frame;
   frame.transmitter = transmitter;
-  frame.cores = {0};
+  frame.rx_chains = {0};
   frame.sequence = static_cast<std::uint16_t>(recording.size());
   frame.sequence_control = static_cast<std::uint16_t>(frame.sequence << 4U);
   for (test::RecordedDatagram& datagram : test::write_axcsi(frame, kBegin + after)) {

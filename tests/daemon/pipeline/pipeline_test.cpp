@@ -34,7 +34,7 @@ class DescribingEstimator : public Estimator {
         sum += static_cast<double>(std::norm(value));
       }
       text += std::to_string(frame.access_point) + ":" + std::to_string(frame.sequence) + ":" +
-              std::to_string(frame.cores.size()) + ":" + std::to_string(sum) + " ";
+              std::to_string(frame.rx_chains.size()) + ":" + std::to_string(sum) + " ";
     }
     location.estimate.reason = text;
     out.locations.push_back(std::move(location));

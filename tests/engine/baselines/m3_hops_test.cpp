@@ -84,7 +84,7 @@ LocationEstimate located_by_steps(const M3& m3, std::span<const CsiFrame> frames
       std::copy_if(frames.begin(), frames.end(), std::back_inserter(own), [&](const auto& frame) {
         return frame.channel.value_or(channel_of(room)) == channel_of(other);
       });
-      auto burst = combine_burst(own, {static_cast<int>(i), other.grid, ap.cores, {}});
+      auto burst = combine_burst(own, {static_cast<int>(i), other.grid, ap.rx_chains, {}});
       if (!burst) {
         continue;
       }
@@ -189,7 +189,7 @@ TEST(M3Hops, LeaveOutAChannelOfOtherAntennasAndOneThatIsNoHop) {
       }
     }
     if (frame.channel == channel_of(on_channel(room, 120e6))) {
-      frame.cores = {4, 5, 6};
+      frame.rx_chains = {4, 5, 6};
     }
   }
   std::vector<std::string> warnings;

@@ -263,8 +263,8 @@ TEST(M3, RefusesWithoutWallsFramesAndAntennas) {
   RoomModel single = one_access_point();
   RoomAccessPoint& ap = single.access_points[0];
   ap.array.element_offset.resize(1);
-  ap.cores.resize(1);
-  ap.gains.cores.resize(1);
+  ap.rx_chains.resize(1);
+  ap.gains.rx_chains.resize(1);
   ap.gains.gain.resize(single.grid.size());
   const auto frames = test::frames_at(m3().room(), {0.3, 0.2, 1.2});
   EXPECT_THAT(M3::create(std::make_shared<const RoomModel>(single), {})->locate(frames).reason,

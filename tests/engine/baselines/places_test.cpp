@@ -389,7 +389,7 @@ TEST_P(EachClassifier, RefusesASurveyOfTooFewPlaces) {
 TEST_P(EachClassifier, RefusesAccessPointsOfOneAntenna) {
   auto one = std::make_shared<RoomModel>(*room());
   one->access_points.resize(1);
-  one->access_points[0].cores.resize(1);
+  one->access_points[0].rx_chains.resize(1);
   one->access_points[0].array.element_offset.resize(1);
   one->access_points[0].gains = test::make_gains(*one, 0);
   TrainingInput input = input_of(0.5);
@@ -406,11 +406,11 @@ TEST(Places, HandleInvalidBursts) {
   auto cifi = *make_cifi(room(), {}, 1, 0.95, quick_cifi());
   std::mt19937 random(1);
   auto dead = at({0.2, 0.1, 1.2}, 9);
-  test::kill_chain(dead, 0, room()->access_points[0].cores[1], random);
+  test::kill_chain(dead, 0, room()->access_points[0].rx_chains[1], random);
   EXPECT_TRUE(cifi.locate(dead, 0).position);
   auto broken = at({0.2, 0.1, 1.2}, 9);
   for (std::size_t i = 0; i < broken.size(); ++i) {
-    broken[i].cores.resize(i % 3);
+    broken[i].rx_chains.resize(i % 3);
   }
   const LocationEstimate estimate = cifi.locate(broken, 0);
   EXPECT_EQ(estimate.position.has_value(), estimate.reason.empty());

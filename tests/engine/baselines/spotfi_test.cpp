@@ -40,7 +40,7 @@ std::vector<CsiFrame> in_sight(const RoomModel& room,
   std::vector<std::vector<std::complex<double>>> channels;
   for (const RoomAccessPoint& ap : room.access_points) {
     auto& h = channels.emplace_back();
-    for (std::size_t m = 0; m < ap.cores.size(); ++m) {
+    for (std::size_t m = 0; m < ap.rx_chains.size(); ++m) {
       const double distance = norm(place - element_position(ap.array, m));
       for (std::size_t k = 0; k < room.grid.size(); ++k) {
         h.push_back(std::polar(
@@ -54,7 +54,7 @@ std::vector<CsiFrame> in_sight(const RoomModel& room,
     const auto& ap = room.access_points[static_cast<std::size_t>(frame.access_point)];
     const double distance = norm(place - ap.array.pose.position);
     frame.transmitter = kDevice;
-    frame.power_dbm.assign(ap.cores.size(),
+    frame.power_dbm.assign(ap.rx_chains.size(),
                            static_cast<float>(-30.0 - 20.0 * std::log10(distance)));
   }
   return frames;
@@ -179,8 +179,8 @@ TEST(Spotfi, ReportsTheReasonForNoFix) {
   single.access_points.resize(1);
   RoomAccessPoint& ap = single.access_points[0];
   ap.array.element_offset.resize(1);
-  ap.cores.resize(1);
-  ap.gains.cores.resize(1);
+  ap.rx_chains.resize(1);
+  ap.gains.rx_chains.resize(1);
   ap.gains.gain.resize(single.grid.size());
   EXPECT_THAT(
       Spotfi::create(std::make_shared<const RoomModel>(single), {}, nullptr)->locate(frames).reason,

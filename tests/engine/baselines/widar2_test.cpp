@@ -304,7 +304,7 @@ TEST(Widar2, RefusesUnusableFramesWithAMessage) {
                         "wavelength); send more often, or lower v_max"));
   RoomModel one_antenna = test::make_room();
   one_antenna.access_points.resize(1);
-  one_antenna.access_points[0].cores.resize(1);
+  one_antenna.access_points[0].rx_chains.resize(1);
   one_antenna.access_points[0].array.element_offset.resize(1);
   one_antenna.access_points[0].gains = test::make_gains(one_antenna, 0);
   const auto refused = Widar2::create(

@@ -23,7 +23,7 @@ std::vector<CalibrationSample> survey(const RoomModel& room, int per_axis) {
           -1.1 + 2.2 * (i + 0.5) / per_axis, -0.9 + 1.8 * (j + 0.5) / per_axis, 1.2};
       const auto frames =
           test::frames_at(room, position, {2, 30.0, static_cast<unsigned>(1 + per_axis * i + j)});
-      const auto burst = combine_burst(frames, {0, room.grid, room.access_points[0].cores, {}});
+      const auto burst = combine_burst(frames, {0, room.grid, room.access_points[0].rx_chains, {}});
       samples.push_back({position, burst.value().h});
     }
   }
@@ -72,7 +72,8 @@ std::vector<CalibrationSample> survey_with_tail(const RoomModel& room, double de
     add_tail(room, norm(position - ap.array.pose.position) / kSpeedOfLight, decay, random, h);
     const auto frames =
         test::frames_of(room, {std::move(h), {}, {}}, {2, 30.0, static_cast<unsigned>(i + 1)});
-    samples.push_back({position, combine_burst(frames, {0, room.grid, ap.cores, {}}).value().h});
+    samples.push_back(
+        {position, combine_burst(frames, {0, room.grid, ap.rx_chains, {}}).value().h});
   }
   return samples;
 }
@@ -87,7 +88,7 @@ std::vector<CalibrationSample> survey_beside(const RoomModel& room, double off) 
     const Vec3d place{x.x + normal(random), x.y + normal(random), x.z + normal(random)};
     const RoomAccessPoint& ap = room.access_points[0];
     const auto frames = test::frames_at(room, place, {2, 40.0, 3});
-    samples.push_back({x, combine_burst(frames, {0, room.grid, ap.cores, {}}).value().h});
+    samples.push_back({x, combine_burst(frames, {0, room.grid, ap.rx_chains, {}}).value().h});
   }
   return samples;
 }
@@ -105,7 +106,7 @@ TEST(AccessPointCalibrator, RecoversTheChainGains) {
   const ChainGains truth = test::make_gains(room, 0);
   // Up to one factor and one delay: 1 degree and 1 % would leave 4e-4.
   EXPECT_GT(Aligner(room.grid).align(truth.gain, fit->gains.gain).correlation, 0.998);
-  EXPECT_EQ(fit->gains.cores, truth.cores);
+  EXPECT_EQ(fit->gains.rx_chains, truth.rx_chains);
   EXPECT_EQ(fit->samples_used, 36U);
   EXPECT_LT(calibrator.correlation(nullptr), 0.6);
   EXPECT_GT(calibrator.correlation(&*fit), 0.9);

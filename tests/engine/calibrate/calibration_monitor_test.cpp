@@ -67,7 +67,8 @@ class Stream {
       const auto frames = test::frames_at(room, plug, {8, 30.0, 99});
       for (std::size_t a = 0; a < room.access_points.size(); ++a) {
         const RoomAccessPoint& ap = room.access_points[a];
-        auto h = combine_burst(frames, {static_cast<int>(a), room.grid, ap.cores, {}}).value().h;
+        auto h =
+            combine_burst(frames, {static_cast<int>(a), room.grid, ap.rx_chains, {}}).value().h;
         remove_gains(ap.gains, h);
         monitor_.set_reference({plug, device_}, a, std::move(h));
       }
@@ -99,7 +100,7 @@ TEST(CalibrationMonitor, NamesTheChainThatJumpedAndForgetsItAfterwards) {
   ASSERT_EQ(warnings.size(), 1U);
   EXPECT_EQ(warnings[0].problem, CalibrationProblem::kChainPhaseJump);
   EXPECT_EQ(warnings[0].access_point, 0U);
-  EXPECT_EQ(warnings[0].core, 3);
+  EXPECT_EQ(warnings[0].rx_chain, 3);
   EXPECT_NEAR(warnings[0].phase, std::numbers::pi / 2.0, 5.0 * kDegree);
   EXPECT_THAT(warnings[0].text, HasSubstr("chain_phase_jump: access point a, core 3"));
   stream.send(room, 100);
@@ -167,7 +168,7 @@ TEST(CalibrationMonitor, DetectsAnEarlierJumpFromTheReference) {
   jumped.set_reference(room);
   jumped.send(room, 15, std::numbers::pi / 2.0);
   ASSERT_EQ(jumped.warnings().size(), 1U);
-  EXPECT_EQ(jumped.warnings()[0].core, 3);
+  EXPECT_EQ(jumped.warnings()[0].rx_chain, 3);
   EXPECT_NEAR(jumped.warnings()[0].phase, std::numbers::pi / 2.0, 5.0 * kDegree);
 }
 

@@ -26,7 +26,7 @@ RoomModel before_the_power_cycle(const std::vector<double>& turn_deg) {
   RoomModel room = test::make_room();
   for (RoomAccessPoint& ap : room.access_points) {
     ap.error.plan_tolerance = 0.002;
-    for (std::size_t m = 0; m < ap.cores.size(); ++m) {
+    for (std::size_t m = 0; m < ap.rx_chains.size(); ++m) {
       for (std::size_t k = 0; k < room.grid.size(); ++k) {
         ap.gains.gain[m * room.grid.size() + k] *= std::polar(1.0, -turn_deg[m] * kDegree);
       }
@@ -39,7 +39,7 @@ KnownSpot receive(const RoomModel& room, const Vec3d& position, unsigned seed = 
   const auto frames = test::frames_at(room, position, {8, 30.0, seed});
   return {position,
           room.device,
-          combine_burst(frames, {0, room.grid, room.access_points[0].cores, {}}).value().h};
+          combine_burst(frames, {0, room.grid, room.access_points[0].rx_chains, {}}).value().h};
 }
 
 // Mean phase of chain `m` against the first, of one set of gains less another [rad].

@@ -38,7 +38,7 @@ const std::vector<CalibrationPoint>& survey() {
             room, point.position, {2, 30.0, static_cast<unsigned>(1 + kPerAxis * i + j)});
         for (std::size_t ap = 0; ap < room.access_points.size(); ++ap) {
           const auto burst = combine_burst(
-              frames, {static_cast<int>(ap), room.grid, room.access_points[ap].cores, {}});
+              frames, {static_cast<int>(ap), room.grid, room.access_points[ap].rx_chains, {}});
           point.h.push_back(burst.value().h);
         }
         made.push_back(std::move(point));
@@ -133,7 +133,7 @@ TEST(CalibrationInputCheck, NamesAnAccessPointThatWasExchangedWithOneNotRecorded
 // channels of a, array chains 2 0 3, are then read as 3 0 2.
 TEST(CalibrationInputCheck, ReadsChainsInTheOrderOfTheOtherAccessPoint) {
   RoomModel room = surveyed_room();
-  std::swap(room.access_points[1].cores[0], room.access_points[1].cores[2]);
+  std::swap(room.access_points[1].rx_chains[0], room.access_points[1].rx_chains[2]);
   std::swap(room.access_points[1].array.element_offset[0],
             room.access_points[1].array.element_offset[2]);
   auto points = survey();
@@ -220,12 +220,12 @@ TEST(Field, FewPairsNeedMoreStandardErrors) {
 
 TEST(Field, CalibrationCheckNamesExchangedCores) {
   const RoomModel room = surveyed_room();
-  const auto& cores = room.access_points[0].cores;
+  const auto& rx_chains = room.access_points[0].rx_chains;
   const auto found = found_where({{0, exchange_first_two}});
   ASSERT_EQ(found.size(), 1U);
   EXPECT_TRUE(contains(found.front().message,
-                       "with cores " + std::to_string(cores[0]) + " and " +
-                           std::to_string(cores[1]) + " exchanged"));
+                       "with cores " + std::to_string(rx_chains[0]) + " and " +
+                           std::to_string(rx_chains[1]) + " exchanged"));
 }
 
 TEST(Field, CalibrationCheckNamesCoresInAnotherOrder) {
@@ -235,10 +235,10 @@ TEST(Field, CalibrationCheckNamesCoresInAnotherOrder) {
   EXPECT_TRUE(contains(found.front().message, "with its antennas wired to cores "));
   // The second antenna is at the place that the site states for its first.
   const RoomModel room = surveyed_room();
-  const auto& cores = room.access_points[2].cores;
+  const auto& rx_chains = room.access_points[2].rx_chains;
   EXPECT_TRUE(contains(found.front().remedy,
-                       "core = " + std::to_string(cores[1]) + ", " + std::to_string(cores[2]) +
-                           ", " + std::to_string(cores[0])));
+                       "core = " + std::to_string(rx_chains[1]) + ", " +
+                           std::to_string(rx_chains[2]) + ", " + std::to_string(rx_chains[0])));
 }
 
 TEST(Field, CalibrationCheckReportsEachMisorientedAccessPoint) {
@@ -316,12 +316,12 @@ TEST(Field, CalibrationCheckJudgesByPointsThatTheGainsHaveNotSeen) {
 TEST(Field, ArrayMistakesAreAllOrdersOfFewCoresAndAllPairsOfMany) {
   RoomAccessPoint ap = surveyed_room().access_points[0];
   EXPECT_EQ(mistakes_of_array(ap).size(), 2U + 5U);  // rotated, mirrored, the other orders
-  while (ap.cores.size() < 6) {
-    ap.cores.push_back(static_cast<std::uint8_t>(10 + ap.cores.size()));
-    ap.array.element_offset.push_back({0.0, 0.03 * static_cast<double>(ap.cores.size()), 0.0});
+  while (ap.rx_chains.size() < 6) {
+    ap.rx_chains.push_back(static_cast<std::uint8_t>(10 + ap.rx_chains.size()));
+    ap.array.element_offset.push_back({0.0, 0.03 * static_cast<double>(ap.rx_chains.size()), 0.0});
   }
   EXPECT_EQ(mistakes_of_array(ap).size(), 2U + 15U);
-  ap.cores.resize(1);
+  ap.rx_chains.resize(1);
   ap.array.element_offset.resize(1);
   EXPECT_TRUE(mistakes_of_array(ap).empty());
 }

@@ -48,10 +48,10 @@ std::optional<double> chain_truth(const test::SurveyedRoom& room, const RoomPara
     return std::nullopt;
   }
   for (const RoomAccessPoint& ap : room.built.access_points) {
-    for (std::size_t core = 1; core < ap.cores.size(); ++core) {
-      const std::string name =
-          ap.id + ".core" + std::to_string(ap.cores[core]) + "/core" + std::to_string(ap.cores[0]);
-      const std::complex<double> ratio = chain_ratio(ap.gains, core);
+    for (std::size_t rx_chain = 1; rx_chain < ap.rx_chains.size(); ++rx_chain) {
+      const std::string name = ap.id + ".core" + std::to_string(ap.rx_chains[rx_chain]) + "/core" +
+                               std::to_string(ap.rx_chains[0]);
+      const std::complex<double> ratio = chain_ratio(ap.gains, rx_chain);
       if (to_string(parameter.id) == name + ".gain") {
         return 20.0 * std::log10(std::abs(ratio));
       }
@@ -83,8 +83,8 @@ double error_of(const test::SurveyedRoom& room,
   return 0.0;
 }
 
-double chain_phase(const RoomAccessPoint& ap, std::size_t core) {
-  return std::arg(chain_ratio(ap.gains, core));
+double chain_phase(const RoomAccessPoint& ap, std::size_t rx_chain) {
+  return std::arg(chain_ratio(ap.gains, rx_chain));
 }
 
 // No number may be stated more surely than the truth allows.
@@ -139,17 +139,18 @@ TEST(JointCalibration, RecoversTheArray) {
 TEST(JointCalibration, RecoversTheChains) {
   const auto& [room, found] = well_surveyed();
   const RoomAccessPoint& truth = room.built.access_points[0];
-  for (const std::size_t core : {1U, 2U}) {
-    EXPECT_GT(std::abs(chain_phase(truth, core)), 5.0 * kDegree);
-    EXPECT_NEAR(
-        chain_phase(found.room.access_points[0], core), chain_phase(truth, core), 3.0 * kDegree);
+  for (const std::size_t rx_chain : {1U, 2U}) {
+    EXPECT_GT(std::abs(chain_phase(truth, rx_chain)), 5.0 * kDegree);
+    EXPECT_NEAR(chain_phase(found.room.access_points[0], rx_chain),
+                chain_phase(truth, rx_chain),
+                3.0 * kDegree);
   }
   // The stated parameters are those that are written.
   int stated = 0;
   for (const RoomParameter& parameter : found.parameters) {
     if (parameter.unit == "deg") {
-      const std::size_t core = parameter.id.of.find("core0/") != std::string::npos ? 1U : 2U;
-      const double written = chain_phase(found.room.access_points[0], core) / kDegree;
+      const std::size_t rx_chain = parameter.id.of.find("core0/") != std::string::npos ? 1U : 2U;
+      const double written = chain_phase(found.room.access_points[0], rx_chain) / kDegree;
       EXPECT_NEAR(std::remainder(parameter.value - written, 360.0), 0.0, 1e-9)
           << to_string(parameter.id);
       EXPECT_GT(parameter.prior_sigma, 0.0) << to_string(parameter.id);

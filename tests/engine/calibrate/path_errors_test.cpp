@@ -55,7 +55,7 @@ TEST(PathErrors, LoseThePhaseThatVariesWithinTheCell) {
 TEST(PathErrors, AFrontOffsetAffectsOnlyBackscatteredPhases) {
   const RoomModel room = test::make_room();
   const PersonReference reference = test::learn_reference(room);
-  const std::size_t antennas = room.access_points[0].cores.size();
+  const std::size_t antennas = room.access_points[0].rx_chains.size();
   const PersonLikelihood likelihood(room.grid, antennas, reference.links[0], 2.0);
   const auto power = [&](double turn, double front_sigma) {
     ScatteredRay one = ray(0, turn);

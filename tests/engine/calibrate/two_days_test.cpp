@@ -22,8 +22,8 @@ using Channels = std::vector<std::vector<Value>>;
 const std::vector<double> kPhases = {0.0, 2.4, -1.1};  // [rad], by which the chains turn
 const std::vector<double> kLevels = {1.0, 1.3, 0.8};
 
-Value turn_of(std::size_t access_point, std::size_t core) {
-  return std::polar(kLevels[core], kPhases[core] * (access_point == 1 ? -0.7 : 1.0));
+Value turn_of(std::size_t access_point, std::size_t rx_chain) {
+  return std::polar(kLevels[rx_chain], kPhases[rx_chain] * (access_point == 1 ? -0.7 : 1.0));
 }
 
 // The same radios after a power cycle.
@@ -63,10 +63,13 @@ std::vector<CsiFrame> frames_of_empty(const RoomModel& room,
 }
 
 // Phase of a chain of one access point against the first chain, between the gains of two rooms.
-double phase_off(const RoomModel& one, const RoomModel& other, std::size_t ap, std::size_t core) {
+double phase_off(const RoomModel& one,
+                 const RoomModel& other,
+                 std::size_t ap,
+                 std::size_t rx_chain) {
   const auto ratio = [&](const RoomModel& room) {
     const auto& gain = room.access_points[ap].gains.gain;
-    return gain[core * room.grid.size()] / gain[0];
+    return gain[rx_chain * room.grid.size()] / gain[0];
   };
   return std::arg(ratio(one) / ratio(other));
 }
@@ -97,8 +100,8 @@ TEST_F(TwoDaysTest, RotatedChainsChangeNoEstimate) {
     EXPECT_TRUE(change.is_rotated);
     EXPECT_TRUE(change.is_today_rotated);
     EXPECT_LT(change.chains.changed, 0.002);
-    for (std::size_t core = 1; core < 3; ++core) {
-      EXPECT_NEAR(phase_off(days->today, later_, change.access_point, core), 0.0, 0.02);
+    for (std::size_t rx_chain = 1; rx_chain < 3; ++rx_chain) {
+      EXPECT_NEAR(phase_off(days->today, later_, change.access_point, rx_chain), 0.0, 0.02);
     }
     EXPECT_EQ(days->people.access_points[change.access_point].gains.gain,
               room_.access_points[change.access_point].gains.gain);
@@ -134,9 +137,9 @@ TEST_F(TwoDaysTest, AcceptsGainsOfTheSecondDay) {
   for (const DayChange& change : days->changes) {
     EXPECT_TRUE(change.is_rotated);
     EXPECT_FALSE(change.is_today_rotated);
-    for (std::size_t core = 1; core < 3; ++core) {
-      EXPECT_NEAR(phase_off(days->people, room_, change.access_point, core), 0.0, 0.02);
-      EXPECT_NEAR(phase_off(days->today, later_, change.access_point, core), 0.0, 1e-12);
+    for (std::size_t rx_chain = 1; rx_chain < 3; ++rx_chain) {
+      EXPECT_NEAR(phase_off(days->people, room_, change.access_point, rx_chain), 0.0, 0.02);
+      EXPECT_NEAR(phase_off(days->today, later_, change.access_point, rx_chain), 0.0, 1e-12);
     }
   }
 }
@@ -162,10 +165,10 @@ TEST_F(TwoDaysTest, AMovedObjectIsNotMistakenForAChain) {
       power += std::norm(value) / static_cast<double>(h.size());
     }
     for (std::size_t j = 0; j < h.size(); ++j) {
-      const std::size_t core = j / room_.grid.size();
+      const std::size_t rx_chain = j / room_.grid.size();
       const double turn =
           -2.0 * std::numbers::pi * room_.grid.offset_hz(j % room_.grid.size()) * 12e-9;
-      h[j] += std::polar(0.1 * std::sqrt(power), turn + 1.3 * static_cast<double>(core));
+      h[j] += std::polar(0.1 * std::sqrt(power), turn + 1.3 * static_cast<double>(rx_chain));
     }
   }
   const auto days = separate_days(room_, std::vector{received(room_, today)});
@@ -174,9 +177,10 @@ TEST_F(TwoDaysTest, AMovedObjectIsNotMistakenForAChain) {
     EXPECT_TRUE(change.is_rotated);
     EXPECT_GT(change.chains.changed, 0.001);
     EXPECT_LT(change.chains.changed, 0.03);
-    for (std::size_t core = 1; core < 3; ++core) {
-      const double known = std::hypot(change.chains.sigma[0], change.chains.sigma[core]);
-      EXPECT_LT(std::abs(phase_off(days->today, later_, change.access_point, core)), 3.0 * known);
+    for (std::size_t rx_chain = 1; rx_chain < 3; ++rx_chain) {
+      const double known = std::hypot(change.chains.sigma[0], change.chains.sigma[rx_chain]);
+      EXPECT_LT(std::abs(phase_off(days->today, later_, change.access_point, rx_chain)),
+                3.0 * known);
       EXPECT_LT(known, 0.25);
     }
   }
@@ -189,9 +193,9 @@ TEST_F(TwoDaysTest, RefusesAnotherTransmitterAsASecondDay) {
     for (std::size_t j = 0; j < h.size(); ++j) {
       const double w = 2.0 * std::numbers::pi * room_.grid.offset_hz(j % room_.grid.size());
       const std::size_t number = j / room_.grid.size();
-      const auto core = static_cast<double>(number);
-      h[j] = std::polar(1.0, -w * 10e-9) + std::polar(1.0, -w * 45e-9 + core) +
-             std::polar(1.0, -w * 70e-9 - 2.0 * core);
+      const auto rx_chain = static_cast<double>(number);
+      h[j] = std::polar(1.0, -w * 10e-9) + std::polar(1.0, -w * 45e-9 + rx_chain) +
+             std::polar(1.0, -w * 70e-9 - 2.0 * rx_chain);
     }
   }
   const auto days = separate_days(room_, std::vector{received(room_, today)});

@@ -49,11 +49,11 @@ TEST(ChainEvidence, LocatesWithUnknownChains) {
     const Vec3d place{-1.1 + 0.19 * i, 0.8 - 0.13 * i, 1.2};
     auto frames = test::frames_at(localizer()->room(), place, {4, 30.0, 5U + unsigned(i)});
     // The second chain has rotated by half a turn.
-    const std::uint8_t core = localizer()->room().access_points[0].cores[1];
+    const std::uint8_t rx_chain = localizer()->room().access_points[0].rx_chains[1];
     for (CsiFrame& frame : frames) {
-      for (std::size_t row = 0; row < frame.cores.size(); ++row) {
+      for (std::size_t row = 0; row < frame.rx_chains.size(); ++row) {
         for (std::complex<float>& value : frame.csi.row(row, 0)) {
-          value *= frame.cores[row] == core ? -1.0F : 1.0F;
+          value *= frame.rx_chains[row] == rx_chain ? -1.0F : 1.0F;
         }
       }
     }

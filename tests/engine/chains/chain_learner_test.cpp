@@ -45,11 +45,11 @@ std::vector<CsiFrame> burst(int number) {
 
 // Chains that multiply by these.
 std::vector<CsiFrame> through(std::vector<CsiFrame> frames, const std::vector<Value>& factors) {
-  const auto& cores = localizer()->room().access_points[0].cores;
+  const auto& rx_chains = localizer()->room().access_points[0].rx_chains;
   for (std::size_t m = 0; m < factors.size(); ++m) {
     for (CsiFrame& frame : frames) {
-      for (std::size_t row = 0; row < frame.cores.size(); ++row) {
-        if (frame.cores[row] == cores[m]) {
+      for (std::size_t row = 0; row < frame.rx_chains.size(); ++row) {
+        if (frame.rx_chains[row] == rx_chains[m]) {
           for (std::complex<float>& value : frame.csi.row(row, 0)) {
             value *= std::complex<float>(factors[m]);
           }

@@ -35,10 +35,10 @@ std::vector<CsiFrame> burst(int number, double turn) {
       localizer()->room(), place(number), {4, 30.0, static_cast<unsigned>(number + 1)});
   const auto& access_points = localizer()->room().access_points;
   for (std::size_t a = 0; a < access_points.size(); ++a) {
-    for (std::size_t m = 1; m < access_points[a].cores.size(); ++m) {
+    for (std::size_t m = 1; m < access_points[a].rx_chains.size(); ++m) {
       test::turn_chain(frames,
                        static_cast<int>(a),
-                       access_points[a].cores[m],
+                       access_points[a].rx_chains[m],
                        turn * static_cast<double>(1 + m + a));
     }
   }

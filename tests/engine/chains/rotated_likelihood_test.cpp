@@ -10,7 +10,7 @@
 #include "engine/trace/path_tracer.h"
 #include "tests/support/synthetic_room.h"
 
-namespace rayloc::turned_likelihood_test {
+namespace rayloc::rotated_likelihood_test {
 namespace {
 
 using Value = std::complex<double>;
@@ -133,4 +133,4 @@ TEST(RotationGrid, StatesRotateAllChainsButTheFirst) {
 }
 
 }  // namespace
-}  // namespace rayloc::turned_likelihood_test
+}  // namespace rayloc::rotated_likelihood_test

@@ -148,9 +148,9 @@ std::size_t hit(const Localizer& by, std::size_t spot) {
 std::string name_of(const Localizer& by, std::size_t spot) {
   return "access point " + by.room().access_points[hit(by, spot)].id;
 }
-std::uint8_t core_of(const Localizer& by, std::size_t spot) {
-  const auto& cores = by.room().access_points[hit(by, spot)].cores;
-  return cores[(spot / by.room().access_points.size()) % cores.size()];
+std::uint8_t rx_chain_of(const Localizer& by, std::size_t spot) {
+  const auto& rx_chains = by.room().access_points[hit(by, spot)].rx_chains;
+  return rx_chains[(spot / by.room().access_points.size()) % rx_chains.size()];
 }
 
 TEST(Fault, NoFaultCausesNoAlarm) {
@@ -172,8 +172,8 @@ TEST(Fault, DeadChainIsNamedAndLeftOut) {
     const Localizer& by = localizer(access_points);
     std::mt19937 random(3);
     const Tally tally = study("chain dead", by, [&](std::size_t spot, Frames& frames) {
-      test::kill_chain(frames, static_cast<int>(hit(by, spot)), core_of(by, spot), random);
-      return name_of(by, spot) + ": the chain of core " + std::to_string(core_of(by, spot)) +
+      test::kill_chain(frames, static_cast<int>(hit(by, spot)), rx_chain_of(by, spot), random);
+      return name_of(by, spot) + ": the chain of core " + std::to_string(rx_chain_of(by, spot)) +
              " is dead";
     });
     EXPECT_EQ(tally.named + tally.no_fix, tally.cases);
@@ -214,7 +214,7 @@ TEST(Fault, JumpedPhaseOfAChain) {
     const Tally tally = study("chain's phase jumped", by, [&](std::size_t spot, Frames& frames) {
       test::turn_chain(frames,
                        static_cast<int>(hit(by, spot)),
-                       core_of(by, spot),
+                       rx_chain_of(by, spot),
                        0.5 * std::numbers::pi * static_cast<double>(1 + spot % 3));
       return name_of(by, spot);
     });

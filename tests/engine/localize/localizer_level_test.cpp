@@ -39,7 +39,7 @@ RoomModel make_field() {
   ap.array.pose.position = kAccessPoint;
   ap.array.pose.orientation.yaw = 0.0;
   ap.array.element_offset = {{0.0, -half, 0.0}, {0.0, half, 0.0}};
-  ap.cores = {0, 1};
+  ap.rx_chains = {0, 1};
   ap.gains = test::make_gains(room, 0);
   ap.error.diffuse_exponent = 0.0;
   return room;
@@ -65,7 +65,7 @@ std::vector<CsiFrame> received_at(const RoomModel& room, std::optional<double> d
     frame.transmitter = kDevice;
     if (distance) {
       const double level = kAtOneMetre - 20.0 * std::log10(*distance);
-      frame.power_dbm.assign(frame.cores.size(), static_cast<float>(level));
+      frame.power_dbm.assign(frame.rx_chains.size(), static_cast<float>(level));
     }
   }
   return frames;
@@ -156,7 +156,7 @@ TEST(LocalizerLevel, IsIgnoredWithADeadChain) {
   auto frames = test::frames_at(room, {0.3, 0.2, 1.2});
   for (CsiFrame& frame : frames) {
     frame.transmitter = kDevice;
-    frame.power_dbm.assign(frame.cores.size(), -60.0F);
+    frame.power_dbm.assign(frame.rx_chains.size(), -60.0F);
     if (frame.access_point == 0) {
       for (std::complex<float>& value : frame.csi.row(1, 0)) {
         value *= 0.02F;

@@ -69,9 +69,9 @@ TEST(Localizer, FindsTheDeviceByEveryLikelihood) {
 TEST(Localizer, LeavesOutASingleAntennaWhereRatiosAreCompared) {
   RoomModel room = test::make_room();
   RoomAccessPoint& alone = room.access_points[1];
-  alone.cores.resize(1);
+  alone.rx_chains.resize(1);
   alone.array.element_offset.resize(1);
-  alone.gains.cores.resize(1);
+  alone.gains.rx_chains.resize(1);
   alone.gains.gain.resize(room.grid.size());
   LocalizerOptions options;
   options.likelihood = LikelihoodKind::kRatioComplex;
@@ -185,7 +185,7 @@ TEST(Localizer, GivesNoFixForNoise) {
 TEST(Localizer, GivesNoFixForFramesItCannotRead) {
   auto frames = test::frames_at(localizer().room(), {0.3, 0.2, 1.2});
   for (CsiFrame& frame : frames) {
-    frame.cores = {0, 1, 2};
+    frame.rx_chains = {0, 1, 2};
   }
   const LocationEstimate estimate = localizer().locate(frames);
   EXPECT_FALSE(estimate.position);

@@ -222,8 +222,8 @@ TEST(PaperLocalizer, LeavesOutASingleAntenna) {
   RoomModel room = test::make_room();
   RoomAccessPoint& ap = room.access_points[0];
   ap.array.element_offset.resize(1);
-  ap.cores.resize(1);
-  ap.gains.cores.resize(1);
+  ap.rx_chains.resize(1);
+  ap.gains.rx_chains.resize(1);
   ap.gains.gain.resize(room.grid.size());
   const auto estimate =
       localizer({}, room).locate(test::frames_at(test::make_room(), {0.3, 0.2, kHeight}));

@@ -115,10 +115,10 @@ TEST_P(PersonFailureTest, AChainIsDead) {
   const auto spoil = [this](std::size_t i, Channels& channels) {
     auto& h = channels[i % channels.size()];
     const std::size_t tones = localizer().room().grid.size();
-    const std::size_t core = i % 3;
+    const std::size_t rx_chain = i % 3;
     // The channel of a dead chain has a hundredth of the others' amplitude.
-    std::for_each(h.begin() + static_cast<std::ptrdiff_t>(core * tones),
-                  h.begin() + static_cast<std::ptrdiff_t>((core + 1) * tones),
+    std::for_each(h.begin() + static_cast<std::ptrdiff_t>(rx_chain * tones),
+                  h.begin() + static_cast<std::ptrdiff_t>((rx_chain + 1) * tones),
                   [](std::complex<double>& value) { value *= 0.01; });
   };
   EXPECT_LE(run("a chain dead", 1, spoil).misses, 1U);
@@ -128,10 +128,10 @@ TEST_P(PersonFailureTest, AChainsPhaseHasJumped) {
   const auto spoil = [this](std::size_t i, Channels& channels) {
     auto& h = channels[i % channels.size()];
     const std::size_t tones = localizer().room().grid.size();
-    const std::size_t core = i % 3;
+    const std::size_t rx_chain = i % 3;
     const double jump = std::numbers::pi * (i % 2 == 0 ? 0.5 : 1.0);
-    std::for_each(h.begin() + static_cast<std::ptrdiff_t>(core * tones),
-                  h.begin() + static_cast<std::ptrdiff_t>((core + 1) * tones),
+    std::for_each(h.begin() + static_cast<std::ptrdiff_t>(rx_chain * tones),
+                  h.begin() + static_cast<std::ptrdiff_t>((rx_chain + 1) * tones),
                   [&](std::complex<double>& value) { value *= std::polar(1.0, jump); });
   };
   EXPECT_LE(run("a chain's phase jumped", 1, spoil).misses, 1U);

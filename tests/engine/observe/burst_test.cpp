@@ -57,7 +57,7 @@ CsiFrame frame_of(const std::vector<Value>& h,
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> uniform;
   CsiFrame frame;
-  frame.cores = {0, 2, 3};
+  frame.rx_chains = {0, 2, 3};
   frame.tone_index = grid.tone_index;
   frame.csi = Csi(3, 1, grid.size());
   frame.complete = true;
@@ -156,7 +156,7 @@ TEST(Burst, SeesMotion) {
 TEST(Burst, RefusesUnusableFramesWithAReason) {
   const OfdmGrid grid = vht40();
   auto frames = frames_of(channel(grid, 8), grid, 10, 1e-3);
-  frames[1].cores = {0, 1, 2};
+  frames[1].rx_chains = {0, 1, 2};
   frames[2].csi = Csi(3, 2, grid.size());
   frames[3].tone_index.front() = -64;
   frames[4].csi = Csi(3, 1, grid.size());
@@ -176,7 +176,7 @@ TEST(Burst, WithoutAUsableFrameIsAnErrorThatCounts) {
   const OfdmGrid grid = vht40();
   auto frames = frames_of(channel(grid, 8), grid, 3, 1e-3);
   for (CsiFrame& frame : frames) {
-    frame.cores = {0, 1, 2};
+    frame.rx_chains = {0, 1, 2};
   }
   const auto burst = combine_burst(frames, request_of(grid));
   ASSERT_FALSE(burst);
@@ -199,7 +199,7 @@ std::vector<CsiFrame> stated_frames(const std::vector<float>& of_each_frame) {
   for (std::size_t i = 0; i < frames.size(); ++i) {
     CsiFrame& frame = frames[i];
     const Csi received = frame.csi;
-    frame.cores = {1, 0, 2, 3};
+    frame.rx_chains = {1, 0, 2, 3};
     frame.csi = Csi(4, 1, grid.size());
     for (std::size_t m = 0; m < 4; ++m) {
       const auto from = received.row(m == 0 ? 0 : m - 1, 0);

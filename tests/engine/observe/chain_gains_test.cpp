@@ -9,7 +9,7 @@ namespace {
 
 using Value = std::complex<double>;
 
-constexpr std::size_t kCores = 3;
+constexpr std::size_t kRxChains = 3;
 constexpr std::size_t kTones = 4;
 
 std::vector<Value> random_values(std::size_t count, unsigned seed) {
@@ -25,12 +25,12 @@ std::vector<Value> random_values(std::size_t count, unsigned seed) {
 }
 
 ChainGains example() {
-  return {{5.19e9, 312'500.0, {-2, -1, 1, 2}}, {2, 0, 3}, random_values(kCores * kTones, 1), {}};
+  return {{5.19e9, 312'500.0, {-2, -1, 1, 2}}, {2, 0, 3}, random_values(kRxChains * kTones, 1), {}};
 }
 
 TEST(ChainGains, AreRemovedFromReportedChannels) {
   const ChainGains gains = example();
-  const auto field = random_values(kCores * kTones, 2);
+  const auto field = random_values(kRxChains * kTones, 2);
   auto h = field;
   for (std::size_t i = 0; i < h.size(); ++i) {
     h[i] *= gains.gain[i];
@@ -44,7 +44,7 @@ TEST(ChainGains, AreRemovedFromReportedChannels) {
 TEST(ChainGains, LeaveNothingOfADeadChain) {
   ChainGains gains = example();
   gains.gain[5] = 0.0;
-  auto h = random_values(kCores * kTones, 2);
+  auto h = random_values(kRxChains * kTones, 2);
   remove_gains(gains, h);
   EXPECT_EQ(h[5], Value());
   EXPECT_NE(h[4], Value());
@@ -53,11 +53,11 @@ TEST(ChainGains, LeaveNothingOfADeadChain) {
 TEST(ChainGains, ACouplingGivesACoreItsShareOfAnother) {
   ChainGains gains = example();
   gains.coupling = {1.0, {0.0, 0.1}, 0.0, 0.0, 1.0, 0.0, 0.2, 0.0, 1.0};
-  const auto field = random_values(kCores * kTones, 3);
+  const auto field = random_values(kRxChains * kTones, 3);
   auto h = field;
   apply_coupling(gains, h);
   for (std::size_t k = 0; k < kTones; ++k) {
-    const auto at = [&](std::size_t core) { return field[core * kTones + k]; };
+    const auto at = [&](std::size_t rx_chain) { return field[rx_chain * kTones + k]; };
     EXPECT_NEAR(std::abs(h[k] - (at(0) + Value(0.0, 0.1) * at(1))), 0.0, 1e-12);
     EXPECT_EQ(h[kTones + k], at(1));
     EXPECT_NEAR(std::abs(h[2 * kTones + k] - (at(2) + 0.2 * at(0))), 0.0, 1e-12);
@@ -66,14 +66,14 @@ TEST(ChainGains, ACouplingGivesACoreItsShareOfAnother) {
 
 TEST(ChainGains, ACouplingIsUndoneBehindTheGains) {
   ChainGains gains = example();
-  gains.coupling = random_values(kCores * kCores, 4);
+  gains.coupling = random_values(kRxChains * kRxChains, 4);
   for (Value& value : gains.coupling) {
     value *= 0.1;
   }
-  for (std::size_t core = 0; core < kCores; ++core) {
-    gains.coupling[core * kCores + core] = 1.0;
+  for (std::size_t rx_chain = 0; rx_chain < kRxChains; ++rx_chain) {
+    gains.coupling[rx_chain * kRxChains + rx_chain] = 1.0;
   }
-  const auto field = random_values(kCores * kTones, 5);
+  const auto field = random_values(kRxChains * kTones, 5);
   auto h = field;
   apply_coupling(gains, h);
   for (std::size_t i = 0; i < h.size(); ++i) {

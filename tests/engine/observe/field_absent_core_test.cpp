@@ -15,7 +15,7 @@ namespace rayloc::field_absent_core_test {
 namespace {
 
 constexpr std::size_t kTones = 64;
-const std::vector<std::uint8_t> kCores = {0, 2, 3};
+const std::vector<std::uint8_t> kRxChains = {0, 2, 3};
 
 OfdmGrid grid() {
   OfdmGrid grid{5.19e9, 312'500.0, {}};
@@ -33,7 +33,7 @@ std::vector<CsiFrame> frames(int count) {
   for (int i = 0; i < count; ++i) {
     CsiFrame frame;
     frame.time = Timestamp(std::chrono::milliseconds(20 * i));
-    frame.cores = kCores;
+    frame.rx_chains = kRxChains;
     frame.tone_index = grid().tone_index;
     frame.csi = Csi(3, 1, kTones);
     for (std::size_t m = 0; m < 3; ++m) {
@@ -56,11 +56,11 @@ void lose(CsiFrame& frame, std::size_t row) {
     }
   }
   frame.csi = std::move(csi);
-  frame.cores.erase(frame.cores.begin() + static_cast<std::ptrdiff_t>(row));
+  frame.rx_chains.erase(frame.rx_chains.begin() + static_cast<std::ptrdiff_t>(row));
 }
 
 Expected<BurstObservation> combined(const std::vector<CsiFrame>& frames) {
-  return combine_burst(frames, {0, grid(), kCores, {.leaves_out_absent = true}});
+  return combine_burst(frames, {0, grid(), kRxChains, {.leaves_out_absent = true}});
 }
 
 bool is_zero_row(const BurstObservation& burst, std::size_t row) {
@@ -81,10 +81,10 @@ TEST(Field, BurstIsMadeOfTheOtherChainsWhereNoFrameHasOne) {
     EXPECT_EQ(burst->absent->row, row);
     EXPECT_FALSE(burst->absent->is_lasting) << "datagrams may have been lost";
     EXPECT_EQ(burst->frames_used, 3U);
-    EXPECT_EQ(burst->cores, kCores);
+    EXPECT_EQ(burst->rx_chains, kRxChains);
     EXPECT_TRUE(is_zero_row(*burst, row));
     EXPECT_LT(burst->noise_variance, 1e-3);
-    EXPECT_FALSE(combine_burst(all, {0, grid(), kCores, {}})) << "unless it is asked for";
+    EXPECT_FALSE(combine_burst(all, {0, grid(), kRxChains, {}})) << "unless it is asked for";
   }
 }
 

@@ -21,9 +21,9 @@ CalibratedAccessPoint planned(const RoomAccessPoint& ap, const OfdmGrid& grid) {
   stated.diffuse_decay = as_planned(ap.error.diffuse_decay);
   stated.noise = as_planned(ap.error.noise);
   stated.gains.grid = grid;
-  stated.gains.cores = ap.cores;
-  stated.gains.gain.assign(ap.cores.size() * grid.size(), 1.0);
-  stated.gain_sigma.assign(ap.cores.size(), kAnyPhase);
+  stated.gains.rx_chains = ap.rx_chains;
+  stated.gains.gain.assign(ap.rx_chains.size() * grid.size(), 1.0);
+  stated.gain_sigma.assign(ap.rx_chains.size(), kAnyPhase);
   stated.gain_sigma.front() = 0.0;  // reference chain of the others
   stated.element_y.assign(ap.array.element_offset.size(), 0.0);
   return stated;

@@ -177,7 +177,7 @@ class SurveyOfTwoPoints : public CalibrationInputsTest {
     auto recorder = PcapRecorder::create(file(name));
     ASSERT_TRUE(recorder) << recorder.error().message;
     test::WireFrame frame;
-    frame.cores = {0, 2, 3};
+    frame.rx_chains = {0, 2, 3};
     for (const Burst& burst : bursts) {
       frame.transmitter = burst.transmitter;
       for (int i = 0; i < burst.frames; ++i) {

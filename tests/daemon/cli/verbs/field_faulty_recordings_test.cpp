@@ -26,15 +26,15 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 const std::string kSite = test::data_path("/sites/meeting_room");
-constexpr std::size_t kCoreAt = 8;    // of an AX-CSI payload
-constexpr std::size_t kWordsAt = 54;  // WIRE_FORMATS 1.1
+constexpr std::size_t kRxChainAt = 8;  // of an AX-CSI payload
+constexpr std::size_t kWordsAt = 54;   // WIRE_FORMATS 1.1
 
 struct Record {
   Timestamp time;
   DatagramAddress address;
   std::vector<std::byte> payload;
 
-  int core() const { return std::to_integer<int>(payload[kCoreAt]); }
+  int rx_chain() const { return std::to_integer<int>(payload[kRxChainAt]); }
 };
 // False: the record is left out. `number`: of the record.
 using Change = std::function<bool(std::size_t number, Record& record)>;

@@ -175,13 +175,14 @@ class Walk {
     std::normal_distribution<float> noise(0.0F, 0.2F);
     CsiFrame frame;
     frame.time = frame.time_last = time;
-    frame.cores = {0, 1, 2};
+    frame.rx_chains = {0, 1, 2};
     frame.csi = Csi(3, 1, kTones);
     const float phase = 3.0F * noise(random_);
-    for (std::size_t core = 0; core < 3; ++core) {
+    for (std::size_t rx_chain = 0; rx_chain < 3; ++rx_chain) {
       for (std::size_t tone = 0; tone < kTones; ++tone) {
-        frame.csi.row(core, 0)[tone] = place[core * kTones + tone] * std::polar(1.0F, phase) +
-                                       std::complex<float>(noise(random_), noise(random_));
+        frame.csi.row(rx_chain, 0)[tone] =
+            place[rx_chain * kTones + tone] * std::polar(1.0F, phase) +
+            std::complex<float>(noise(random_), noise(random_));
       }
     }
     for (std::size_t tone = 0; tone < kTones; ++tone) {

@@ -64,7 +64,7 @@ class SimulatedDevice {
     to.sin_port = htons(port);
     to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     test::WireFrame frame;
-    frame.cores = {0, 2, 3};
+    frame.rx_chains = {0, 2, 3};
     frame.transmitter = transmitter_;
     while (!stop_) {
       ++frame.sequence;

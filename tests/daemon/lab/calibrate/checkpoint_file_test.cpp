@@ -63,7 +63,7 @@ TEST_F(CheckpointFile, ReadsBackBitForBit) {
   EXPECT_EQ(read->other_cycles[0].excess, 1.0 / 7.0);
   ASSERT_EQ(read->gains.size(), 1U);
   EXPECT_EQ(read->gains[0].gain, written.gains[0].gain);
-  EXPECT_EQ(read->gains[0].cores, written.gains[0].cores);
+  EXPECT_EQ(read->gains[0].rx_chains, written.gains[0].rx_chains);
   ASSERT_EQ(read->history.size(), 2U);
   EXPECT_EQ(read->history[1].stage, "fit");
   EXPECT_EQ(read->history[1].iteration, 1);

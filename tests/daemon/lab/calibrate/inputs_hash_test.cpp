@@ -43,7 +43,7 @@ TEST(InputsHash, ChangesWithEverythingThatACalibrationStartsFrom) {
       [](Inputs& in) { in.room.access_points[0].array.element_offset[1].y += 0.001; },
       [](Inputs& in) { in.room.access_points[0].array.pattern = AntennaPattern::kTr38901; },
       [](Inputs& in) {
-        std::swap(in.room.access_points[0].cores[0], in.room.access_points[0].cores[1]);
+        std::swap(in.room.access_points[0].rx_chains[0], in.room.access_points[0].rx_chains[1]);
       },
       [](Inputs& in) {
         SiteTransmitter constant;

@@ -48,7 +48,7 @@ class LevelStage : public ::testing::Test {
       for (CsiFrame& frame : frames_.back()) {
         frame.transmitter = kDevice;
         const bool there = frame.access_point == static_cast<int>(kReceivedBy);
-        frame.power_dbm.assign(frame.cores.size(), there ? static_cast<float>(level) : -5.0F);
+        frame.power_dbm.assign(frame.rx_chains.size(), there ? static_cast<float>(level) : -5.0F);
       }
     }
     site_.transmitters.resize(2);

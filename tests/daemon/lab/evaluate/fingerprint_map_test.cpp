@@ -13,7 +13,7 @@ using test::make_room;
 std::vector<FingerprintMap::AccessPoint> access_points_of(const RoomModel& room) {
   std::vector<FingerprintMap::AccessPoint> all;
   for (std::size_t i = 0; i < room.access_points.size(); ++i) {
-    all.push_back({static_cast<int>(i), room.access_points[i].cores});
+    all.push_back({static_cast<int>(i), room.access_points[i].rx_chains});
   }
   return all;
 }

@@ -16,7 +16,7 @@ TEST(PlannedRoom, HasUnitChainGainsAndPostCalibrationErrors) {
   ASSERT_TRUE(room) << room.error().message;
   ASSERT_EQ(room->access_points.size(), 3U);
   for (const RoomAccessPoint& ap : room->access_points) {
-    EXPECT_EQ(ap.gains.gain.size(), ap.cores.size() * room->grid.size());
+    EXPECT_EQ(ap.gains.gain.size(), ap.rx_chains.size() * room->grid.size());
     EXPECT_LT(ap.error.plan_tolerance, ModelError().plan_tolerance);
   }
 }

@@ -60,14 +60,14 @@ TEST(CaptureSimulator, WithoutImpairmentsTheDecoderGivesTheTracersChannel) {
   const Transmitter device{{kPlace, {}, room.device.pattern, room.device.polarization}};
   const OfdmGrid grid{room.grid.centre_hz, room.grid.spacing_hz, frames[0].tone_index};
   ASSERT_EQ(grid.size(), 114U);
-  for (std::size_t element = 0; element < ap.cores.size(); ++element) {
+  for (std::size_t element = 0; element < ap.rx_chains.size(); ++element) {
     // One after the other, by trees that are made for this link alone.
     const auto h = tracer.trace(device, array_elements<Receiver>(ap.array)[element]).cfr(grid);
-    const auto core = static_cast<std::size_t>(
-        std::find(frames[0].cores.begin(), frames[0].cores.end(), ap.cores[element]) -
-        frames[0].cores.begin());
+    const auto rx_chain = static_cast<std::size_t>(
+        std::find(frames[0].rx_chains.begin(), frames[0].rx_chains.end(), ap.rx_chains[element]) -
+        frames[0].rx_chains.begin());
     for (const CsiFrame& frame : frames) {
-      const auto row = frame.csi.row(core, 0);
+      const auto row = frame.csi.row(rx_chain, 0);
       for (std::size_t k = 0; k < grid.size(); ++k) {
         const Value received = Value(row[k]) / 0x1p30;
         const double largest = std::max(std::abs(h[k].real()), std::abs(h[k].imag()));
@@ -107,9 +107,9 @@ TEST(CaptureSimulator, HopsGiveTheChannelAtEachFrequency) {
     const auto there =
         receive(*CaptureSimulator(room, 0, options_with(no_impairments())).capture(alone));
     ASSERT_EQ(there.size(), 1U);
-    for (std::size_t core = 0; core < 3; ++core) {
-      const auto row = frames[n].csi.row(core, 0);
-      const auto expected = there[0].csi.row(core, 0);
+    for (std::size_t rx_chain = 0; rx_chain < 3; ++rx_chain) {
+      const auto row = frames[n].csi.row(rx_chain, 0);
+      const auto expected = there[0].csi.row(rx_chain, 0);
       EXPECT_TRUE(std::equal(row.begin(), row.end(), expected.begin())) << n;
     }
   }
@@ -158,8 +158,8 @@ TEST(CaptureSimulator, RoughWallsScatterWhereThatIsAskedFor) {
     CaptureSimulator simulator(room, 1, options);
     const auto frames = receive(*simulator.capture(spot_with(1)));
     std::vector<Value> h;
-    for (std::size_t core = 0; core < frames.at(0).cores.size(); ++core) {
-      for (const auto& value : frames[0].csi.row(core, 0)) {
+    for (std::size_t rx_chain = 0; rx_chain < frames.at(0).rx_chains.size(); ++rx_chain) {
+      for (const auto& value : frames[0].csi.row(rx_chain, 0)) {
         h.emplace_back(value);
       }
     }

@@ -38,16 +38,16 @@ class Radio {
     return h;
   }
 
-  // [core][tone] as on the grid, in the scale of h, from the frame of a flat channel.
+  // [rx_chain][tone] as on the grid, in the scale of h, from the frame of a flat channel.
   std::vector<std::vector<Value>> receive() { return receive(flat()); }
   std::vector<std::vector<Value>> receive(const std::vector<Value>& h) {
     const RadioFrame frame = radio_.receive(h, ++error_seed_);
     std::vector<std::vector<Value>> rows;
-    for (std::size_t core = 0; core < 3; ++core) {
+    for (std::size_t rx_chain = 0; rx_chain < 3; ++rx_chain) {
       std::vector<Value>& row = rows.emplace_back();
       for (const std::int16_t tone : radio_.grid().tone_index) {
         const Value rotated =
-            frame.tones[core * kTotal + static_cast<std::size_t>(tone + int{kTotal / 2})];
+            frame.tones[rx_chain * kTotal + static_cast<std::size_t>(tone + int{kTotal / 2})];
         row.push_back(rotated / kScale / (tone < 0 ? Value(1.0) : Value(0.0, 1.0)));
       }
     }
@@ -79,9 +79,9 @@ TEST(SimulatedRadio, WithoutImpairmentsReportsTheChannelItself) {
     h.push_back(std::polar(1e-3 + 1e-6 * static_cast<double>(i), 0.1 * static_cast<double>(i)));
   }
   const auto received = radio.receive(h);
-  for (std::size_t core = 0; core < 3; ++core) {
+  for (std::size_t rx_chain = 0; rx_chain < 3; ++rx_chain) {
     for (std::size_t k = 0; k < 114; ++k) {
-      EXPECT_NEAR(std::abs(received[core][k] - h[core * 114 + k]), 0.0, 1e-15);
+      EXPECT_NEAR(std::abs(received[rx_chain][k] - h[rx_chain * 114 + k]), 0.0, 1e-15);
     }
   }
 }
@@ -273,11 +273,12 @@ TEST(SimulatedRadio, ChainsAreDrawnOnceAPowerCycle) {
     const auto first = radio.receive();
     const auto second = radio.receive();
     EXPECT_EQ(first, second);
-    for (std::size_t core = 0; core < 3; ++core) {
-      level.push_back(decibels(std::norm(first[core][0] / 1e-3)));
-      resultant += first[core][0] / std::abs(first[core][0]) / 900.0;
-      EXPECT_NEAR(std::abs(first[core][0] / 1e-3 - radio->chains().gain[core * 114]), 0.0, 1e-12);
-      EXPECT_NEAR(std::abs(first[core][0] - first[core][113]), 0.0, 1e-15) << "no ripple";
+    for (std::size_t rx_chain = 0; rx_chain < 3; ++rx_chain) {
+      level.push_back(decibels(std::norm(first[rx_chain][0] / 1e-3)));
+      resultant += first[rx_chain][0] / std::abs(first[rx_chain][0]) / 900.0;
+      EXPECT_NEAR(
+          std::abs(first[rx_chain][0] / 1e-3 - radio->chains().gain[rx_chain * 114]), 0.0, 1e-12);
+      EXPECT_NEAR(std::abs(first[rx_chain][0] - first[rx_chain][113]), 0.0, 1e-15) << "no ripple";
     }
   }
   EXPECT_NEAR(standard_deviation(level), 1.0, 0.1);
@@ -299,9 +300,9 @@ TEST(SimulatedRadio, CablesShiftTheChainPhasesFromChannelToChannel) {
     const SimulatedRadio there(away, impairments, calibrated, random_stream(seed, "test"));
     const SimulatedRadio drawn_here(kSetup, impairments, {}, random_stream(seed, "test"));
     const SimulatedRadio drawn_there(away, impairments, {}, random_stream(seed, "test"));
-    for (std::size_t core = 0; core < 3; ++core) {
+    for (std::size_t rx_chain = 0; rx_chain < 3; ++rx_chain) {
       const auto turn = [&](const SimulatedRadio& a, const SimulatedRadio& b) {
-        return b.chains().gain[core * 114] / a.chains().gain[core * 114];
+        return b.chains().gain[rx_chain * 114] / a.chains().gain[rx_chain * 114];
       };
       EXPECT_NEAR(std::abs(turn(here, there) - turn(drawn_here, drawn_there)), 0.0, 1e-6);
       delay_ns.push_back(-std::arg(turn(here, there)) / (2.0 * std::numbers::pi * 0.130));
@@ -343,7 +344,7 @@ TEST(SimulatedRadio, RippleReachesItsAmplitudeWithinTheBand) {
 
 TEST(SimulatedRadio, TakesTheChainsOfACalibrationWhenAsked) {
   Impairments impairments = no_impairments();
-  ChainGains calibrated{radio_grid(kSetup), kSetup.cores, {}, {}};
+  ChainGains calibrated{radio_grid(kSetup), kSetup.rx_chains, {}, {}};
   for (int i = 0; i < 3 * 114; ++i) {
     calibrated.gain.push_back(std::polar(1.0, 0.01 * i));
   }
@@ -357,7 +358,7 @@ TEST(SimulatedRadio, TakesTheChainsOfACalibrationWhenAsked) {
 TEST(SimulatedRadio, TakesTheCouplingOfACalibrationWithItsChains) {
   Impairments impairments = no_impairments();
   impairments.calibrated_chains = true;
-  ChainGains calibrated{radio_grid(kSetup), kSetup.cores, {}, {}};
+  ChainGains calibrated{radio_grid(kSetup), kSetup.rx_chains, {}, {}};
   calibrated.gain.assign(3 * calibrated.grid.size(), 1.0);
   calibrated.coupling = {1.0, 0.0, 0.0, {0.0, 0.1}, 1.0, 0.0, 0.0, 0.0, 1.0};
   Radio radio(impairments, 1, calibrated);

@@ -77,8 +77,8 @@ Site make_site(const fs::path& folder) {
     one.diffuse = {usual.diffuse, usual.diffuse, 0.0};
     one.noise = {usual.noise, usual.noise, 0.0};
     one.gains = test::make_gains(room, i);
-    one.gain_sigma.assign(one.gains.cores.size(), 0.0);
-    one.element_y.assign(one.gains.cores.size(), 0.0);
+    one.gain_sigma.assign(one.gains.rx_chains.size(), 0.0);
+    one.element_y.assign(one.gains.rx_chains.size(), 0.0);
   }
   write(folder / "calibration.toml", to_toml(calibration));
   site.calibration_file = folder / "calibration.toml";
@@ -108,7 +108,7 @@ Burst walk(const RoomModel& room, double from_x, Timestamp begin) {
 std::vector<double> amplitudes(const RoomModel& room, std::size_t index, const Burst& burst) {
   const RoomAccessPoint& ap = room.access_points[index];
   auto received =
-      made(combine_burst(burst.frames, {static_cast<int>(index), room.grid, ap.cores, {}}));
+      made(combine_burst(burst.frames, {static_cast<int>(index), room.grid, ap.rx_chains, {}}));
   remove_gains(ap.gains, received.h);
   double power = 0.0;
   for (const auto& value : received.h) {

@@ -12,13 +12,13 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-Site site_of_three_cores() {
+Site site_of_three_rx_chains() {
   Site site;
   site.carrier.bandwidth_mhz = 40;
   SiteAccessPoint access_point;
   access_point.id = "ap1";
   access_point.format = "axcsi-v4";
-  access_point.cores = {0, 2, 3};
+  access_point.rx_chains = {0, 2, 3};
   site.access_points.push_back(access_point);
   return site;
 }
@@ -32,18 +32,18 @@ v1::SourceState healthy() {
   source.mutable_counters()->set_received(3000);
   source.mutable_counters()->set_frames_complete(1000);
   (*source.mutable_frames_by_bandwidth_mhz())[40] = 1000;
-  for (const std::uint32_t core : {0U, 2U, 3U}) {
+  for (const std::uint32_t rx_chain : {0U, 2U, 3U}) {
     v1::CoreReport* report = source.add_cores();
-    report->set_core(core);
+    report->set_core(rx_chain);
     report->set_frames(1000);
-    report->set_below_strongest_db(core);
+    report->set_below_strongest_db(rx_chain);
   }
   return source;
 }
 
 std::vector<std::string> hints_of(const v1::SourceState& source) {
   std::vector<std::string> lines;
-  for (const Finding& finding : source_hints(source, site_of_three_cores())) {
+  for (const Finding& finding : source_hints(source, site_of_three_rx_chains())) {
     EXPECT_NE(finding.kind, Finding::Kind::kOk);
     EXPECT_FALSE(finding.advice.empty()) << finding.what;
     lines.push_back(finding.what);
@@ -70,14 +70,14 @@ TEST(Field, HintsNameAnotherChannelAndSeveralAccessPoints) {
     v1::SourceState source = healthy();
     (*source.mutable_counters()->mutable_rejected())[reason] = 2900;
     source.set_detail("both are named here");
-    const std::vector<Finding> found = source_hints(source, site_of_three_cores());
+    const std::vector<Finding> found = source_hints(source, site_of_three_rx_chains());
     ASSERT_EQ(found.size(), 1U) << "no complaint about the format";
     EXPECT_EQ(found[0].kind, Finding::Kind::kProblem);
     EXPECT_THAT(found[0].what, HasSubstr("2900 datagrams rejected"));
     EXPECT_THAT(found[0].what, HasSubstr("both are named here"));
     EXPECT_FALSE(found[0].advice.empty());
     source.clear_detail();
-    EXPECT_EQ(source_hints(source, site_of_three_cores()).at(0).kind, Finding::Kind::kWarning)
+    EXPECT_EQ(source_hints(source, site_of_three_rx_chains()).at(0).kind, Finding::Kind::kWarning)
         << "it is over";
   }
 }
@@ -185,7 +185,7 @@ TEST(FrameCensus, DistinguishesADeadChainFromAFadingOne) {
     CsiFrame frame;
     frame.format = "axcsi-v4";
     frame.bandwidth_mhz = i < 150 ? 40 : 20;
-    frame.cores = {0, 1, 3};
+    frame.rx_chains = {0, 1, 3};
     frame.csi = Csi(3, 1, 4);
     const float faded = i % 2 == 0 ? 0.1F : 1.0F;  // 20 dB in every second frame
     for (std::size_t tone = 0; tone < 4; ++tone) {
@@ -198,10 +198,10 @@ TEST(FrameCensus, DistinguishesADeadChainFromAFadingOne) {
   EXPECT_EQ(census.format, "axcsi-v4");
   EXPECT_EQ(census.frames_by_bandwidth_mhz.at(40), 150U);
   EXPECT_EQ(census.frames_by_bandwidth_mhz.at(20), 50U);
-  EXPECT_EQ(census.cores.at(3).frames, 200U);
-  EXPECT_NEAR(census.cores.at(0).below_strongest_db, 0.0, 1e-6);
-  EXPECT_NEAR(census.cores.at(1).below_strongest_db, 10.0, 1.0);
-  EXPECT_NEAR(census.cores.at(3).below_strongest_db, 40.0, 1e-3);
+  EXPECT_EQ(census.rx_chains.at(3).frames, 200U);
+  EXPECT_NEAR(census.rx_chains.at(0).below_strongest_db, 0.0, 1e-6);
+  EXPECT_NEAR(census.rx_chains.at(1).below_strongest_db, 10.0, 1.0);
+  EXPECT_NEAR(census.rx_chains.at(3).below_strongest_db, 40.0, 1e-3);
 }
 
 }  // namespace

@@ -28,10 +28,10 @@ position = [ 1.0, 2, 2.1 ]  # top of the shelf
 yaw_deg = -37
 # left to right
 [[access_point.antenna]]
-core = 2
+rx_chain = 2
 offset = [0, -0.089, 0]
   [[access_point.antenna]]
-  core = 0
+  rx_chain = 0
   offset = [0, 0, 0]
 
 # The one at the window.
@@ -39,7 +39,7 @@ offset = [0, -0.089, 0]
 id = "ap2"
 position = [3, 2, 2.1]
 [[access_point.antenna]]
-core = 0
+rx_chain = 0
 offset = [0, 0, 0]
 
 [[transmitter]]
@@ -95,7 +95,7 @@ TEST_F(SiteTextTest, AddsAKeyBehindTheOthersOfItsTable) {
 }
 
 TEST_F(SiteTextTest, ExchangesCores) {
-  draft_.access_points[0].antennas[1].core = 3;
+  draft_.access_points[0].antennas[1].rx_chain = 3;
   EXPECT_EQ(edited(), with("  core = 0", "  core = 3"));
 }
 

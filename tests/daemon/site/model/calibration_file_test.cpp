@@ -74,7 +74,7 @@ TEST(CalibrationFile, ReadsBackWrittenFiles) {
     EXPECT_EQ((ap.*named.value).sigma, (written.access_points[0].*named.value).sigma) << named.name;
   }
   EXPECT_EQ(ap.gains.grid, written.access_points[0].gains.grid);
-  EXPECT_EQ(ap.gains.cores, written.access_points[0].gains.cores);
+  EXPECT_EQ(ap.gains.rx_chains, written.access_points[0].gains.rx_chains);
   EXPECT_EQ(ap.gains.gain, written.access_points[0].gains.gain);  // to the last bit
   EXPECT_EQ(ap.gains.coupling, written.access_points[0].gains.coupling);
   EXPECT_EQ(ap.gain_sigma, written.access_points[0].gain_sigma);

@@ -66,7 +66,7 @@ Site site_with(const Vec3d& size, std::vector<Vec3d> access_points) {
   for (const Vec3d& place : access_points) {
     SiteAccessPoint ap;
     ap.id = "ap" + std::to_string(site.access_points.size() + 1);
-    ap.cores = {0};
+    ap.rx_chains = {0};
     ap.array.element_offset = {{0, 0, 0}};
     ap.array.pose.position = place;
     site.access_points.push_back(std::move(ap));

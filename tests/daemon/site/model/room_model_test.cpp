@@ -39,10 +39,10 @@ class RoomModelTest : public ::testing::Test {
       one.id = ap.id;
       one.yaw_offset.value = 0.02;
       one.noise.value = 0.003;
-      one.gains = {room.grid, ap.cores, {}, {}};
-      one.gains.gain.resize(ap.cores.size() * room.grid.size(), 1.0);
-      one.gain_sigma.resize(ap.cores.size());
-      one.element_y.resize(ap.cores.size());
+      one.gains = {room.grid, ap.rx_chains, {}, {}};
+      one.gains.gain.resize(ap.rx_chains.size() * room.grid.size(), 1.0);
+      one.gain_sigma.resize(ap.rx_chains.size());
+      one.element_y.resize(ap.rx_chains.size());
       file.access_points.push_back(std::move(one));
     }
     return file;

@@ -24,8 +24,8 @@ class LackingSite {
   void calibrate(std::size_t access_point) {
     RoomAccessPoint& ap = room.access_points.at(access_point);
     ap.gains.grid = room.grid;
-    ap.gains.cores = ap.cores;
-    ap.gains.gain.assign(ap.cores.size() * room.grid.size(), 1.0);
+    ap.gains.rx_chains = ap.rx_chains;
+    ap.gains.gain.assign(ap.rx_chains.size() * room.grid.size(), 1.0);
   }
 
   Site site = load_site(std::filesystem::path(test::data_path()) / "sites/meeting_room").value();

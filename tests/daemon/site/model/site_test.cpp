@@ -27,7 +27,7 @@ TEST(Site, ReadsTheBundledSite) {
   EXPECT_EQ(site->scene_file, kSiteFile.parent_path() / "scene.xml");
   EXPECT_EQ(site->access_points.size(), 3U);
   EXPECT_EQ(site->access_points[2].id, "ap3");
-  EXPECT_EQ(site->access_points[0].cores, (std::vector<std::uint8_t>{2, 0, 3}));
+  EXPECT_EQ(site->access_points[0].rx_chains, (std::vector<std::uint8_t>{2, 0, 3}));
   EXPECT_EQ(site->carrier.grid.size(), 114U);
   EXPECT_EQ(site->materials.size(), 6U);
 }
@@ -50,7 +50,7 @@ TEST(Site, ReadsEveryKey) {
   EXPECT_EQ(ap.array.pose.position, (Vec3d{-1.4, 1.05, 1.2}));
   EXPECT_DOUBLE_EQ(ap.array.pose.orientation.yaw, -37.0 * std::numbers::pi / 180.0);
   EXPECT_EQ(ap.array.pattern, AntennaPattern::kHalfWaveDipole);
-  EXPECT_EQ(ap.cores, (std::vector<std::uint8_t>{2, 0}));
+  EXPECT_EQ(ap.rx_chains, (std::vector<std::uint8_t>{2, 0}));
   EXPECT_EQ(ap.array.element_offset[0], (Vec3d{0, -0.089, 0}));
   ASSERT_EQ(site->transmitters.size(), 2U);
   EXPECT_EQ(site->transmitters[0].role, TransmitterRole::kDevice);

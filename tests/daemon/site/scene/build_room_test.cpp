@@ -250,8 +250,8 @@ TEST(RoomSite, AKnownModelIsWrittenReady) {
   const auto plan = parse_room_plan(room_text(), kRoomFile);
   ASSERT_TRUE(plan) << plan.error().message;
   // Each with the order of its cores.
-  const std::map<std::string, std::vector<std::uint8_t>> cores = {{"RT-AX86U", {2, 0, 3}},
-                                                                  {"RT-AC86U", {0, 1, 2}}};
+  const std::map<std::string, std::vector<std::uint8_t>> rx_chains = {{"RT-AX86U", {2, 0, 3}},
+                                                                      {"RT-AC86U", {0, 1, 2}}};
   for (const std::string& model : preset_models()) {
     const std::string text = room_site(*plan, model);
     EXPECT_NE(text.find("[[access_point]]  # " + model + ", three antennas"), std::string::npos);
@@ -259,7 +259,7 @@ TEST(RoomSite, AKnownModelIsWrittenReady) {
     ASSERT_TRUE(site) << site.error().message;
     ASSERT_EQ(site->access_points.size(), 1U);
     const SiteAccessPoint& ap = site->access_points[0];
-    EXPECT_EQ(ap.cores, cores.at(model));
+    EXPECT_EQ(ap.rx_chains, rx_chains.at(model));
     EXPECT_EQ(ap.array.element_offset[0], (Vec3d{0, -0.089, 0}));
     EXPECT_EQ(ap.array.element_offset[2], (Vec3d{0, 0.089, 0}));
     // In the room, below its ceiling, and looking at its middle.
@@ -292,7 +292,7 @@ TEST(RoomSite, AccessPointsAndCarrierComeBackAsStated) {
   const SiteAccessPoint& ap = site->access_points[0];
   EXPECT_EQ(ap.id, "ap-1");
   EXPECT_EQ(ap.format, "axcsi-v4");
-  EXPECT_EQ(ap.cores, (std::vector<std::uint8_t>{2, 0}));
+  EXPECT_EQ(ap.rx_chains, (std::vector<std::uint8_t>{2, 0}));
   EXPECT_EQ(ap.array.pose.position, (Vec3d{0.3, 0.1, 2.2}));
   EXPECT_EQ(ap.array.element_offset, plan->access_points[0].array.element_offset);
   EXPECT_NEAR(ap.array.pose.orientation.yaw, 33.3 * std::acos(-1.0) / 180.0, 1e-12);

@@ -116,7 +116,7 @@ TEST(SceneReport, WarnsOfAntennasInsideAndOutside) {
   Site site;
   SiteAccessPoint ap;
   ap.id = "ap1";
-  ap.cores = {0, 2, 3};
+  ap.rx_chains = {0, 2, 3};
   ap.array.pose.position = {1.5, 1.5, 1.5};
   ap.array.element_offset = {{0, 0, 0}, {0, 1, 0}, {0, 5, 0}};
   site.access_points = {ap};
