@@ -10,29 +10,15 @@
 #include "engine/base/constants.h"
 #include "engine/base/parallel.h"
 #include "engine/monitor/chain_turns.h"
+#include "engine/monitor/monitored_spot.h"
 #include "engine/observe/alignment.h"
 #include "engine/observe/burst.h"
 #include "engine/observe/chain_gains.h"
 
 namespace rayloc {
 namespace {
+
 using Value = std::complex<double>;
-}  // namespace
-
-// One transmitter at one access point: its expected and its received array. Not in an unnamed
-// namespace, being a member of CalibrationMonitor::AccessPoint.
-struct MonitoredSpot {
-  CalibrationMonitor::Transmitter transmitter;
-  std::vector<Ray> rays;
-  std::vector<Value> expected;
-  double known_share = 1.0;      // of its power, SpotArrays::known_share()
-  std::vector<double> sigma;     // [rad], SpotArrays::place_phase_sigma()
-  std::vector<CsiFrame> frames;  // of the window
-  std::vector<Value> usual;      // phasor of each chain in the first windows
-  bool settled = false;          // kSteady windows agreed about `usual`
-};
-
-namespace {
 
 constexpr std::size_t kFramesOfBurst = 6;  // a count, chosen: bounds the memory of a window
 constexpr std::size_t kScannedRays = 16;   // the strongest; the scan needs only the main part
@@ -56,36 +42,8 @@ bool is_worse(double unexplained, double usual, double strictness) {
          unexplained > usual + CalibrationMonitor::kMinDrift * strictness;
 }
 
-// Array that an access point received from one spot in a window, chains removed.
-struct ReceivedSpot {
-  MonitoredSpot* spot = nullptr;
-  std::vector<Value> h;
-};
-using ReceivedSpots = std::vector<ReceivedSpot>;
-
-double against(double phase, double other) {
-  return std::remainder(phase - other, 2.0 * std::numbers::pi);
-}
-
 bool any_jump(const std::vector<double>& turn) {
   return std::any_of(turn.begin(), turn.end(), [](double t) { return t != 0.0; });
-}
-
-// Accepts windows as usual when two in a row agree; a person who walks by spoils single ones.
-void settle(MonitoredSpot& spot, const std::vector<Value>& phasor) {
-  if (spot.settled) {
-    return;
-  }
-  bool agrees = !spot.usual.empty();
-  for (std::size_t m = 1; agrees && m < phasor.size(); ++m) {
-    const double now = std::arg(phasor[m] * std::conj(phasor[0]));
-    const double before = std::arg(spot.usual[m] * std::conj(spot.usual[0]));
-    agrees = std::abs(against(now, before)) < 0.5 * CalibrationMonitor::kJump;
-  }
-  spot.settled = agrees;
-  if (!agrees) {
-    spot.usual = phasor;
-  }
 }
 
 }  // namespace
