@@ -244,7 +244,7 @@ void OneSite::note_captured() {
 }
 
 std::vector<nlohmann::json> OneSite::expect_published() {
-  const std::vector<nlohmann::json> again = replay({});
+  std::vector<nlohmann::json> again = replay({});
   // A gateway that connects late publishes no results from before that.
   const std::vector<nlohmann::json> begun = received("witness");
   const auto first =

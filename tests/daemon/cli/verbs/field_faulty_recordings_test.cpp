@@ -123,9 +123,9 @@ class FieldRecordings : public ::testing::Test {
 TEST_F(FieldRecordings, DeadCoreIsNamedAndTheOthersLocate) {
   EXPECT_EQ(healthy().warned, 0U);
   EXPECT_THAT(healthy().words, Not(HasSubstr("has no CSI")));
-  const Change missing = [](std::size_t, Record& record) { return record.core() != 2; };
+  const Change missing = [](std::size_t, Record& record) { return record.rx_chain() != 2; };
   const Change zero = [](std::size_t, Record& record) {
-    if (record.core() == 2) {
+    if (record.rx_chain() == 2) {
       std::fill(record.payload.begin() + kWordsAt, record.payload.end(), std::byte{0});
     }
     return true;
@@ -147,8 +147,8 @@ TEST_F(FieldRecordings, CoreOfWhichSomeDatagramsAreLostIsNotDead) {
 }
 
 TEST_F(FieldRecordings, CoreThatComesBackIsUsedAgain) {
-  const Replay back =
-      replay([](std::size_t number, Record& record) { return record.core() != 2 || number > 120; });
+  const Replay back = replay(
+      [](std::size_t number, Record& record) { return record.rx_chain() != 2 || number > 120; });
   EXPECT_GT(back.warned, 0U);
   EXPECT_LT(back.warned, back.snapshots);
   EXPECT_GE(4 * back.fixes, 3 * healthy().fixes);
@@ -158,10 +158,10 @@ TEST_F(FieldRecordings, CalibrationIsNotBuiltOnADeadCore) {
   for (const bool is_zero : {false, true}) {
     rewrite(
         kSite + "/calibration-ap1.pcap.gz", path("survey.pcap"), [&](std::size_t, Record& record) {
-          if (record.core() == 2 && is_zero) {
+          if (record.rx_chain() == 2 && is_zero) {
             std::fill(record.payload.begin() + kWordsAt, record.payload.end(), std::byte{0});
           }
-          return record.core() != 2 || is_zero;
+          return record.rx_chain() != 2 || is_zero;
         });
     const Finished run = calibrate(path("survey.pcap"));
     EXPECT_NE(run.status, 0);
