@@ -14,7 +14,7 @@
 #include "daemon/cli/arguments/scene_notes.h"
 #include "daemon/cli/command/file_error.h"
 #include "daemon/cli/command/verb.h"
-#include "daemon/cli/verbs/site_check.h"
+#include "daemon/cli/verbs/arguments/site_check.h"
 #include "daemon/cli/verbs/verbs.h"
 #include "daemon/live/config/config.h"
 #include "daemon/live/config/secrets.h"

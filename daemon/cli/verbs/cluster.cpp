@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
-#include "daemon/cli/verbs/cluster_report.h"
-#include "daemon/cli/verbs/cluster_verbs.h"
+#include "daemon/cli/verbs/cluster/cluster_verbs.h"
+#include "daemon/cli/verbs/report/cluster_report.h"
 #include "daemon/cli/verbs/verbs.h"
 #include "daemon/live/cluster/cluster_view.h"
 #include "daemon/live/cluster/operate/drain_worker.h"

@@ -14,7 +14,7 @@
 #include "daemon/cli/arguments/http_options.h"
 #include "daemon/cli/command/file_error.h"
 #include "daemon/cli/command/verb.h"
-#include "daemon/cli/verbs/findings.h"
+#include "daemon/cli/verbs/report/findings.h"
 #include "daemon/cli/verbs/verbs.h"
 #include "daemon/live/config/config.h"
 #include "daemon/live/health/readiness.h"

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "daemon/cli/command/verb.h"
-#include "daemon/cli/verbs/frame_output.h"
+#include "daemon/cli/verbs/report/frame_output.h"
 #include "daemon/lab/recordings/capture_argument.h"
 #include "daemon/lab/recordings/frame_summary.h"
 #include "daemon/lab/recordings/unsited_frames.h"

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "daemon/cli/command/verb.h"
-#include "daemon/cli/verbs/predict_report.h"
+#include "daemon/cli/verbs/report/predict_report.h"
 #include "daemon/lab/predict/predict_site.h"
 #include "daemon/lab/predict/prediction_report.h"
 #include "daemon/site/model/site.h"

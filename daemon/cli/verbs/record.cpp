@@ -8,7 +8,7 @@
 #include "capture/source/transport_schemes.h"
 #include "daemon/cli/command/verb.h"
 #include "daemon/cli/terminal/stop_signal.h"
-#include "daemon/cli/verbs/record_report.h"
+#include "daemon/cli/verbs/report/record_report.h"
 #include "daemon/cli/verbs/verbs.h"
 #include "daemon/pipeline/record/record_datagrams.h"
 

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "daemon/cli/command/verb.h"
-#include "daemon/cli/verbs/reference_report.h"
+#include "daemon/cli/verbs/report/reference_report.h"
 #include "daemon/cli/verbs/verbs.h"
 #include "daemon/lab/reference/learn_reference.h"
 #include "daemon/lab/reference/reference_inputs.h"

@@ -7,10 +7,10 @@
 
 #include "daemon/cli/command/verb.h"
 #include "daemon/cli/feed/no_fix_reasons.h"
-#include "daemon/cli/verbs/replay_arguments.h"
+#include "daemon/cli/verbs/arguments/replay_arguments.h"
 #include "daemon/cli/verbs/replay_cluster.h"
-#include "daemon/cli/verbs/replay_files.h"
-#include "daemon/cli/verbs/replay_report.h"
+#include "daemon/cli/verbs/report/replay_files.h"
+#include "daemon/cli/verbs/report/replay_report.h"
 #include "daemon/lab/replay/replay.h"
 #include "daemon/messages/location_message.h"
 

@@ -9,8 +9,8 @@
 
 #include <fmt/format.h>
 
-#include "daemon/cli/verbs/replay_files.h"
-#include "daemon/cli/verbs/replay_report.h"
+#include "daemon/cli/verbs/report/replay_files.h"
+#include "daemon/cli/verbs/report/replay_report.h"
 #include "daemon/live/cluster/broker.h"
 #include "daemon/live/cluster/cluster_view.h"
 #include "daemon/live/cluster/history/fill_replay.h"

@@ -1,7 +1,7 @@
 // `rayloc replay --stream`: replays the streams of a cluster's broker and reports the comparison.
 #pragma once
 
-#include "daemon/cli/verbs/replay_arguments.h"
+#include "daemon/cli/verbs/arguments/replay_arguments.h"
 #include "engine/base/expected.h"
 
 namespace rayloc::cli {

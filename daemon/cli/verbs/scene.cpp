@@ -3,7 +3,7 @@
 #include <utility>
 #include <vector>
 
-#include "daemon/cli/verbs/scene_verbs.h"
+#include "daemon/cli/verbs/scene/scene_verbs.h"
 #include "daemon/cli/verbs/verbs.h"
 
 namespace rayloc::cli {

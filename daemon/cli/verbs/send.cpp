@@ -13,7 +13,7 @@
 #include "daemon/cli/arguments/time_arguments.h"
 #include "daemon/cli/command/verb.h"
 #include "daemon/cli/terminal/stop_signal.h"
-#include "daemon/cli/verbs/send_report.h"
+#include "daemon/cli/verbs/report/send_report.h"
 #include "daemon/cli/verbs/verbs.h"
 #include "daemon/lab/recordings/capture_argument.h"
 #include "daemon/lab/recordings/open_recording.h"

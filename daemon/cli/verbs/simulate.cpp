@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "daemon/cli/command/verb.h"
-#include "daemon/cli/verbs/simulate_arguments.h"
+#include "daemon/cli/verbs/arguments/simulate_arguments.h"
 #include "daemon/cli/verbs/verbs.h"
 #include "daemon/lab/recordings/capture_argument.h"
 #include "daemon/lab/simulate/simulate_recordings.h"

@@ -6,7 +6,7 @@
 
 #include "daemon/cli/calibration/calibration_progress.h"
 #include "daemon/cli/command/verb.h"
-#include "daemon/cli/verbs/train_report.h"
+#include "daemon/cli/verbs/report/train_report.h"
 #include "daemon/lab/train/train_inputs.h"
 #include "daemon/lab/train/train_method.h"
 #include "daemon/lab/train/trained_site.h"

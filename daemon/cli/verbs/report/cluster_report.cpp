@@ -1,4 +1,4 @@
-#include "daemon/cli/verbs/cluster_report.h"
+#include "daemon/cli/verbs/report/cluster_report.h"
 
 #include <chrono>
 #include <cstdint>

@@ -1,4 +1,4 @@
-#include "daemon/cli/verbs/record_report.h"
+#include "daemon/cli/verbs/report/record_report.h"
 
 #include <cstdio>
 #include <string>

@@ -1,11 +1,11 @@
-#include "daemon/cli/verbs/replay_arguments.h"
+#include "daemon/cli/verbs/arguments/replay_arguments.h"
 
 #include <cstdio>
 #include <memory>
 #include <utility>
 
 #include "daemon/cli/arguments/time_arguments.h"
-#include "daemon/cli/verbs/cluster_verbs.h"
+#include "daemon/cli/verbs/cluster/cluster_verbs.h"
 #include "daemon/site/model/path_grid_files.h"
 
 namespace rayloc::cli {

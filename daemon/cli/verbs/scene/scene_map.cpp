@@ -10,7 +10,7 @@
 #include "daemon/cli/arguments/number_list.h"
 #include "daemon/cli/arguments/scene_notes.h"
 #include "daemon/cli/command/file_error.h"
-#include "daemon/cli/verbs/scene_verbs.h"
+#include "daemon/cli/verbs/scene/scene_verbs.h"
 #include "daemon/lab/predict/radio_map_report.h"
 #include "daemon/lab/predict/radio_map_run.h"
 #include "daemon/site/model/site_copy.h"

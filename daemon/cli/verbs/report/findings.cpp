@@ -1,4 +1,4 @@
-#include "daemon/cli/verbs/findings.h"
+#include "daemon/cli/verbs/report/findings.h"
 
 #include <algorithm>
 #include <cstdio>

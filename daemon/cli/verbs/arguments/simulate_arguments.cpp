@@ -1,4 +1,4 @@
-#include "daemon/cli/verbs/simulate_arguments.h"
+#include "daemon/cli/verbs/arguments/simulate_arguments.h"
 
 #include "daemon/lab/simulate/channel_list.h"
 #include "daemon/lab/simulate/impairments.h"

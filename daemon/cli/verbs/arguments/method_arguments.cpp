@@ -1,4 +1,4 @@
-#include "daemon/cli/verbs/method_arguments.h"
+#include "daemon/cli/verbs/arguments/method_arguments.h"
 
 #include <charconv>
 #include <cmath>

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "daemon/cli/command/file_error.h"
-#include "daemon/cli/verbs/scene_verbs.h"
+#include "daemon/cli/verbs/scene/scene_verbs.h"
 #include "daemon/site/import/import_request.h"
 #include "daemon/site/import/import_scene.h"
 #include "daemon/site/import/imported_site.h"

@@ -1,4 +1,4 @@
-#include "daemon/cli/verbs/reference_report.h"
+#include "daemon/cli/verbs/report/reference_report.h"
 
 #include <cmath>
 #include <complex>

@@ -1,4 +1,4 @@
-#include "daemon/cli/verbs/replay_report.h"
+#include "daemon/cli/verbs/report/replay_report.h"
 
 #include <cstdio>
 

@@ -1,4 +1,4 @@
-#include "daemon/cli/verbs/replay_files.h"
+#include "daemon/cli/verbs/report/replay_files.h"
 
 #include <utility>
 

@@ -8,8 +8,8 @@
 #include <system_error>
 
 #include "daemon/cli/terminal/stop_signal.h"
-#include "daemon/cli/verbs/cluster_verbs.h"
-#include "daemon/cli/verbs/site_check.h"
+#include "daemon/cli/verbs/arguments/site_check.h"
+#include "daemon/cli/verbs/cluster/cluster_verbs.h"
 #include "daemon/live/cluster/operate/bundle_notices.h"
 #include "daemon/live/cluster/operate/site_bundle.h"
 #include "daemon/live/cluster/operate/site_folder.h"

@@ -7,7 +7,7 @@
 
 #include "capture/source/record_times.h"
 #include "daemon/cli/command/option_parser.h"
-#include "daemon/cli/verbs/method_arguments.h"
+#include "daemon/cli/verbs/arguments/method_arguments.h"
 #include "daemon/lab/replay/replay.h"
 #include "daemon/live/cluster/broker.h"
 #include "daemon/pipeline/device/chain_keeper.h"

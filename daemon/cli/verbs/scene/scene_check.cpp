@@ -5,7 +5,7 @@
 #include <string>
 
 #include "daemon/cli/command/file_error.h"
-#include "daemon/cli/verbs/scene_verbs.h"
+#include "daemon/cli/verbs/scene/scene_verbs.h"
 #include "daemon/site/scene/scene_report.h"
 #include "daemon/site/scene/scene_report_text.h"
 #include "engine/base/printable.h"

@@ -1,4 +1,4 @@
-#include "daemon/cli/verbs/broker_options.h"
+#include "daemon/cli/verbs/arguments/broker_options.h"
 
 #include <chrono>
 #include <string>

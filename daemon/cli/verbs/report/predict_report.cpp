@@ -1,4 +1,4 @@
-#include "daemon/cli/verbs/predict_report.h"
+#include "daemon/cli/verbs/report/predict_report.h"
 
 #include <unistd.h>
 

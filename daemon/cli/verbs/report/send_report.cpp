@@ -1,4 +1,4 @@
-#include "daemon/cli/verbs/send_report.h"
+#include "daemon/cli/verbs/report/send_report.h"
 
 #include <cstdio>
 #include <optional>

@@ -4,8 +4,8 @@
 #include <utility>
 #include <vector>
 
-#include "daemon/cli/verbs/cluster_verbs.h"
-#include "daemon/cli/verbs/findings.h"
+#include "daemon/cli/verbs/cluster/cluster_verbs.h"
+#include "daemon/cli/verbs/report/findings.h"
 #include "daemon/live/cluster/operate/cluster_check.h"
 
 namespace rayloc::cli {

@@ -1,4 +1,4 @@
-#include "daemon/cli/verbs/frame_output.h"
+#include "daemon/cli/verbs/report/frame_output.h"
 
 #include <iterator>
 

@@ -9,7 +9,7 @@
 #include "daemon/cli/arguments/link_arguments.h"
 #include "daemon/cli/arguments/scene_notes.h"
 #include "daemon/cli/command/file_error.h"
-#include "daemon/cli/verbs/scene_verbs.h"
+#include "daemon/cli/verbs/scene/scene_verbs.h"
 #include "daemon/lab/draw/link_picture.h"
 #include "daemon/lab/draw/picture_bytes.h"
 #include "daemon/lab/draw/scene_picture.h"

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "daemon/cli/verbs/broker_options.h"
+#include "daemon/cli/verbs/arguments/broker_options.h"
 #include "engine/base/expected.h"
 
 namespace rayloc::cli {

@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "daemon/cli/verbs/cluster_verbs.h"
-#include "daemon/cli/verbs/site_check.h"
+#include "daemon/cli/verbs/arguments/site_check.h"
+#include "daemon/cli/verbs/cluster/cluster_verbs.h"
 #include "daemon/live/cluster/operate/remove_site.h"
 #include "daemon/live/cluster/operate/scratch_folder.h"
 #include "daemon/live/cluster/operate/site_bundle.h"

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "daemon/cli/command/file_error.h"
-#include "daemon/cli/verbs/scene_verbs.h"
+#include "daemon/cli/verbs/scene/scene_verbs.h"
 #include "daemon/site/model/site_copy.h"
 #include "daemon/site/scene/access_point_presets.h"
 #include "daemon/site/scene/build_room.h"

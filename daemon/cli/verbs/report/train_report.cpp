@@ -1,4 +1,4 @@
-#include "daemon/cli/verbs/train_report.h"
+#include "daemon/cli/verbs/report/train_report.h"
 
 #include <cstdio>
 #include <string>

@@ -1,4 +1,4 @@
-#include "daemon/cli/verbs/survey_ports.h"
+#include "daemon/cli/verbs/arguments/survey_ports.h"
 
 #include <algorithm>
 #include <filesystem>
