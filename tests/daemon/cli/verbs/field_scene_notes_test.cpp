@@ -39,7 +39,7 @@ position = [0.4, 0.4, 1.2]
 yaw_deg = 45
 pattern = "half_wave_dipole"
 [[access_point.antenna]]
-rx_chain = 0
+core = 0
 offset = [0, 0, 0]
 )";
 

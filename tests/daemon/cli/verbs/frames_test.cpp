@@ -73,7 +73,7 @@ TEST(Frames, PrintsTheKeysOfTheContract) {
       lines[0].dump(),
       R"({"time":"2018-05-05T06:11:11.306626Z","ap":"ap1","transmitter":"02:52:4c:00:00:01",)"
       R"("format":"axcsi-v4","phy":"vht","bandwidth_mhz":40,"sequence":543,)"
-      R"("sequence_control":37600,"rx_chains":[0,1,2,3],"streams":1,"tones":114,)"
+      R"("sequence_control":37600,"cores":[0,1,2,3],"streams":1,"tones":114,)"
       R"("power_dbm":[-41.0,-42.0,-43.0,-44.0],"complete":true,"flags":[],"centre_hz":5190000000.0})");
   EXPECT_EQ(lines[36].dump(),
             R"({"summary":{"datagrams":144,"decoded":144,"duplicates":0,"late":0,"frames":36,)"

@@ -31,7 +31,7 @@ constexpr const char* kAccessPoint = R"([[access_point]]
 id = "ap1"
 position = [0.3, 0.3, 2.2]
 [[access_point.antenna]]
-rx_chain = 0
+core = 0
 offset = [0, 0, 0]
 )";
 

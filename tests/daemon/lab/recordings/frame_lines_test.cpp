@@ -35,8 +35,8 @@ TEST(FrameLines, JsonHasTheKeysOfTheContract) {
   EXPECT_EQ(frame_json(some_frame(), "ap1", false),
             R"({"time":"2018-05-05T06:11:11.000000Z","ap":"ap1","transmitter":"02:52:4c:00:00:01",)"
             R"("format":"axcsi-v4","phy":"vht","bandwidth_mhz":40,"sequence":543,)"
-            R"("sequence_control":37600,"rx_chains":[0,2],"streams":1,"tones":3,)"
-            R"("power_dbm":[-41.0,null],"complete":false,"flags":["missing_rx_chain"]})");
+            R"("sequence_control":37600,"cores":[0,2],"streams":1,"tones":3,)"
+            R"("power_dbm":[-41.0,null],"complete":false,"flags":["missing_core"]})");
   CsiFrame on_channel = some_frame();
   on_channel.channel = RadioChannel{5.19e9, 40};
   EXPECT_EQ(Json::parse(frame_json(on_channel, "ap1", false))["centre_hz"], 5.19e9);

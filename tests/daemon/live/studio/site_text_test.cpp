@@ -28,10 +28,10 @@ position = [ 1.0, 2, 2.1 ]  # top of the shelf
 yaw_deg = -37
 # left to right
 [[access_point.antenna]]
-rx_chain = 2
+core = 2
 offset = [0, -0.089, 0]
   [[access_point.antenna]]
-  rx_chain = 0
+  core = 0
   offset = [0, 0, 0]
 
 # The one at the window.
@@ -39,7 +39,7 @@ offset = [0, -0.089, 0]
 id = "ap2"
 position = [3, 2, 2.1]
 [[access_point.antenna]]
-rx_chain = 0
+core = 0
 offset = [0, 0, 0]
 
 [[transmitter]]

@@ -38,10 +38,10 @@ roll_deg = 0
 pattern = "half_wave_dipole"
 polarization = "V"
 [[access_point.antenna]]
-rx_chain = 2
+core = 2
 offset = [0, -0.089, 0]
 [[access_point.antenna]]
-rx_chain = 0
+core = 0
 offset = [0, 0, 0]
 [[transmitter]]
 role = "device"
