@@ -8,8 +8,8 @@ namespace rayloc {
 
 // Empty functions: nothing is reported. A computation calls them from one thread at a time.
 struct Observer {
-  // `share` of the whole work done so far, 0 to 1; `stage`: the current work, such as "joint fit,
-  // step 12".
+  // `share` of the current part of the work done so far, 0 to 1; `stage`: the current work, such as
+  // "joint fit, step 12".
   std::function<void(double share, const std::string& stage)> on_progress;
   std::function<void(const std::string& note)> on_note;  // a message for the user, without newline
 

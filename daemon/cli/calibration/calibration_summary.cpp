@@ -52,13 +52,8 @@ void print_verdict(const CalibrationVerdict& verdict, const std::string& site) {
 }
 
 void print_result(const CalibrationResult& result, const TerminalReport& report) {
-  if (!report.quiet && !result.used.empty()) {
-    print_summary(result.report, result.used);
-  }
-  if (!result.report.verdict.is_success()) {
-    print_verdict(result.report.verdict, report.site);
-  }
   if (!result.is_site_written) {
+    print_verdict(result.report.verdict, report.site);
     std::fprintf(
         stderr,
         "rayloc: no site was written, for this calibration is no success; %s has its report. "

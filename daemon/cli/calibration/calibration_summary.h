@@ -20,7 +20,8 @@ void print_summary(const CalibrationReport& report, std::span<const AccessPointU
 // The reasons of a failure; `site` as in TerminalReport. REQUIRES: it is no success.
 void print_verdict(const CalibrationVerdict& verdict, const std::string& site);
 
-// Summary, verdict and state of the output after a run; for a quiet user without the summary.
+// After a run: why no site was written, and the state of the output after a stop. The summary, and
+// the verdict of a site that is written all the same, are printed before the files are written.
 void print_result(const CalibrationResult& result, const TerminalReport& report);
 
 }  // namespace rayloc::cli

@@ -32,6 +32,11 @@ FitObserver terminal_observer(CalibrationProgressLine& line, const TerminalRepor
   };
   if (!report.quiet) {
     observer.on_note = observer.on_warning;
+    observer.on_report = [&line](const CalibrationReport& fit,
+                                 std::span<const AccessPointUse> used) {
+      line.clear();
+      print_summary(fit, used);
+    };
   }
   return observer;
 }

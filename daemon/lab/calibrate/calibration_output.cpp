@@ -136,8 +136,12 @@ Expected<CalibrationResult> Calibration::write_site_and_reports(
     result.used.push_back({one.index, one.fit.samples_used});
   }
   result.is_site_written = verdict_.is_success() || options_.force;
+  observer_.report(result.report, result.used);
   if (!result.is_site_written) {
     return write_refusal(result.report).map([&] { return std::move(result); });
+  }
+  if (!verdict_.is_success()) {
+    observer_.verdict(verdict_);
   }
   const std::map<std::string, std::string> scene =
       first.method == "gains-only" ? std::map<std::string, std::string>()

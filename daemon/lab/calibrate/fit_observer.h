@@ -1,15 +1,22 @@
 // FitObserver: receives the progress, the messages and the early verdict of a calibration.
 #pragma once
 
+#include <cstddef>
 #include <functional>
+#include <span>
 #include <string>
 
 #include "daemon/base/observer.h"
-#include "daemon/lab/calibrate/report/calibration_verdict.h"
+#include "daemon/lab/calibrate/report/calibration_report.h"
 #include "engine/calibrate/room_calibration.h"
 #include "engine/scene/scene.h"
 
 namespace rayloc {
+
+struct AccessPointUse {
+  std::size_t index = 0;   // into CalibrationReport::access_points
+  std::size_t points = 0;  // used points
+};
 
 // Empty functions: nothing is reported. All are called from the thread of the calibration.
 // `on_progress` receives the share of the current part, and its stage.
@@ -19,8 +26,12 @@ struct FitObserver : Observer {
   std::function<void(const CalibrationProgress& progress)> on_step;  // within the part
   // A message that a user needs even without notes, without newline.
   std::function<void(const std::string& warning)> on_warning;
-  // Errors of survey or site that were found before the fit; the run continues.
+  // Reasons of a failure that `force` overrides: of survey or site before the fit, or of the fit.
   std::function<void(const CalibrationVerdict& verdict)> on_verdict;
+
+  // The report of a whole fit, before any file of it is written: the values outlive a full disk.
+  std::function<void(const CalibrationReport& report, std::span<const AccessPointUse> used)>
+      on_report;
 
   void begin(const std::string& part) const {
     if (on_part) {
@@ -41,6 +52,11 @@ struct FitObserver : Observer {
   void verdict(const CalibrationVerdict& found) const {
     if (on_verdict) {
       on_verdict(found);
+    }
+  }
+  void report(const CalibrationReport& found, std::span<const AccessPointUse> used) const {
+    if (on_report) {
+      on_report(found, used);
     }
   }
 };
