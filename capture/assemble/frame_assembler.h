@@ -6,7 +6,7 @@
 // at once when every expected slot is whole, and otherwise when `timeout` has passed since its
 // first datagram in event time, or when more than `max_pending` frames are open. Expected slots are
 // those the datagram states; without a statement, those of the transmitter's recent traffic
-// (traffic_classes.h) together with `expected_cores`.
+// (traffic_classes.h) together with `expected_rx_chains`.
 //
 // Memory is bounded for any input: max_pending frames of at most 256 KiB, kRemembered emitted
 // frames, TrafficClasses::kMaxClasses classes. Errors: none; push() returns the outcome for the

@@ -61,7 +61,7 @@ struct CsiFragment {
   std::uint16_t sequence_control = 0;
   bool control_frame = false;  // its sequence control is left over from an earlier frame
 
-  std::uint8_t rx_chain = 0;  // < kMaxCores
+  std::uint8_t rx_chain = 0;  // < kMaxRxChains
   std::uint8_t stream = 0;    // < kMaxStreams
   // Tones [first_tone, first_tone + tones) of `total_tones`, in the order of the wire.
   std::uint16_t first_tone = 0;

@@ -78,9 +78,8 @@ class DeviceEstimator : public Estimator {
   std::string chain_progress() const { return chains_.reason(room()); }
   TrackerCounters tracker_counters() const;  // sum over all trackers
 
-  ChannelWatch& channels() {
-    return locator_.channels();
-  }  // of devices, by a method with a ChannelCapability
+  // Channels of devices, by a method with a ChannelCapability.
+  ChannelWatch& channels() { return locator_.channels(); }
 
   const RoomModel& room() const { return rooms_.first(); }
 

@@ -28,7 +28,8 @@ double value_of(const Localizer::Evidence& evidence, std::size_t cell) {
     return evidence.log_likelihood[cell];
   }
   const auto first = evaluated.cells.begin();
-  const auto end = first + static_cast<std::ptrdiff_t>(evaluated.weights.ones);
+  const std::size_t ones = std::min(evaluated.weights.ones, evaluated.cells.size());
+  const auto end = first + static_cast<std::ptrdiff_t>(ones);
   const auto found = std::lower_bound(first, end, cell);
   return found != end && *found == cell
              ? evidence.log_likelihood[static_cast<std::size_t>(found - first)]

@@ -74,10 +74,10 @@ double seconds() {
 
 }  // namespace
 
-RxChainLimits rx_chain_limits() {
+CoreLimits core_limits() {
   constexpr int kTries = 8;
   constexpr std::size_t kCount = 2'000'000;
-  RxChainLimits limits;
+  CoreLimits limits;
   float keep = 0.0F;
   for (int i = 0; i < kTries; ++i) {
     const double begin = seconds();

@@ -3,12 +3,12 @@
 
 namespace rayloc::bench {
 
-struct RxChainLimits {
+struct CoreLimits {
   double flops = 0.0;  // [1/s], of multiply-adds in single precision, by its widest vectors
   double bytes = 0.0;  // [1/s], read in order from memory that no cache holds
 };
 
 // Returns the best of some tries, by the CPU time of this thread; takes a second.
-RxChainLimits rx_chain_limits();
+CoreLimits core_limits();
 
 }  // namespace rayloc::bench

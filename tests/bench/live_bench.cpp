@@ -163,7 +163,7 @@ void print(const char* name, Cost& cost, double unit) {
               cost.at(0.5) / unit);
 }
 
-void print_roof(const WorkDone& done, std::size_t bursts, double ms, const RxChainLimits& limits) {
+void print_roof(const WorkDone& done, std::size_t bursts, double ms, const CoreLimits& limits) {
   const auto count = static_cast<double>(bursts);
   const double computing = 1e3 * done.flops / count / limits.flops;
   const double reading = 1e3 * done.bytes / count / limits.bytes;
@@ -177,7 +177,7 @@ void print_roof(const WorkDone& done, std::size_t bursts, double ms, const RxCha
       ms / std::max(computing, reading));
 }
 
-void measure(const Case& of, int bursts, int devices, const RxChainLimits& limits) {
+void measure(const Case& of, int bursts, int devices, const CoreLimits& limits) {
   const auto room = std::make_shared<const RoomModel>(of.room);
   const double before = allocated();
   std::shared_ptr<const Localizer> localizer;
@@ -249,7 +249,7 @@ int main(int argc, char** argv) {
   const int devices = argc > 2 ? std::atoi(argv[2]) : 20;
   const int only = argc > 3 ? std::atoi(argv[3]) : -1;
   const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
-  const auto limits = rayloc::bench::rx_chain_limits();
+  const auto limits = rayloc::bench::core_limits();
   std::printf("a core: %.1f Gflop/s in single precision, %.1f GB/s from memory\n",
               1e-9 * limits.flops,
               1e-9 * limits.bytes);

@@ -152,7 +152,7 @@ void ReferenceLearner::finish() {
   for (PersonReference& reference : references) {
     reference.id = id;
   }
-  if (has_turned_chains(learned_.changes)) {
+  if (has_rotated_chains(learned_.changes)) {
     learned_.room.calibration_id = id;
   }
   learned_.refused = std::move(log_.refused);
@@ -172,7 +172,7 @@ Expected<LearnedReference> ReferenceLearner::run() {
 
 }  // namespace
 
-bool has_turned_chains(const std::vector<DayChange>& changes) {
+bool has_rotated_chains(const std::vector<DayChange>& changes) {
   return std::any_of(changes.begin(), changes.end(), [](const DayChange& one) {
     return one.is_rotated && one.is_today_rotated;
   });

@@ -27,7 +27,7 @@ struct LearnedReference {
 };
 
 // True if the gains of a chain have changed since the calibration: it needs new gains.
-bool has_turned_chains(const std::vector<DayChange>& changes);
+bool has_rotated_chains(const std::vector<DayChange>& changes);
 
 // Without people the person is the one that the site states. With people of another day
 // (`people_empty`) the chain gains of that day are separated from today's first. Errors: an access

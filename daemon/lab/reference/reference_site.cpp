@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 
 // The calibration unchanged, or with the new gains of chains whose phases have changed since.
 Expected<std::string> calibration_text(const Site& site, const LearnedReference& learned) {
-  if (!has_turned_chains(learned.changes)) {
+  if (!has_rotated_chains(learned.changes)) {
     return read_file(*site.calibration_file);
   }
   auto calibration = load_calibration_file(*site.calibration_file);

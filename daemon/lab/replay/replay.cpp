@@ -69,7 +69,9 @@ ReplaySummary run_replay(PreparedReplay& replay, Duration carry_every, const Rep
   pipeline.start();
   pipeline.wait();
   sink.finish();
-  return replay_summary(pipeline, replay.inputs.sources);
+  const auto sources = std::move(replay.inputs.sources);  // the pipeline owns what they point to
+  replay.inputs.sources.clear();
+  return replay_summary(pipeline, sources);
 }
 
 ReplayNotices replay_notices(PreparedReplay& replay) {

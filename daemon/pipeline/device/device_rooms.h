@@ -1,7 +1,7 @@
 // DeviceRooms: the instances of the method that locates devices, one for each device model (height
 // and antenna) that the site states.
 //
-// Thread safety: for one thread.
+// Thread safety: for one thread, except first(), which any thread may call after prepare().
 #pragma once
 
 #include <memory>

@@ -16,6 +16,7 @@ struct DatagramLimits {
   std::optional<std::uint64_t> count = {};  // datagrams
 };
 
+// REQUIRES: both are set.
 struct RecordEvents {
   // Called every 0.1 s or more often; true ends the recording.
   std::function<bool()> is_stopped;

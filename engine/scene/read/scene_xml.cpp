@@ -370,7 +370,7 @@ class SceneReader {
                (odd_axes_.count > 1
                     ? ", and so have " + std::to_string(odd_axes_.count - 1) + " more"
                     : "") +
-               ": the shape is turned about it; Mitsuba and Sionna RT would deform it as well"});
+               ": the shape is rotated about it; Mitsuba and Sionna RT would deform it as well"});
     }
   }
 

@@ -177,7 +177,7 @@ void print(int devices, const State& before, const State& after, double seconds,
   const double merged = a_second(after.counters.bursts_merged(), before.counters.bursts_merged());
   const double dropped =
       a_second(after.counters.bursts_dropped(), before.counters.bursts_dropped());
-  const double rx_chains = (after.cpu - before.cpu) / seconds;
+  const double cores = (after.cpu - before.cpu) / seconds;
   const auto latencies = ear.latencies();
   const auto rates = ear.rates(devices, seconds);
   std::printf(
@@ -189,8 +189,8 @@ void print(int devices, const State& before, const State& after, double seconds,
       explained,
       merged,
       dropped,
-      rx_chains,
-      1e3 * rx_chains / std::max(explained, 1e-9),
+      cores,
+      1e3 * cores / std::max(explained, 1e-9),
       at(latencies, 0.5),
       at(latencies, 0.99),
       at(rates, 0.0),

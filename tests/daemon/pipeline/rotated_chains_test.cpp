@@ -64,7 +64,7 @@ class RotatedChains : public ::testing::Test {
   static void TearDownTestSuite() { fs::remove_all(folder()); }
 
   static fs::path folder() {
-    return fs::path(::testing::TempDir()) / ("turned_chains_" + std::to_string(::getpid()));
+    return fs::path(::testing::TempDir()) / ("rotated_chains_" + std::to_string(::getpid()));
   }
   static std::string path(const std::string& name) { return folder() / name; }
   static void run(const std::vector<std::string>& arguments) {

@@ -112,13 +112,13 @@ TEST(Posterior, HasTheCoreAndTheTailOfAPeak) {
   LocationEstimate estimate;
   summarise_posterior(g, map, options, estimate, within);
   ASSERT_EQ(estimate.hypotheses.size(), 2U);
-  const Hypothesis& rx_chain = estimate.hypotheses[0];
+  const Hypothesis& core = estimate.hypotheses[0];
   const Hypothesis& foot = estimate.hypotheses[1];
   // The part of the foot that is within the core may belong to either.
-  EXPECT_NEAR(rx_chain.weight, 0.9, 0.02);
-  EXPECT_NEAR(rx_chain.position.x, g.centre(cell).x + 0.01, 1e-4);
-  EXPECT_NEAR(rx_chain.covariance[0], 1e-5, 1e-7);
-  EXPECT_NEAR(rx_chain.weight + foot.weight, 1.0, 1e-9);
+  EXPECT_NEAR(core.weight, 0.9, 0.02);
+  EXPECT_NEAR(core.position.x, g.centre(cell).x + 0.01, 1e-4);
+  EXPECT_NEAR(core.covariance[0], 1e-5, 1e-7);
+  EXPECT_NEAR(core.weight + foot.weight, 1.0, 1e-9);
   EXPECT_NEAR(foot.covariance[0], uniform.xx + 1e-6, 2e-5);
   EXPECT_FALSE(estimate.ambiguous);  // both are of one place
   EXPECT_NEAR(estimate.residual_probability, 0.0, 1e-9);

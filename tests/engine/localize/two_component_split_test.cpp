@@ -43,12 +43,12 @@ TEST(TwoComponentSplit, RecoversBothComponents) {
   const auto parts = parts_of({{0.8, 0.01, 0.005}, {0.2, -0.01, 0.05}});
   const auto two = two_component_split(parts);
   ASSERT_TRUE(two);
-  const auto& [rx_chain, foot] = *two;
+  const auto& [core, foot] = *two;
   const HillMass whole = sum_of(parts);
-  EXPECT_NEAR(rx_chain.mass + foot.mass, whole.mass, 1e-9 * whole.mass);
-  EXPECT_NEAR(rx_chain.mass / whole.mass, 0.8, 0.01);
-  EXPECT_NEAR(rx_chain.x, 0.01, 2e-4);
-  EXPECT_NEAR(std::sqrt(rx_chain.xx), 0.005, 2e-4);
+  EXPECT_NEAR(core.mass + foot.mass, whole.mass, 1e-9 * whole.mass);
+  EXPECT_NEAR(core.mass / whole.mass, 0.8, 0.01);
+  EXPECT_NEAR(core.x, 0.01, 2e-4);
+  EXPECT_NEAR(std::sqrt(core.xx), 0.005, 2e-4);
   EXPECT_NEAR(foot.x, -0.01, 2e-3);
   EXPECT_NEAR(std::sqrt(foot.yy), 0.05, 2e-3);
 }

@@ -362,7 +362,7 @@ TEST(Field, SceneXmlWarnsOfAxesThatAreNoUnitVectors) {
   EXPECT_EQ(scene->notes()[0].kind, "rotation_axis");
   EXPECT_NE(to_line(scene->notes()[0])
                 .find("scene.xml:3:62: warning: the axis of this <rotate> has the length 1.414214 "
-                      "instead of 1: the shape is turned about it; Mitsuba"),
+                      "instead of 1: the shape is rotated about it; Mitsuba"),
             std::string::npos)
       << to_line(scene->notes()[0]);
   // Rotated, not deformed.

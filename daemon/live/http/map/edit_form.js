@@ -57,7 +57,7 @@ function ofObject(one, put, state) {
       if (i === 2) it.centre[2] += (v - it.size[2]) / 2;
       it.size[i] = v;
     }))));
-    fields.push(field('turned [°]', one.yaw_deg, (v) => put((it) => { it.yaw_deg = v; })));
+    fields.push(field('rotated [°]', one.yaw_deg, (v) => put((it) => { it.yaw_deg = v; })));
   } else if (one.form === 'wall') {
     fields.push(field('height [m]', one.height, (v) => put((it) => { it.height = v; })));
   }

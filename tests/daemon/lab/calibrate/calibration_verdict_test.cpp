@@ -140,7 +140,7 @@ TEST(Expectation, NamesTheAccessPointThatIsBehindTheOthers) {
   EXPECT_EQ(expectation(report),
             "Usable: expect 20 cm with 2 access points (median of 3 points held out, 3 of them "
             "with a fix); b is doubtful, it explains 55 % of the CSI it received (access point 'b' "
-            "turned "
+            "rotated "
             "by 180 degrees?).");
   EXPECT_EQ(advice(report).front().rfind("Check b:", 0), 0U);
 }

@@ -138,8 +138,8 @@ TEST(Curve, TheListMayChangeMeanwhile) {
   const CurveKeyPair client = make_curve_keys();
   const GuardedDaemon daemon(server, {});
   const CurveClientKeys keys{server.public_key, client};
-  const auto faces_away = Subscriber::connect(daemon.endpoint(), {"v1/"}, 1000, keys);
-  ASSERT_TRUE(faces_away);
+  const auto refused = Subscriber::connect(daemon.endpoint(), {"v1/"}, 1000, keys);
+  ASSERT_TRUE(refused);
   ASSERT_TRUE(eventually(kPatience, [&] { return daemon.guard().counters().clients_denied > 0; }));
   daemon.guard().allow({client.public_key});
   EXPECT_TRUE(joins(daemon, keys));

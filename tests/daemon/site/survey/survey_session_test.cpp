@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include <unistd.h>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -18,6 +20,7 @@ using ::testing::HasSubstr;
 
 class SurveySessionTest : public ::testing::Test {
  protected:
+  void SetUp() override { std::filesystem::remove(points_); }
   void TearDown() override { std::filesystem::remove(points_); }
 
   // Ports are those of access points 0, 1, ... on free ports.
@@ -33,10 +36,10 @@ class SurveySessionTest : public ::testing::Test {
   }
 
   const Site site_ = *load_site(test::data_path("/sites/meeting_room"));
-  const std::string points_ =
-      std::filesystem::path(::testing::TempDir()) /
-      (std::string("survey_session_") +
-       ::testing::UnitTest::GetInstance()->current_test_info()->name() + ".csv");
+  const std::string points_ = std::filesystem::path(::testing::TempDir()) /
+                              (std::string("survey_session_") +
+                               ::testing::UnitTest::GetInstance()->current_test_info()->name() +
+                               "_" + std::to_string(::getpid()) + ".csv");
 };
 
 const std::vector<PlannedPoint> kPlan = {{"a", {0.5, 0.2, 1.2}}, {"b", {-0.5, 0.25, 1.2}}};
