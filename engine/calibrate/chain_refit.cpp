@@ -10,10 +10,10 @@
 #include <utility>
 
 #include "engine/base/check.h"
-#include "engine/base/log_odds.h"
 #include "engine/base/median.h"
 #include "engine/base/parallel.h"
 #include "engine/calibrate/chain_ripple.h"
+#include "engine/calibrate/log_odds.h"
 #include "engine/likelihood/spot_arrays.h"
 #include "engine/observe/alignment.h"
 #include "engine/observe/unit_power.h"

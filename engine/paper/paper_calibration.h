@@ -14,10 +14,10 @@
 #include <span>
 
 #include "engine/base/expected.h"
-#include "engine/base/rmsprop.h"
 #include "engine/calibrate/room_calibration.h"
 #include "engine/observe/csi_ratio.h"
 #include "engine/observe/savitzky_golay.h"
+#include "engine/paper/rmsprop.h"
 #include "engine/room/ray.h"
 
 namespace rayloc {

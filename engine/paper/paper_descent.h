@@ -19,8 +19,8 @@
 #include <random>
 
 #include "engine/base/expected.h"
-#include "engine/base/rmsprop.h"
 #include "engine/base/vec3.h"
+#include "engine/paper/rmsprop.h"
 
 namespace rayloc {
 

@@ -6,8 +6,8 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "daemon/messages/topic.h"
+#include "daemon/pipeline/zones/gaussian_in_polygon.h"
 #include "engine/base/check.h"
-#include "engine/base/gaussian_in_polygon.h"
 
 namespace rayloc {
 namespace {

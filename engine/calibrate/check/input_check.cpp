@@ -11,10 +11,10 @@
 #include <string_view>
 #include <utility>
 
-#include "engine/base/fixed_text.h"
 #include "engine/calibrate/check/array_mistakes.h"
 #include "engine/calibrate/check/place_mistakes.h"
 #include "engine/calibrate/check/stated_survey.h"
+#include "engine/calibrate/fixed_text.h"
 
 namespace rayloc {
 namespace {

@@ -6,10 +6,10 @@
 #include <optional>
 #include <utility>
 
-#include "engine/base/fixed_text.h"
-#include "engine/base/log_odds.h"
 #include "engine/base/median.h"
 #include "engine/calibrate/check/paired_comparison.h"
+#include "engine/calibrate/fixed_text.h"
+#include "engine/calibrate/log_odds.h"
 
 namespace rayloc {
 namespace {

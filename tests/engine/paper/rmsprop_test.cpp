@@ -1,11 +1,11 @@
-#include "engine/base/rmsprop.h"
+#include "engine/paper/rmsprop.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <vector>
 
-namespace rayloc::paper_rmsprop_test {
+namespace rayloc::rmsprop_test {
 namespace {
 
 TEST(Rmsprop, StepLengthDependsOnlyOnTheRate) {
@@ -49,4 +49,4 @@ TEST(Rmsprop, FindsTheLowestPlaceOfAValley) {
 }
 
 }  // namespace
-}  // namespace rayloc::paper_rmsprop_test
+}  // namespace rayloc::rmsprop_test

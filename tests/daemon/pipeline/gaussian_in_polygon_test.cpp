@@ -1,4 +1,4 @@
-#include "engine/base/gaussian_in_polygon.h"
+#include "daemon/pipeline/zones/gaussian_in_polygon.h"
 
 #include <cmath>
 #include <numbers>
