@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from rayloc.calibrating import calibrate
     from rayloc.localizing import Localizer, LocationEstimate
     from rayloc.recording import Frames, read_frames
+    from rayloc.simulating import Simulation, simulate
     from rayloc.studying import Evaluation, StudiedCondition, Study, evaluate, experiment
     from rayloc.tracing import (
         Derivatives,
@@ -69,6 +70,8 @@ _ENGINE = {
     "LocationEstimate": "localizing",
     "Frames": "recording",
     "read_frames": "recording",
+    "Simulation": "simulating",
+    "simulate": "simulating",
     "Evaluation": "studying",
     "StudiedCondition": "studying",
     "Study": "studying",
@@ -115,6 +118,7 @@ __all__ = [
     "Receiver",
     "ReceiverTracer",
     "Scene",
+    "Simulation",
     "StudiedCondition",
     "Study",
     "Subscriber",
@@ -130,6 +134,7 @@ __all__ = [
     "parameter_names",
     "radio_map",
     "read_frames",
+    "simulate",
     "trace",
 ]
 

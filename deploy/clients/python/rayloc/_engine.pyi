@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from os import PathLike
-from typing import Any, Optional, Sequence, Union
+from typing import Any, Callable, Optional, Sequence, Union
 
 import numpy as np
 from numpy.typing import NDArray
@@ -233,6 +233,9 @@ def read_frame_table(
 def run_calibration(arguments: dict[str, Any]) -> bool: ...
 def end_with_parent(parent: int) -> bool: ...
 def version() -> str: ...
+def simulate(
+    arguments: dict[str, Any], progress: Callable[[float, str], None]
+) -> tuple[str, list[str]]: ...
 def evaluate(
     arguments: dict[str, Any],
 ) -> tuple[str, str, int, dict[str, NDArray[np.float64]]]: ...
