@@ -1,3 +1,6 @@
+#include "engine/base/check.h"
+#include "engine/base/check_handler.h"
+#include "engine/base/parallel.h"
 #include "python/bindings.h"
 #include "python/raising.h"
 
@@ -46,6 +49,14 @@ void translate(std::exception_ptr thrown) {
   }
 }
 
+// A failed check of the engine becomes an exception: the process belongs to its user.
+void raise_check(const std::string& message) {
+  throw Raised{Error{ErrorKind::kInternal,
+                     message +
+                         "; this is a fault of RayLoc: report it with the call that raised it, "
+                         "and use none of the call's objects any more"}};
+}
+
 constexpr const char* kErrorDoc =
     R"(An error that input caused, with the text that the command line would print.
 
@@ -66,6 +77,12 @@ void bind_errors(py::module_& module) {
   error_class() = made;
   module.attr("Error") = py::reinterpret_steal<py::object>(made).inc_ref();
   py::register_local_exception_translator(translate);
+  set_check_handler(raise_check);
+  // For tests: a check on the threads of the engine that fails unless `holds`.
+  module.def("check", [](bool holds) {
+    const py::gil_scoped_release unlocked;
+    parallel_for(16, 1, [holds](std::size_t /*index*/) { RAYLOC_CHECK(holds); });
+  });
 }
 
 }  // namespace rayloc::python

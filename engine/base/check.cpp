@@ -1,12 +1,28 @@
 #include "engine/base/check.h"
 
+#include <atomic>
 #include <cstdio>
 #include <cstdlib>
+#include <string>
+
+#include "engine/base/check_handler.h"
 
 namespace rayloc {
+namespace {
+
+std::atomic<CheckHandler> check_handler{nullptr};
+
+}  // namespace
+
+void set_check_handler(CheckHandler handler) { check_handler = handler; }
 
 void check_failed(const char* condition, const char* file, int line) {
-  std::fprintf(stderr, "%s:%d: check failed: %s\n", file, line, condition);
+  const std::string message =
+      std::string(file) + ":" + std::to_string(line) + ": check failed: " + condition;
+  if (const CheckHandler handler = check_handler) {
+    handler(message);
+  }
+  std::fprintf(stderr, "%s\n", message.c_str());
   std::abort();
 }
 

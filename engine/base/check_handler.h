@@ -1,0 +1,17 @@
+// set_check_handler: replaces the stop of the program by a failed RAYLOC_CHECK, for an engine
+// inside of a process that belongs to another program, such as Python.
+#pragma once
+
+#include <string>
+
+namespace rayloc {
+
+// `message`: "FILE:LINE: check failed: CONDITION". It may throw; the exception passes through
+// parallel_for to the caller of the engine. If it returns, the program stops.
+using CheckHandler = void (*)(const std::string& message);
+
+// Null: the program stops at once, as without a handler. Thread-safe. An exception of the handler
+// leaves the object that failed in an unknown state: it must not be used any more.
+void set_check_handler(CheckHandler handler);
+
+}  // namespace rayloc
