@@ -28,8 +28,9 @@ bool calibrate(const py::dict& given) {
   arguments.seed = given["seed"].cast<std::uint64_t>();
   arguments.resume = given["resume"].cast<bool>();
   arguments.force = given["force"].cast<bool>();
+  const bool progress = given["progress"].cast<bool>();
   const py::gil_scoped_release unlocked;
-  auto outcome = cli::calibrate_survey(std::move(arguments), {.quiet = true});
+  auto outcome = cli::calibrate_survey(std::move(arguments), {.quiet = true, .progress = progress});
   return value_of(std::move(outcome)) == cli::CalibrationOutcome::kExplains;
 }
 
@@ -40,7 +41,8 @@ void bind_calibration(py::module_& module) {
              calibrate,
              py::arg("arguments"),
              "Calibrates, and returns true if the calibrated room explains the points held out. It "
-             "takes over SIGINT and SIGTERM: only for a process of its own.");
+             "takes over SIGINT and SIGTERM: only for a process of its own. With `progress`, lines "
+             "\"progress SHARE TEXT\" on standard error.");
   module.def("end_with_parent",
              &rayloc::end_with_parent,
              py::arg("parent"),

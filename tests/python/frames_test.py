@@ -89,6 +89,7 @@ def calibrated(tmp_path_factory: pytest.TempPathFactory) -> Path:
     points = out.parent / "points.csv"
     lines = (MEETING_ROOM / "calibration.csv").read_text().splitlines(keepends=True)
     points.write_text("".join([lines[0], *lines[3::3]]))
+    reported: list[tuple[float, str]] = []
     explains = rayloc.calibrate(
         MEETING_ROOM,
         [f"{name}={MEETING_ROOM}/calibration-{name}.pcap.gz" for name in WALK],
@@ -96,10 +97,23 @@ def calibrated(tmp_path_factory: pytest.TempPathFactory) -> Path:
         out,
         method="gains-only",
         force=True,
+        progress=lambda share, part: reported.append((share, part)),
     )
     assert explains in (True, False)
+    assert reported and all(0.0 <= share <= 1.0 and part for share, part in reported)
     assert (out / "site.toml").is_file()
     return out
+
+
+def test_an_exception_of_the_progress_ends_a_calibration(tmp_path: Path) -> None:
+    def stop(share: float, part: str) -> None:
+        raise LookupError(part)
+
+    captures = [f"ap1={MEETING_ROOM}/calibration-ap1.pcap.gz"]
+    with pytest.raises(LookupError):
+        rayloc.calibrate(
+            MEETING_ROOM, captures, MEETING_ROOM / "calibration.csv", tmp_path / "out", progress=stop
+        )
 
 
 def test_a_calibrated_site_locates_as_the_program_does(calibrated: Path, tmp_path: Path) -> None:

@@ -15,7 +15,7 @@ FitControl control_by_signal() { return {StopSignal::install_once, StopSignal::r
 
 Expected<CalibrationOutcome> calibrate_survey(CalibrateArguments arguments, RunOutput output) {
   const TerminalReport report{arguments.site, arguments.out, output.quiet};
-  CalibrationProgressLine line(output.quiet, output.progress);
+  CalibrationProgressLine line(output.quiet && !output.progress, output.progress);
   arguments.control = control_by_signal();
   const auto result = run_calibration(arguments, terminal_observer(line, report));
   line.clear();

@@ -13,7 +13,7 @@ namespace rayloc::cli {
 
 struct RunOutput {
   bool quiet = false;     // only warnings, failures and stops
-  bool progress = false;  // progress lines for programs, even if stderr is no terminal
+  bool progress = false;  // progress lines for programs: also if `quiet`, or stderr is no terminal
 };
 
 // run_calibration(). From the begin of the fit on, the first SIGINT or SIGTERM stops it and ends

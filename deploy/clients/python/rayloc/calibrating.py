@@ -12,7 +12,7 @@ import signal
 import subprocess
 import sys
 from os import PathLike
-from typing import Optional, Sequence, Union
+from typing import Callable, Optional, Sequence, Union
 
 from rayloc.needs import explained
 
@@ -51,6 +51,7 @@ def calibrate(
     seed: int = 1,
     resume: bool = False,
     force: bool = False,
+    progress: Optional[Callable[[float, str], None]] = None,
 ) -> bool:
     """Calibrates a site by a survey, as `rayloc calibrate` does.
 
@@ -66,6 +67,9 @@ def calibrate(
         seed: seed of the draw of those points.
         resume: continues the calibration that was interrupted in `out`.
         force: also into a folder that is not empty, and what is no success.
+        progress: called with the share of the current part, 0 to 1, and its description, such as
+            "joint: 57 points, fit, step 12"; an exception that it raises ends the calibration as
+            Ctrl-C does.
 
     Returns:
         True if the calibrated room explains the points that were held out. If it does not, the site
@@ -98,8 +102,9 @@ def calibrate(
         "seed": seed,
         "resume": resume,
         "force": force,
+        "progress": progress is not None,
     }
-    answer = json.loads(_answer_of_child(json.dumps(arguments), os.fspath(out)))
+    answer = json.loads(_answer_of_child(json.dumps(arguments), os.fspath(out), progress))
     if "error" in answer:
         error = Error(answer["error"])
         error.kind = answer["kind"]
@@ -107,25 +112,43 @@ def calibrate(
     return bool(answer["explains"])
 
 
-def _answer_of_child(question: str, out: str) -> str:
+def _answer_of_child(question: str, out: str, progress: Optional[Callable[[float, str], None]]) -> str:
     # In a separate session: a terminal sends Ctrl-C only to this process, which forwards it. The child
     # does not read `out`; the argument identifies its calibration in a list of processes.
     with subprocess.Popen(
         [sys.executable, "-c", CHILD, out, str(os.getpid())],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
+        stderr=None if progress is None else subprocess.PIPE,
         text=True,
         start_new_session=True,
         env={**os.environ, "PYTHONPATH": os.pathsep.join(path for path in sys.path if path)},
     ) as child:
         try:
-            answer, _ = child.communicate(question)
+            if progress is not None:
+                _follow(child, question, progress)
+            answer, _ = child.communicate(question if progress is None else None)
         except BaseException:
             _end(child)
             raise
     if child.returncode != 0:
         raise RuntimeError(f"the calibration ended with status {child.returncode}")
     return answer
+
+
+def _follow(child: subprocess.Popen[str], question: str, progress: Callable[[float, str], None]) -> None:
+    """Asks, and reports the progress until the child closes its standard error; its answer is short."""
+    assert child.stdin is not None and child.stderr is not None
+    child.stdin.write(question)
+    child.stdin.close()
+    child.stdin = None
+    for line in child.stderr:
+        word, _, rest = line.rstrip("\n").partition(" ")
+        if word == "progress":
+            share, _, text = rest.partition(" ")
+            progress(float(share), text)
+        else:
+            sys.stderr.write(line)
 
 
 def _end(child: subprocess.Popen[str]) -> None:
