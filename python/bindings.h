@@ -16,6 +16,7 @@ void bind_frames(pybind11::module_& module);
 void bind_localizer(pybind11::module_& module);
 void bind_calibration(pybind11::module_& module);
 void bind_evaluation(pybind11::module_& module);
+void bind_site(pybind11::module_& module);
 void bind_simulation(pybind11::module_& module);
 
 }  // namespace rayloc::python

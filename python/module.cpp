@@ -21,4 +21,5 @@ PYBIND11_MODULE(_engine, module) {
   rayloc::python::bind_calibration(module);
   rayloc::python::bind_evaluation(module);
   rayloc::python::bind_simulation(module);
+  rayloc::python::bind_site(module);
 }

@@ -16,7 +16,7 @@ ROOT = Path(__file__).resolve().parents[2]
 SOURCES = ROOT / "deploy/clients/python"
 STAGED = Path(os.environ["RAYLOC_PYTHON"])  # where CMake has put it together
 # Files that need the native module, which pip does not make, or torch (tests/python).
-NATIVE = {"autograd", "calibrating", "localizing", "recording", "simulating", "studying", "tracing"}
+NATIVE = {"autograd", "calibrating", "localizing", "recording", "simulating", "site", "studying", "tracing"}
 PATHS = f"{STAGED}:{ROOT}/tests/clients:{ROOT}/tests/clients/stubs:{ROOT}/tests/support"
 
 

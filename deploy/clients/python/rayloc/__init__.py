@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from rayloc.calibrating import calibrate
     from rayloc.localizing import Localizer, LocationEstimate
     from rayloc.recording import Frames, read_frames
+    from rayloc.site import Site, SiteTransmitter, load_site
     from rayloc.simulating import Simulation, simulate
     from rayloc.studying import Evaluation, StudiedCondition, Study, evaluate, experiment
     from rayloc.tracing import (
@@ -70,6 +71,9 @@ _ENGINE = {
     "LocationEstimate": "localizing",
     "Frames": "recording",
     "read_frames": "recording",
+    "Site": "site",
+    "SiteTransmitter": "site",
+    "load_site": "site",
     "Simulation": "simulating",
     "simulate": "simulating",
     "Evaluation": "studying",
@@ -119,6 +123,8 @@ __all__ = [
     "ReceiverTracer",
     "Scene",
     "Simulation",
+    "Site",
+    "SiteTransmitter",
     "StudiedCondition",
     "Study",
     "Subscriber",
@@ -131,6 +137,7 @@ __all__ = [
     "experiment",
     "gradient",
     "load_scene",
+    "load_site",
     "parameter_names",
     "radio_map",
     "read_frames",
