@@ -1,6 +1,5 @@
 #include "engine/base/check.h"
 
-#include <atomic>
 #include <cstdio>
 #include <cstdlib>
 #include <string>
@@ -10,7 +9,7 @@
 namespace rayloc {
 namespace {
 
-std::atomic<CheckHandler> check_handler{nullptr};
+CheckHandler check_handler = nullptr;
 
 }  // namespace
 

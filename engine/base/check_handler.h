@@ -10,8 +10,9 @@ namespace rayloc {
 // parallel_for to the caller of the engine. If it returns, the program stops.
 using CheckHandler = void (*)(const std::string& message);
 
-// Null: the program stops at once, as without a handler. Thread-safe. An exception of the handler
-// leaves the object that failed in an unknown state: it must not be used any more.
+// Null: the program stops at once, as without a handler. Call it before other threads use the
+// engine. An exception of the handler leaves the object that failed in an unknown state: it must
+// not be used any more.
 void set_check_handler(CheckHandler handler);
 
 }  // namespace rayloc

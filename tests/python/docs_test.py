@@ -20,7 +20,15 @@ import rayloc.site
 import rayloc.studying
 import rayloc.tracing
 
-MODULES = [rayloc.calibrating, rayloc.localizing, rayloc.recording, rayloc.simulating, rayloc.site, rayloc.studying, rayloc.tracing]
+MODULES = [
+    rayloc.calibrating,
+    rayloc.localizing,
+    rayloc.recording,
+    rayloc.simulating,
+    rayloc.site,
+    rayloc.studying,
+    rayloc.tracing,
+]
 WORDS = ("Shapes:", "Units:", "Frame:", "Errors:", "Source:")
 ROOT = Path(__file__).resolve().parents[2]
 NAMES = [(module, name) for module in MODULES for name in module.__all__]

@@ -25,7 +25,8 @@ def test_a_site_can_be_traced() -> None:
     assert transmitter is not None
     paths = rayloc.trace(site.scene, transmitter, antennas[0], max_depth=site.depth)
     assert len(rayloc.cfr(paths, site.grid)) == len(site.grid.frequencies)
-    assert np.isclose(paths.tau.min() * 299792458.0, np.linalg.norm(np.subtract(transmitter.position, antennas[0].position)))
+    distance = np.linalg.norm(np.subtract(transmitter.position, antennas[0].position))
+    assert np.isclose(paths.tau.min() * 299792458.0, distance)
 
 
 def test_the_scene_is_that_of_the_file() -> None:
