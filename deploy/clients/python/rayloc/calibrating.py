@@ -6,6 +6,7 @@ ended from outside. A process can, and what it has written stays.
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import signal
@@ -139,8 +140,9 @@ def _answer_of_child(question: str, out: str, progress: Optional[Callable[[float
 def _follow(child: subprocess.Popen[str], question: str, progress: Callable[[float, str], None]) -> None:
     """Asks, and reports the progress until the child closes its standard error; its answer is short."""
     assert child.stdin is not None and child.stderr is not None
-    child.stdin.write(question)
-    child.stdin.close()
+    with contextlib.suppress(BrokenPipeError):  # the child has ended; its status is checked
+        child.stdin.write(question)
+        child.stdin.close()
     child.stdin = None
     for line in child.stderr:
         word, _, rest = line.rstrip("\n").partition(" ")
