@@ -9,16 +9,19 @@
 namespace rayloc {
 namespace {
 
-CheckHandler check_handler = nullptr;
+CheckHandler& the_handler() {
+  static CheckHandler handler = nullptr;
+  return handler;
+}
 
 }  // namespace
 
-void set_check_handler(CheckHandler handler) { check_handler = handler; }
+void set_check_handler(CheckHandler handler) { the_handler() = handler; }
 
 void check_failed(const char* condition, const char* file, int line) {
   const std::string message =
       std::string(file) + ":" + std::to_string(line) + ": check failed: " + condition;
-  if (const CheckHandler handler = check_handler) {
+  if (const CheckHandler handler = the_handler()) {
     handler(message);
   }
   std::fprintf(stderr, "%s\n", message.c_str());
