@@ -103,14 +103,14 @@ std::map<std::string, HttpRoute> beginning_routes(const std::shared_ptr<const Si
     return editor_reply(begin_room(*editor, body));
   };
   room.most_bytes = kMaxPlanBytes;
-  HttpRoute& import = routes["/api/v1/edit/import"];
-  import.method = "POST";
-  import.receive = [editor](const HttpParameters& parameters, const std::string& body) {
+  HttpRoute& upload = routes["/api/v1/edit/import"];
+  upload.method = "POST";
+  upload.receive = [editor](const HttpParameters& parameters, const std::string& body) {
     return editor_reply(begin_import(*editor, kind_of(parameters), body));
-};
-import.content_type = "application/octet-stream";
-import.most_bytes = kLargestImport;
-return routes;
-}  // namespace rayloc
+  };
+  upload.content_type = "application/octet-stream";
+  upload.most_bytes = kLargestImport;
+  return routes;
+}
 
 }  // namespace rayloc
