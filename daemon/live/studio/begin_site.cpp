@@ -9,6 +9,7 @@
 
 #include "daemon/live/studio/studio_routes.h"
 #include "daemon/site/import/import_scene.h"
+#include "daemon/site/import/imported_site.h"
 #include "daemon/site/import/recognise.h"
 #include "daemon/site/model/site_copy.h"
 #include "daemon/site/scene/build_room.h"
@@ -78,14 +79,8 @@ Expected<Json> begin_import(const SiteEditor& editor,
     fs::remove(file, ignored);
     return tl::make_unexpected(std::move(imported.error()));
   }
-  RoomPlan plan;
-  plan.name = fs::weakly_canonical(editor.directory()).filename().string();
-  plan.lower = imported->bounds.lower;
-  plan.upper = imported->bounds.upper;
-  plan.carrier = usual_carrier();
-  auto files = scene_files(imported->scene);
-  files["site.toml"] = room_site(plan);
-  RAYLOC_TRY(write_all(editor, files));
+  const std::string name = fs::weakly_canonical(editor.directory()).filename().string();
+  RAYLOC_TRY(write_all(editor, imported_site_files(*imported, name)));
   auto state = editor.state();
   if (state) {
     (*state)["said"] = imported->remarks;
