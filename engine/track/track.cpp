@@ -22,14 +22,13 @@ constexpr std::size_t kCompactRefined = 64;  // a count, chosen: ... with positi
 constexpr Duration kVelocityWindow = std::chrono::seconds(1);
 
 // Log-likelihood of a cell; 0 for a cell that was not compared. The cells are in ascending order.
-double value_of(const Localizer::Evidence& evidence, std::size_t cell) {
+double value_of(const Localizer::Evidence& evidence, const Grid& grid, std::size_t cell) {
   const CellSet& evaluated = evidence.evaluated;
   if (evaluated.is_all()) {
     return evidence.log_likelihood[cell];
   }
   const auto first = evaluated.cells.begin();
-  const std::size_t ones = std::min(evaluated.weights.ones, evaluated.cells.size());
-  const auto end = first + static_cast<std::ptrdiff_t>(ones);
+  const auto end = first + static_cast<std::ptrdiff_t>(evaluated.ones(grid));
   const auto found = std::lower_bound(first, end, cell);
   return found != end && *found == cell
              ? evidence.log_likelihood[static_cast<std::size_t>(found - first)]
@@ -128,7 +127,7 @@ bool Track::weigh(const RoomObservation& observation, Duration elapsed) {
     learn_height(mass, weight);
     const auto peak =
         static_cast<std::size_t>(std::max_element(mass.begin(), mass.end()) - mass.begin());
-    loss_ = -value_of(evidence, filter_.window().cell(peak, space_->grid));
+    loss_ = -value_of(evidence, space_->grid, filter_.window().cell(peak, space_->grid));
   }
   last_.clear();
   for (const ArrayObservation& received : observation.arrays) {
