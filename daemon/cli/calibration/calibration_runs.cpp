@@ -5,6 +5,7 @@
 #include "daemon/cli/calibration/chain_report.h"
 #include "daemon/cli/calibration/terminal_observer.h"
 #include "daemon/cli/terminal/stop_signal.h"
+#include "daemon/cli/terminal/terminal_notes.h"
 
 namespace rayloc::cli {
 namespace {

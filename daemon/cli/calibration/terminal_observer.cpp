@@ -10,14 +10,6 @@ void print_message(const std::string& text) { std::fprintf(stderr, "%s\n", text.
 
 }  // namespace
 
-Observer terminal_notes(bool quiet) {
-  Observer observer;
-  if (!quiet) {
-    observer.on_note = print_message;
-  }
-  return observer;
-}
-
 FitObserver terminal_observer(CalibrationProgressLine& line, const TerminalReport& report) {
   FitObserver observer;
   observer.on_part = [&line](const std::string& part) { line.begin(part); };

@@ -8,9 +8,6 @@
 
 namespace rayloc::cli {
 
-// Prints each note on a line of its own, nothing if `quiet`.
-Observer terminal_notes(bool quiet);
-
 // Shows the progress in `line` and removes the line before a message. For a quiet user warnings and
 // verdict are printed, notes are not. REQUIRES: `line` outlives the observer.
 FitObserver terminal_observer(CalibrationProgressLine& line, const TerminalReport& report);

@@ -1,9 +1,9 @@
 // `rayloc reference`: its arguments and their use.
-#include <cstdio>
 #include <memory>
 #include <string>
 
 #include "daemon/cli/command/verb.h"
+#include "daemon/cli/terminal/terminal_notes.h"
 #include "daemon/cli/verbs/report/reference_report.h"
 #include "daemon/cli/verbs/verbs.h"
 #include "daemon/lab/reference/learn_reference.h"
@@ -23,10 +23,7 @@ struct ReferenceArguments {
 Expected<void> run_reference(const ReferenceArguments& arguments) {
   ReferenceOptions options = arguments.reference;
   options.out = arguments.out;
-  Observer observer;
-  if (!arguments.quiet) {
-    observer.on_note = [](const std::string& note) { std::fprintf(stderr, "%s\n", note.c_str()); };
-  }
+  const Observer observer = terminal_notes(arguments.quiet);
   const auto inputs = read_reference_inputs(options, observer);
   RAYLOC_TRY(inputs);
   const auto learned = learn_reference(*inputs, observer);

@@ -7,6 +7,7 @@
 
 #include "daemon/cli/command/verb.h"
 #include "daemon/cli/feed/no_fix_reasons.h"
+#include "daemon/cli/terminal/terminal_notes.h"
 #include "daemon/cli/verbs/arguments/replay_arguments.h"
 #include "daemon/cli/verbs/replay_cluster.h"
 #include "daemon/cli/verbs/report/replay_files.h"
@@ -42,7 +43,7 @@ Expected<void> replay_captures(const ReplayArguments& arguments,
   const auto recordings = replay_recordings(arguments);
   RAYLOC_TRY(recordings);
   auto replay = prepare_replay(
-      site, options, *recordings, warm_replay(arguments), replay_observer(arguments.quiet));
+      site, options, *recordings, warm_replay(arguments), terminal_notes(arguments.quiet));
   RAYLOC_TRY(replay);
   Expected<void> written = write_results(arguments, *replay);
   if (!arguments.quiet) {

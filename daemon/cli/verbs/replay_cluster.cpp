@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "daemon/cli/terminal/terminal_notes.h"
 #include "daemon/cli/verbs/report/replay_files.h"
 #include "daemon/cli/verbs/report/replay_report.h"
 #include "daemon/live/cluster/broker.h"
@@ -97,7 +98,7 @@ Expected<void> replay_cluster(const ReplayArguments& arguments,
                           options,
                           {std::move(sources), start.from, start.carried},
                           sink,
-                          replay_observer(arguments.quiet));
+                          terminal_notes(arguments.quiet));
   };
   BrokerOptions broker = arguments.broker;
   broker.servers = {arguments.stream};

@@ -56,14 +56,6 @@ Expected<void> report_sources(const ReplaySummary& summary, bool quiet) {
 
 }  // namespace
 
-Observer replay_observer(bool quiet) {
-  Observer observer;
-  if (!quiet) {
-    observer.on_note = [](const std::string& note) { std::fprintf(stderr, "%s\n", note.c_str()); };
-  }
-  return observer;
-}
-
 Expected<void> report_replay(const ReplaySummary& summary, const std::string& no_fix, bool quiet) {
   Expected<void> reported = report_sources(summary, quiet);
   if (!no_fix.empty() && !quiet) {

@@ -3,14 +3,10 @@
 
 #include <string>
 
-#include "daemon/base/observer.h"
 #include "daemon/lab/replay/replay.h"
 #include "engine/base/expected.h"
 
 namespace rayloc::cli {
-
-// Prints each note as a line; nothing if `quiet`.
-Observer replay_observer(bool quiet);
 
 // Prints, unless `quiet`, the recordings, the counters and `no_fix`, a line with the reasons for
 // snapshots without a position (empty: none). Returns an Error for every source that ended
