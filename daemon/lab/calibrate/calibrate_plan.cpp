@@ -13,6 +13,7 @@
 #include "daemon/lab/draw/scene_picture.h"
 #include "daemon/site/model/room_model.h"
 #include "daemon/site/model/site_copy.h"
+#include "daemon/site/scene/scene_notes.h"
 #include "daemon/site/scene/solid_around.h"
 #include "engine/base/printable.h"
 #include "engine/calibrate/survey_plan.h"

@@ -23,6 +23,7 @@
 #include "daemon/site/model/reference_file.h"
 #include "daemon/site/model/room_model.h"
 #include "daemon/site/model/site_copy.h"
+#include "daemon/site/scene/scene_notes.h"
 #include "engine/base/content_hash.h"
 #include "engine/calibrate/chain_refit.h"
 #include "engine/chains/chain_progress.h"

@@ -15,6 +15,7 @@
 #include "daemon/site/model/room_match.h"
 #include "daemon/site/model/room_model.h"
 #include "daemon/site/model/site_copy.h"
+#include "daemon/site/scene/scene_notes.h"
 #include "engine/calibrate/check/input_check.h"
 #include "engine/calibrate/joint/joint_calibration.h"
 #include "engine/calibrate/joint/multi_start.h"

@@ -9,7 +9,6 @@
 #include "daemon/base/observer.h"
 #include "daemon/lab/calibrate/report/calibration_report.h"
 #include "engine/calibrate/room_calibration.h"
-#include "engine/scene/scene.h"
 
 namespace rayloc {
 
@@ -60,12 +59,5 @@ struct FitObserver : Observer {
     }
   }
 };
-
-// Reports the notes on the reading of a scene.
-inline void note_scene(const Scene& scene, const Observer& observer) {
-  for (const SceneNote& note : scene.notes()) {
-    observer.note(to_line(note));
-  }
-}
 
 }  // namespace rayloc

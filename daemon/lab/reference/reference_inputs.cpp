@@ -7,6 +7,7 @@
 #include "daemon/lab/recordings/fixed_frames.h"
 #include "daemon/site/model/room_model.h"
 #include "daemon/site/model/site_copy.h"
+#include "daemon/site/scene/scene_notes.h"
 #include "daemon/site/survey/time_offset.h"
 #include "engine/scene/scene.h"
 
@@ -108,9 +109,7 @@ Expected<ReferenceInputs> read_reference_inputs(const ReferenceOptions& options,
   auto room = load_room_model(inputs.site);
   RAYLOC_TRY(room);
   inputs.room = *std::move(room);
-  for (const SceneNote& note : inputs.room.scene->notes()) {
-    observer.note(to_line(note));
-  }
+  note_scene(*inputs.room.scene, observer);
   RAYLOC_TRY(read_recordings(options, inputs));
   return inputs;
 }

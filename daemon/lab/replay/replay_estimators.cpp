@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "daemon/messages/target_names.h"
+#include "daemon/site/scene/scene_notes.h"
 #include "engine/scene/scene.h"
 
 namespace rayloc {
@@ -86,9 +87,7 @@ Expected<ReplayEstimators> make_replay_estimators(const ReplayEstimatorOptions& 
   }
   const RoomModel& room =
       estimators.devices ? estimators.devices->room() : estimators.people->room();
-  for (const SceneNote& note : room.scene->notes()) {
-    observer.note(to_line(note));
-  }
+  note_scene(*room.scene, observer);
   return estimators;
 }
 

@@ -1,9 +1,10 @@
-// scene_note_lines: the notes on the reading of a scene as lines for a person.
+// scene_note_lines, note_scene: the notes on the reading of a scene as lines for a person.
 #pragma once
 
 #include <string>
 #include <vector>
 
+#include "daemon/base/observer.h"
 #include "engine/scene/scene.h"
 
 namespace rayloc {
@@ -16,6 +17,13 @@ inline std::vector<std::string> scene_note_lines(const Scene& scene) {
     lines.push_back(to_line(note));
   }
   return lines;
+}
+
+// Passes these lines to the observer.
+inline void note_scene(const Scene& scene, const Observer& observer) {
+  for (const std::string& line : scene_note_lines(scene)) {
+    observer.note(line);
+  }
 }
 
 }  // namespace rayloc
