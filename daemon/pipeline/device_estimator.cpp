@@ -29,8 +29,7 @@ Expected<std::unique_ptr<DeviceEstimator>> DeviceEstimator::create(const Site& s
   std::unique_ptr<DeviceEstimator> estimator(new DeviceEstimator(site, options));
   Expected<RoomModel> room = load_room_model(site);
   RAYLOC_TRY(room);
-  auto rooms = estimator->rooms_.prepare(*options.method, options.settings, *room);
-  RAYLOC_TRY(rooms);
+  RAYLOC_TRY(estimator->rooms_.prepare(*options.method, options.settings, *room));
   RAYLOC_TRY(estimator->chains_.prepare(site, *room));
   if (options.before) {
     estimator->go_on(*options.before);

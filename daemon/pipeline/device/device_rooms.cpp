@@ -57,8 +57,7 @@ Expected<void> DeviceRooms::prepare(const Method& method,
   }
   for (const DeviceModel& model : models) {
     room.device = model;
-    auto added = add(method, settings, std::make_shared<const RoomModel>(room));
-    RAYLOC_TRY(added);
+    RAYLOC_TRY(add(method, settings, std::make_shared<const RoomModel>(room)));
   }
   return {};
 }

@@ -81,11 +81,8 @@ Expected<std::vector<SurveyPort>> survey_ports(const SurveyPortArguments& argume
   RAYLOC_TRY(listen);
   const auto addresses = resolve_captures(*listen, access_point_ids(site));
   const auto recordings = resolve_captures(arguments.record, access_point_ids(site));
-  for (const auto* resolved : {&addresses, &recordings}) {
-    if (!*resolved) {
-      return tl::make_unexpected(resolved->error());
-    }
-  }
+  RAYLOC_TRY(addresses);
+  RAYLOC_TRY(recordings);
   std::vector<SurveyPort> ports;
   for (const CaptureArgument& address : *addresses) {
     const auto index = find_access_point(site, address.access_point);

@@ -45,11 +45,8 @@ Expected<void> FrameOutput::write(std::vector<CsiFrame>& frames, const std::stri
     return {};
   }
   for (const CsiFrame& frame : frames) {
-    Expected<void> written = write_line(is_json() ? frame_json(frame, access_point, options_.values)
-                                                  : frame_text(frame, access_point));
-    if (!written) {
-      return written;
-    }
+    RAYLOC_TRY(write_line(is_json() ? frame_json(frame, access_point, options_.values)
+                                    : frame_text(frame, access_point)));
   }
   return std::fflush(out_.get()) == 0 ? Expected<void>() : unwritable_output();
 }

@@ -38,11 +38,8 @@ Expected<ReplayFiles> ReplayFiles::open(const std::string& format, const Paths& 
   RAYLOC_TRY(locations);
   auto events = open_optional(paths.zone_events);
   auto carried = open_optional(paths.carried);
-  for (const auto* const opened : {&events, &carried}) {
-    if (!*opened) {
-      return tl::make_unexpected(opened->error());
-    }
-  }
+  RAYLOC_TRY(events);
+  RAYLOC_TRY(carried);
   return ReplayFiles(
       format == "pb", *std::move(locations), *std::move(events), *std::move(carried));
 }

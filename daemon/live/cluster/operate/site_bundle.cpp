@@ -223,9 +223,7 @@ Expected<void> store_bundle(Broker& broker,
   for (std::size_t i = 0; i < pieces; ++i) {
     const std::string subject = subject_of(site, hash + "." + std::to_string(i));
     // An existing piece is the same.
-    const auto sent =
-        broker.publish_behind(subject, std::string_view(all).substr(i * kPiece, kPiece), 0);
-    RAYLOC_TRY(sent);
+    RAYLOC_TRY(broker.publish_behind(subject, std::string_view(all).substr(i * kPiece, kPiece), 0));
   }
   return enter(broker, site, manifest_of(bundle, hash, pieces));
 }
