@@ -9,9 +9,10 @@
 
 namespace rayloc::cli {
 
-void print_summary(const CalibrationReport& report, std::span<const AccessPointUse> used) {
+void print_summary(const CalibrationResult& result) {
+  const CalibrationReport& report = result.report;
   for (const CalibrationMethodResult& method : report.methods) {
-    for (const AccessPointUse& one : used) {
+    for (const AccessPointUse& one : result.used) {
       const FitSummary fit = summarize_fit(report, method.calibration, one.index);
       if (!fit.before || !fit.after) {
         std::fprintf(stderr,

@@ -1,7 +1,6 @@
 // Final summary of a calibration on stderr.
 #pragma once
 
-#include <span>
 #include <string>
 
 #include "daemon/lab/calibrate/calibrate.h"
@@ -15,9 +14,10 @@ struct TerminalReport {
   bool quiet = false;
 };
 
-void print_summary(const CalibrationReport& report, std::span<const AccessPointUse> used);
+// The held-out errors of the fit. REQUIRES: there was a fit.
+void print_summary(const CalibrationResult& result);
 
-// The reasons of a failure; `site` as in TerminalReport. REQUIRES: it is no success.
+// The reasons of a failure; `site` as in TerminalReport. REQUIRES: the calibration failed.
 void print_verdict(const CalibrationVerdict& verdict, const std::string& site);
 
 // After a run: why no site was written, and the state of the output after a stop. The summary, and

@@ -24,10 +24,9 @@ FitObserver terminal_observer(CalibrationProgressLine& line, const TerminalRepor
   };
   if (!report.quiet) {
     observer.on_note = observer.on_warning;
-    observer.on_report = [&line](const CalibrationReport& fit,
-                                 std::span<const AccessPointUse> used) {
+    observer.on_result = [&line](const CalibrationResult& result) {
       line.clear();
-      print_summary(fit, used);
+      print_summary(result);
     };
   }
   return observer;

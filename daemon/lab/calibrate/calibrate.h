@@ -46,6 +46,11 @@ enum class CalibrationOutcome : std::uint8_t {
   kFails,     // reasons are in CalibrationVerdict; site written only if `force`
 };
 
+struct AccessPointUse {
+  std::size_t index = 0;   // into CalibrationReport::access_points
+  std::size_t points = 0;  // used points
+};
+
 // State of the output after a requested stop.
 struct CalibrationInterruption {
   bool is_whole = false;     // the written calibration was not shortened by the stop

@@ -136,7 +136,7 @@ Expected<CalibrationResult> Calibration::write_site_and_reports(
     result.used.push_back({one.index, one.fit.samples_used});
   }
   result.is_site_written = verdict_.is_success() || options_.force;
-  observer_.report(result.report, result.used);
+  observer_.result(result);
   if (!result.is_site_written) {
     return write_refusal(result.report).map([&] { return std::move(result); });
   }

@@ -1,21 +1,18 @@
-// FitObserver: receives the progress, the messages and the early verdict of a calibration.
+// FitObserver: receives the progress, the messages and the early results of a calibration.
 #pragma once
 
-#include <cstddef>
 #include <functional>
-#include <span>
 #include <string>
 
 #include "daemon/base/observer.h"
-#include "daemon/lab/calibrate/report/calibration_report.h"
+#include "daemon/lab/calibrate/report/calibration_verdict.h"
 #include "engine/calibrate/room_calibration.h"
 
 namespace rayloc {
 
-struct AccessPointUse {
-  std::size_t index = 0;   // into CalibrationReport::access_points
-  std::size_t points = 0;  // used points
-};
+namespace cli {
+struct CalibrationResult;  // calibrate.h
+}
 
 // Empty functions: nothing is reported. All are called from the thread of the calibration.
 // `on_progress` receives the share of the current part, and its stage.
@@ -28,9 +25,9 @@ struct FitObserver : Observer {
   // Reasons of a failure that `force` overrides: of survey or site before the fit, or of the fit.
   std::function<void(const CalibrationVerdict& verdict)> on_verdict;
 
-  // The report of a whole fit, before any file of it is written: the values outlive a full disk.
-  std::function<void(const CalibrationReport& report, std::span<const AccessPointUse> used)>
-      on_report;
+  // The result of the fit. It is called before any file is written, so that a full disk does not
+  // lose the result.
+  std::function<void(const cli::CalibrationResult& result)> on_result;
 
   void begin(const std::string& part) const {
     if (on_part) {
@@ -53,9 +50,9 @@ struct FitObserver : Observer {
       on_verdict(found);
     }
   }
-  void report(const CalibrationReport& found, std::span<const AccessPointUse> used) const {
-    if (on_report) {
-      on_report(found, used);
+  void result(const cli::CalibrationResult& found) const {
+    if (on_result) {
+      on_result(found);
     }
   }
 };
