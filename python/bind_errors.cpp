@@ -52,9 +52,8 @@ void translate(std::exception_ptr thrown) {
 // A failed check of the engine becomes an exception: the process belongs to its user.
 void raise_check(const std::string& message) {
   throw Raised{Error{ErrorKind::kInternal,
-                     message +
-                         "; this is a fault of RayLoc: report it with the call that raised it, "
-                         "and use none of the call's objects any more"}};
+                     message + "; this is a bug in RayLoc: report it with the call that raised it, "
+                               "and discard the objects of that call"}};
 }
 
 constexpr const char* kErrorDoc =

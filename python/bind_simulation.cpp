@@ -40,8 +40,8 @@ SimulationOptions simulation_of(const py::dict& given) {
   return options;
 }
 
-// The truth as JSON, and the notes. `progress` is called with Python's lock, after each point; an
-// exception of it, as that of Ctrl-C, ends the simulation.
+// The truth as JSON, and the notes. `progress` is called with Python's lock after each point. An
+// exception that it raises ends the simulation, and so does Ctrl-C.
 py::tuple simulate(const py::dict& given, const py::function& progress) {
   const SimulationOptions options = simulation_of(given);
   const auto folder = given["site"].cast<std::string>();

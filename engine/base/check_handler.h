@@ -1,5 +1,5 @@
-// set_check_handler: replaces the stop of the program by a failed RAYLOC_CHECK, for an engine
-// inside of a process that belongs to another program, such as Python.
+// set_check_handler: sets a function that is called when a RAYLOC_CHECK fails, before the program
+// stops. For an engine inside the process of another program, such as Python.
 #pragma once
 
 #include <string>

@@ -9,7 +9,7 @@ import rayloc._engine as native
 
 def test_a_failed_check_raises() -> None:
     for _ in range(2):
-        with pytest.raises(rayloc.Error, match="check failed: holds; this is a fault of RayLoc") as caught:
+        with pytest.raises(rayloc.Error, match="check failed: holds; this is a bug in RayLoc") as caught:
             native.check(False)
         assert caught.value.kind == "internal"
         native.check(True)

@@ -16,8 +16,8 @@ struct RunOutput {
   bool progress = false;  // progress lines for programs: also if `quiet`, or stderr is no terminal
 };
 
-// run_calibration(). From the begin of the fit on, the first SIGINT or SIGTERM stops it and ends
-// the process after the last good state was written. For one thread of the process.
+// run_calibration(). Once the fit has begun, the first SIGINT or SIGTERM stops it; the process ends
+// after the last good state is written. For one thread of the process.
 Expected<CalibrationOutcome> calibrate_survey(CalibrateArguments arguments, RunOutput output);
 
 // run_unsurveyed(), with the same signals.

@@ -5,7 +5,7 @@
 
 namespace rayloc::cli {
 
-// `with_refused`: also the access points that keep their gains, first.
+// `with_refused`: first lists the access points that keep their gains.
 void print_chains(const RechainResult& result, bool with_refused);
 
 }  // namespace rayloc::cli

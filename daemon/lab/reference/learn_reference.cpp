@@ -16,7 +16,7 @@ Transmitter surveyed_place(const SiteTransmitter& transmitter) {
   return {{*transmitter.position, {}, transmitter.pattern, transmitter.polarization}};
 }
 
-// One computation of learn_reference().
+// Holds the state of one call of learn_reference().
 class ReferenceLearner {
  public:
   ReferenceLearner(const ReferenceInputs& inputs, const Observer& observer)

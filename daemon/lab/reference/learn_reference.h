@@ -26,7 +26,7 @@ struct LearnedReference {
   std::vector<RefusedInput> refused;        // inputs that were not used
 };
 
-// True if the gains of a chain have changed since the calibration: it needs new gains.
+// True if the phase of a chain has changed since the calibration, which then needs new gains.
 bool has_rotated_chains(const std::vector<DayChange>& changes);
 
 // Without people the person is the one that the site states. With people of another day

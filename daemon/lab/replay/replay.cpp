@@ -69,7 +69,7 @@ ReplaySummary run_replay(PreparedReplay& replay, Duration carry_every, const Rep
   pipeline.start();
   pipeline.wait();
   sink.finish();
-  const auto sources = std::move(replay.inputs.sources);  // the pipeline owns what they point to
+  const auto sources = std::move(replay.inputs.sources);  // they point into the pipeline
   replay.inputs.sources.clear();
   return replay_summary(pipeline, sources);
 }

@@ -85,8 +85,8 @@ def simulate(
         second_day: changes since the calibration: "default", a TOML file; empty: none.
         truth: csv file to write with the true positions, for `rayloc.evaluate`; empty: none.
         force: replaces files that exist.
-        progress: called with the share done, 0 to 1, and the access point; what it raises, and
-            Ctrl-C, end the simulation after the current point.
+        progress: called with the share done, 0 to 1, and the access point. An exception that it
+            raises, or Ctrl-C, ends the simulation after the current point.
 
     Shapes: none. Units: as stated for each argument. Frame: the world of the site.
     Errors: Error names the file and the row; ValueError names the argument.
@@ -140,4 +140,4 @@ def _no_progress(share: float, access_point: str) -> None:
 def _check(name: str, value: float, low: float, high: float) -> None:
     """NaN is out of every range."""
     if not low <= value <= high:
-        raise ValueError(f"{name} is {value}, and is from {low:g} to {high:g}")
+        raise ValueError(f"{name} is {value}, but must be from {low:g} to {high:g}")

@@ -47,11 +47,11 @@ class Site(NamedTuple):
     """
 
     name: str
-    """As site.toml has it."""
+    """The name in site.toml."""
     directory: Path
     """The folder of site.toml."""
     scene: Scene
-    """The scene, for `trace`; of a calibrated site with the surfaces and materials that were fitted."""
+    """The scene, for `trace`; a calibrated site has the fitted surfaces and materials."""
     grid: OfdmGrid
     """The active tones, for `cfr`."""
     access_points: dict[str, list[Receiver]]
