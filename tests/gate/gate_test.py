@@ -170,6 +170,7 @@ def test_quarantine_expires_and_is_short(tmp_path, text, complaint):
 @pytest.mark.parametrize("names, labels", [
     (["engine/trace/a.cpp", "daemon/cli/verbs/b.h", "README.md"], {"engine", "daemon/cli/verbs"}),
     (["tests/daemon/live/http/a_test.cpp"], {"daemon/live/http"}),
+    (["daemon/base/observer.h"], {"daemon"}),
     (["cmake/RaylocTests.cmake"], None),
     (["daemon/CMakeLists.txt"], None),
     ([], set()),

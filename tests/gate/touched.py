@@ -30,7 +30,8 @@ def rooms(names):
         if len(parts) > 1 and parts[0] in ("engine", "capture", "clients", "python", "cluster"):
             labels.add(parts[0])
         elif len(parts) > 2 and parts[0] == "daemon":
-            labels.add("/".join(parts[:-1][:3]))  # a wing and its room
+            # A wing and its room; every wing uses daemon/base.
+            labels.add("daemon" if parts[1] == "base" else "/".join(parts[:-1][:3]))
         elif name.endswith(".md"):
             continue
         else:
