@@ -65,18 +65,17 @@ Expected<void> run_experiment_verb(const ExperimentArguments& arguments) {
 
 RunVerb declare_experiment(OptionParser& app) {
   const auto arguments = std::make_shared<ExperimentArguments>();
-  app.add_option("FILE", arguments->file, "The experiment, TOML")->required();
+  app.add_option("FILE", arguments->file, "Experiment file (TOML)")->required();
   app.add_option("--out",
                  arguments->out,
                  "Directory for report.html, report.json, report.csv and errors.csv")
       ->required();
-  app.add_option("--study", arguments->studies, "Run these studies of the file alone, by name");
-  app.add_flag(
-      "--resume",
-      arguments->resume,
-      "Continue the run that was interrupted in --out: a condition that is done is not run again");
+  app.add_option("--study", arguments->studies, "Run only the studies with these names");
+  app.add_flag("--resume",
+               arguments->resume,
+               "Continue an interrupted run in --out; completed conditions are not run again");
   app.add_flag("--force", arguments->force, "Write into a directory that is not empty");
-  app.add_flag("--quiet", arguments->quiet, "No words on standard error");
+  app.add_flag("--quiet", arguments->quiet, "Print no progress and no messages except errors");
   app.footer(app.get_footer() + R"(
 
 A file (the paper's studies are in deploy/experiments):
@@ -89,7 +88,7 @@ A file (the paper's studies are in deploy/experiments):
   claim = "expected result"       # printed beside the figures
   method = ["rayloc", "paper"]    # a list is an axis; all combinations are run
   boxes = [2, 4, 6, 8, 10]
-  over = "boxes"                  # the axis that charts run over; else the first of numbers
+  over = "boxes"                  # x axis of the charts; default: the first numeric axis
 
 Keys and their defaults:
 )" + experiment_help());
@@ -102,8 +101,9 @@ extern const Verb kExperiment;
 const Verb kExperiment = {"experiment",
                           "Run studies on simulated captures and report them",
                           "rayloc experiment deploy/experiments/ablation.toml --out ablation\n\n"
-                          "The captures are made with the model that locates: they compare methods "
-                          "and conditions, and do not state the accuracy in a real room.",
+                          "The captures are simulated with the propagation model that the methods "
+                          "use. They compare methods and conditions; they do not predict the "
+                          "accuracy in a real room.",
                           declare_experiment};
 
 }  // namespace rayloc::cli

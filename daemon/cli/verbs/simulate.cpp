@@ -53,7 +53,7 @@ RunVerb declare_simulate(OptionParser& app) {
 extern const Verb kSimulate;
 const Verb kSimulate = {
     "simulate",
-    "Make the recordings that a site's access points would make of a device, by our own tracer",
+    "Simulate the recordings of a site's access points, with the ray tracer",
     "rayloc simulate office --points survey.csv --out ap1=a.pcap ap2=b.pcap\n"
     "  rayloc simulate office --points people.csv --person --transmitter plug --out "
     "ap1=people.pcap\n"
@@ -62,10 +62,10 @@ const Verb kSimulate = {
     "  rayloc simulate CALIBRATED --points spots.csv --out hops.pcap --channels 36-64\n"
     "  rayloc simulate office --points walk.csv --out ap1=day2.pcap --second-day default "
     "--height-sigma 0.3 --tilt-deg 35 --power-sigma-db 4 --truth truth.csv\n\n"
-    "For tests, planning and studies: made with the model that locates, the recordings do not "
-    "state the accuracy in a real room.\n"
-    "Prints the simulated parameters as JSON, with the phases and gains of the chains. A seed is a "
-    "site: recordings of one seed share its chains, with --second-day those of that day.",
+    "For tests, planning and studies. The simulation uses the propagation model of the "
+    "localization; the recordings do not predict the accuracy in a real room.\n"
+    "Prints the simulated parameters as JSON, with the phases and gains of the chains. Recordings "
+    "with the same seed have the same chains; with --second-day, those of that day.",
     declare_simulate};
 
 }  // namespace rayloc::cli

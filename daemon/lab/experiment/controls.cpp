@@ -16,9 +16,9 @@ namespace {
 
 constexpr std::array kControlNames = std::to_array<ControlName>({
     {"centre", "the middle of the room"},
-    {"start", "the place where a walk begins"},
-    {"nearest", "the surveyed point that sounds most alike"},
-    {"level", "levels alone, as SpotFi has them"},
+    {"start", "the starting point of the walk"},
+    {"nearest", "the surveyed point with the most similar CSI"},
+    {"level", "received power alone, with SpotFi's path-loss model"},
     {"oracle", "SpotFi's bearing at the true range and the nearest alias"},
 });
 

@@ -12,9 +12,9 @@ namespace rayloc {
 
 // For --help, without a full stop.
 inline constexpr std::string_view kChannelListMeaning =
-    "numbers of 20 MHz channels, as 36, 36-48 or 36-64,100-144; they name every channel of the "
-    "site's band and bandwidth that holds one of them: at 40 MHz 36-48 are those at 5190 and 5230 "
-    "MHz";
+    "numbers of 20 MHz channels, such as 36, 36-48 or 36-64,100-144; they select every channel of "
+    "the site's band and bandwidth that contains one of them: at 40 MHz, 36-48 selects 5190 and "
+    "5230 MHz";
 
 // Ascending, without duplicates. An Error names the invalid part of the text, or the part that no
 // channel of the site's band and width contains, with the valid ones. `site`: the site's channel.

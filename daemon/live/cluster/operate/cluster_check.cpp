@@ -59,7 +59,7 @@ std::vector<Finding> check_nodes(Broker& broker, const std::string& site) {
   }
   if (!has_node) {
     findings.push_back(
-        Finding::problem("site " + printable(site) + ": no capture node sends",
+        Finding::problem("site " + printable(site) + ": no capture node is sending",
                          "start one with [[source]] site = \"" + printable(site) + "\""));
   }
   return findings;

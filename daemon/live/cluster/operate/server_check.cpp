@@ -28,27 +28,31 @@ std::vector<Finding> check_server(const std::string& server,
                                   const Expected<ServerGreeting>& greeting) {
   if (!greeting) {
     return {Finding::problem("server " + printable(greeting.error().message),
-                             "see whether it runs: systemctl status nats-server")};
+                             "check that it runs: systemctl status nats-server")};
   }
   std::vector<Finding> findings;
   const std::string what =
       "server " + server + ": nats-server " + printable(greeting->version) +
-      (greeting->cluster.empty() ? ", alone" : ", of cluster " + printable(greeting->cluster));
+      (greeting->cluster.empty() ? ", not in a cluster"
+                                 : ", in cluster " + printable(greeting->cluster));
   if (!greeting->jetstream) {
     findings.push_back(
-        Finding::problem(what + ", without JetStream", "write jetstream { } into nats.conf"));
+        Finding::problem(what + ", without JetStream", "add jetstream { } to nats.conf"));
   } else if (!greeting->cluster.empty() && is_old_server(greeting->version)) {
     findings.push_back(
-        Finding::problem(what + ", which may lose messages of replicated streams",
+        Finding::problem(what + ", a version that may lose messages of replicated streams",
                          fmt::format("install {}.{} or newer", kGoodMajor, kGoodMinor)));
   } else {
     findings.push_back(Finding::ok(what));
   }
   if (!greeting->asks_who || !greeting->asks_for_tls) {
-    findings.push_back(
-        Finding::warning("server " + server + " takes everybody" +
-                             (greeting->asks_for_tls ? "" : ", and nothing is encrypted"),
-                         "see deploy/cluster/nats.conf, unless its network is its own"));
+    findings.push_back(Finding::warning(
+        "server " + server + ": " +
+            (greeting->asks_who       ? "the traffic is not encrypted"
+             : greeting->asks_for_tls ? "clients need no credentials"
+                                      : "clients need no credentials, and the "
+                                        "traffic is not encrypted"),
+        "configure it as in deploy/cluster/nats.conf, unless its network is isolated"));
   }
   return findings;
 }

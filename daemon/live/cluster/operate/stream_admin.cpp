@@ -45,15 +45,16 @@ StreamReport report_of(const json& stream) {
   report.bytes = stream.value("state", json::object()).value("bytes", std::uint64_t{0});
   const json cluster = stream.value("cluster", json::object());
   if (!cluster.empty() && cluster.value("leader", "").empty()) {
-    report.troubles.emplace_back("it has no leader");
+    report.troubles.emplace_back("no leader");
   }
   for (const json& replica : cluster.value("replicas", json::array())) {
     const std::string name = replica.value("name", "");
     if (replica.value("offline", false)) {
-      report.troubles.push_back(name + " is away");
+      report.troubles.push_back(name + " is offline");
     } else if (!replica.value("current", true)) {
-      report.troubles.push_back(
-          name + " lacks " + std::to_string(replica.value("lag", std::uint64_t{0})) + " messages");
+      report.troubles.push_back(name + " is behind by " +
+                                std::to_string(replica.value("lag", std::uint64_t{0})) +
+                                " messages");
     }
   }
   return report;

@@ -27,7 +27,8 @@ struct StreamReport {
   StreamOptions options;
   bool answers_directly = false;  // by any replica
   std::uint64_t bytes = 0;
-  std::vector<std::string> troubles;  // its replicas' faults: "n2 is away", "n3 lacks 12 messages"
+  // Faults of its replicas: "n2 is offline", "n3 is behind by 12 messages".
+  std::vector<std::string> troubles;
 };
 Expected<std::vector<StreamReport>> streams_of(Broker& broker);
 

@@ -34,22 +34,23 @@ std::vector<Finding> check_stream(const RequiredStream& required,
     return one.options.name == required.name;
   });
   if (stream == streams.end()) {
-    return {Finding::problem(what + " is not there", "start a worker, which makes it")};
+    return {Finding::problem(what + " does not exist", "start a worker, which creates it")};
   }
   std::vector<Finding> findings;
   for (const std::string& trouble : stream->troubles) {
     findings.push_back(Finding::problem(what + ": " + printable(trouble),
-                                        "wait for that server, or take it out of the cluster"));
+                                        "wait for that server, or remove it from the cluster"));
   }
   if (!stream->answers_directly || stream->options.republish_to != required.republish_to ||
       stream->options.max_messages_per_subject != required.messages_per_subject) {
-    findings.push_back(Finding::problem(what + " was not made by raylocd: workers cannot read it",
-                                        "delete it (nats stream rm " + required.name +
-                                            "); raylocd makes it again when it needs it"));
-  } else if (has_several_servers && stream->options.replicas == 1) {
     findings.push_back(
-        Finding::warning(what + " is on one server alone",
-                         "set replicas = 3 in [cluster], and nats stream edit --replicas 3"));
+        Finding::problem(what + " was not created by raylocd: workers cannot read it",
+                         "delete it (nats stream rm " + required.name +
+                             "); raylocd creates it again when it needs it"));
+  } else if (has_several_servers && stream->options.replicas == 1) {
+    findings.push_back(Finding::warning(what + " has a single replica",
+                                        "set replicas = 3 in [cluster], and run nats stream edit " +
+                                            required.name + " --replicas 3"));
   } else if (stream->troubles.empty()) {
     findings.push_back(Finding::ok(fmt::format("{}: {} replicas in {}",
                                                what,
@@ -64,11 +65,11 @@ std::vector<Finding> check_store(const StoreReport& store) {
   const auto check = [&](const char* what, std::uint64_t used, std::int64_t most) {
     if (most > 0 && static_cast<double>(used) > kNearlyFull * static_cast<double>(most)) {
       findings.push_back(
-          Finding::warning(fmt::format("streams in {} take {} MiB of {}",
+          Finding::warning(fmt::format("streams in {} use {} of {} MiB",
                                        what,
                                        used >> 20U,
                                        static_cast<std::uint64_t>(most) >> 20U),
-                           "raise the limit in jetstream { }, or lower retention_s"));
+                           "raise the limit in jetstream { }, or reduce retention_s"));
     }
   };
   check("memory", store.memory, store.most_memory);

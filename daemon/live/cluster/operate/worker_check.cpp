@@ -22,22 +22,23 @@ Finding check_worker(const ClusterView::Worker& worker) {
   const Timestamp reported{std::chrono::microseconds(state.now_us())};
   const double apart = to_seconds(worker.received - reported);
   if (state.now_us() != 0 && std::abs(apart) > kMaxClockOffset) {
-    return Finding::warning(fmt::format("{}: its clock is {:.2f} s {} ours",
+    return Finding::warning(fmt::format("{}: its clock is {:.2f} s {} the clock of this host",
                                         what,
                                         std::abs(apart),
-                                        apart > 0 ? "behind" : "before"),
-                            "set both by NTP");
+                                        apart > 0 ? "behind" : "ahead of"),
+                            "synchronize both with NTP");
   }
   if (state.shedding() > 0) {
     return Finding::warning(
-        fmt::format("{}, behind with {}: windows of them are left out", what, state.shedding()),
-        "add a worker, or lower its capacity");
+        fmt::format("{}, overloaded: it skips windows of {} of them", what, state.shedding()),
+        "add a worker, or reduce its capacity");
   }
   if (state.leaving()) {
-    return Finding::warning(what + ", it takes no more", "start it anew when ready");
+    return Finding::warning(what + ", it is leaving and accepts no sites", "restart it when ready");
   }
   if (state.capacity() > 0 && static_cast<std::uint32_t>(state.sites_size()) >= state.capacity()) {
-    return Finding::warning(what + ", as many as it takes", "raise capacity, or add a worker");
+    return Finding::warning(what + ", its capacity is reached",
+                            "increase capacity, or add a worker");
   }
   return Finding::ok(what);
 }
@@ -58,12 +59,12 @@ std::vector<Finding> check_workers(const ClusterView& view) {
   }
   if (arithmetic.size() > 1) {
     findings.push_back(
-        Finding::warning("workers compute with other instructions (`rayloc cluster status`)",
-                         "results differ in their last digits after a take-over"));
+        Finding::warning("workers use different instruction sets (`rayloc cluster status`)",
+                         "after a takeover, results differ in their last digits"));
   }
   if (leases.size() > 1) {
     findings.push_back(
-        Finding::problem("workers have other leases", "set the same lease_s for all"));
+        Finding::problem("workers have different leases", "set the same lease_s on all workers"));
   }
   return findings;
 }
@@ -75,7 +76,7 @@ std::vector<Finding> check_owners(const ClusterView& view) {
         view.has_owner(site.claim)
             ? Finding::ok("site " + printable(name) + ": worker " + printable(site.claim.worker()))
             : Finding::problem("site " + printable(name) + " has no worker",
-                               "start one that has this [[site]] and room for it"));
+                               "start a worker that has this [[site]] and free capacity"));
   }
   return findings;
 }

@@ -61,8 +61,8 @@ def simulate(
 ) -> Simulation:
     """Simulates recordings with the ray tracer, as `rayloc simulate` does; the bytes are the same.
 
-    The recordings are made with the model that locates: they do not state the accuracy in a real
-    room.
+    The simulation uses the propagation model of the localization: the recordings do not predict
+    the accuracy in a real room.
 
     Args:
         site: a directory with site.toml; it may be calibrated.
@@ -75,10 +75,10 @@ def simulate(
         impairments: of the radio: "default", "none" or a TOML file.
         survey_error: standard deviation of the device from each point, along each axis [m].
         person: the points are those of a person without a device.
-        depth: reflections and crossings of a path, 0 to 8.
-        transmission: waves also go through objects.
-        diffuse: also the part that rough materials scatter.
-        model_error: channels differ from the traced ones as the calibration of the site found.
+        depth: maximum number of reflections and transmissions of a path, 0 to 8.
+        transmission: traces waves through objects.
+        diffuse: adds single diffuse scattering by rough materials.
+        model_error: draws channels from the model error of the site's calibration.
         height_sigma: standard deviation of the height of devices [m], up to 5.
         tilt_deg: largest angle of the antenna from upright, up to 180.
         power_sigma_db: standard deviation of the transmit power, up to 30.

@@ -168,7 +168,7 @@ def experiment(
         file: the experiment, TOML (`rayloc experiment --help`).
         out: folder for report.html, report.json, report.csv and errors.csv.
         studies: names of those to run; none: all.
-        resume: a condition that is done in `out` is not run again.
+        resume: continues a run in `out`; completed conditions are not run again.
         force: also into a folder that is not empty.
 
     A terminal shows its progress. Ctrl-C ends it at once; resume=True goes on.
