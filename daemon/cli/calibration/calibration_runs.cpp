@@ -1,9 +1,9 @@
 #include "daemon/cli/calibration/calibration_runs.h"
 
-#include "daemon/cli/calibration/calibration_progress.h"
 #include "daemon/cli/calibration/calibration_summary.h"
 #include "daemon/cli/calibration/chain_report.h"
 #include "daemon/cli/calibration/terminal_observer.h"
+#include "daemon/cli/terminal/progress_line.h"
 #include "daemon/cli/terminal/stop_signal.h"
 #include "daemon/cli/terminal/terminal_notes.h"
 
@@ -16,7 +16,7 @@ FitControl control_by_signal() { return {StopSignal::install_once, StopSignal::r
 
 Expected<CalibrationOutcome> calibrate_survey(CalibrateArguments arguments, RunOutput output) {
   const TerminalReport report{arguments.site, arguments.out, output.quiet};
-  CalibrationProgressLine line(output.quiet && !output.progress, output.progress);
+  ProgressLine line(output.quiet && !output.progress, output.progress);
   arguments.control = control_by_signal();
   const auto result = run_calibration(arguments, terminal_observer(line, report));
   line.clear();
@@ -28,7 +28,7 @@ Expected<CalibrationOutcome> calibrate_survey(CalibrateArguments arguments, RunO
 
 Expected<void> calibrate_unsurveyed(UnsurveyedArguments arguments, bool quiet) {
   const TerminalReport report{arguments.site, arguments.out, quiet};
-  CalibrationProgressLine line(quiet);
+  ProgressLine line(quiet);
   arguments.control = control_by_signal();
   UnsurveyedObserver observer{terminal_observer(line, report), {}, {}};
   observer.on_chains = [quiet](const RechainResult& chains) {

@@ -3,6 +3,8 @@
 #include <cstdio>
 #include <string>
 
+#include <spdlog/fmt/fmt.h>
+
 namespace rayloc::cli {
 namespace {
 
@@ -10,10 +12,21 @@ void print_message(const std::string& text) { std::fprintf(stderr, "%s\n", text.
 
 }  // namespace
 
-FitObserver terminal_observer(CalibrationProgressLine& line, const TerminalReport& report) {
+std::string step_text(const CalibrationProgress& progress) {
+  return fmt::format("{} points, {}, step {}, loss {:.4g}, held-out {:.3f}",
+                     progress.points,
+                     progress.step.stage,
+                     progress.step.iteration,
+                     progress.step.loss,
+                     progress.step.heldout);
+}
+
+FitObserver terminal_observer(ProgressLine& line, const TerminalReport& report) {
   FitObserver observer;
   observer.on_part = [&line](const std::string& part) { line.begin(part); };
-  observer.on_step = [&line](const CalibrationProgress& progress) { line.show(progress); };
+  observer.on_step = [&line](const CalibrationProgress& progress) {
+    line.show(progress.share, step_text(progress));
+  };
   observer.on_warning = [&line](const std::string& warning) {
     line.clear();
     print_message(warning);

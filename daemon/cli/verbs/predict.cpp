@@ -3,7 +3,9 @@
 #include <string>
 #include <vector>
 
+#include "daemon/base/observer.h"
 #include "daemon/cli/command/verb.h"
+#include "daemon/cli/terminal/progress_line.h"
 #include "daemon/cli/verbs/report/predict_report.h"
 #include "daemon/lab/predict/predict_site.h"
 #include "daemon/lab/predict/prediction_report.h"
@@ -34,9 +36,13 @@ Expected<void> run_predict(PredictArguments arguments) {
   if (arguments.spacing_cm > 0.0) {
     arguments.options.plan.spacing = kMetresPerCentimetre * arguments.spacing_cm;
   }
-  PredictionProgress progress(arguments.quiet);
-  const auto predicted = predict_site(*site, arguments.options, progress.observer());
-  progress.clear();
+  ProgressLine line(arguments.quiet);
+  Observer observer;
+  observer.on_progress = [&line](double share, const std::string& stage) {
+    line.show_percent(share, stage);
+  };
+  const auto predicted = predict_site(*site, arguments.options, observer);
+  line.clear();
   RAYLOC_TRY(predicted);
   print_prediction(*predicted, arguments.options.devices);
   for (const std::string& file : arguments.out) {
@@ -45,8 +51,8 @@ Expected<void> run_predict(PredictArguments arguments) {
   if (!arguments.propose && !arguments.moves) {
     return {};
   }
-  const auto found = propose_changes(*predicted, {true, arguments.moves}, progress.observer());
-  progress.clear();
+  const auto found = propose_changes(*predicted, {true, arguments.moves}, observer);
+  line.clear();
   RAYLOC_TRY(found);
   print_proposals(*found);
   return {};

@@ -4,8 +4,8 @@
 #include <memory>
 #include <string>
 
-#include "daemon/cli/calibration/calibration_progress.h"
 #include "daemon/cli/command/verb.h"
+#include "daemon/cli/terminal/progress_line.h"
 #include "daemon/cli/verbs/report/train_report.h"
 #include "daemon/lab/train/train_inputs.h"
 #include "daemon/lab/train/train_method.h"
@@ -26,7 +26,7 @@ struct TrainArguments {
 // Trains with a line of progress on the terminal, which is removed before other output.
 Expected<TrainedMethod> train_on_terminal(const TrainInputs& inputs,
                                           const TrainArguments& arguments) {
-  CalibrationProgressLine line(arguments.quiet);
+  ProgressLine line(arguments.quiet);
   line.begin("train " + arguments.train.method);
   Observer observer;
   observer.on_progress = [&line](double share, const std::string& stage) {

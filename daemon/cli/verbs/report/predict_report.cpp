@@ -1,8 +1,6 @@
 #include "daemon/cli/verbs/report/predict_report.h"
 
-#include <unistd.h>
-
-#include <cstdio>
+#include <string>
 
 #include <spdlog/fmt/fmt.h>
 
@@ -18,25 +16,6 @@ std::string place_text(const Vec3d& place) {
 }
 
 }  // namespace
-
-PredictionProgress::PredictionProgress(bool quiet)
-    : is_silent_(quiet || isatty(STDERR_FILENO) == 0) {
-  observer_.on_progress = [this](double share, const std::string& stage) { show(share, stage); };
-}
-
-void PredictionProgress::show(double share, const std::string& stage) {
-  if (!is_silent_) {
-    std::fprintf(stderr, "\r\x1b[K%s: %.0f %%", stage.c_str(), 100.0 * share);
-    is_shown_ = true;
-  }
-}
-
-void PredictionProgress::clear() {
-  if (is_shown_) {
-    std::fputs("\r\x1b[K", stderr);
-  }
-  is_shown_ = false;
-}
 
 void print_prediction(const SitePrediction& predicted, std::size_t devices) {
   const Prediction& prediction = predicted.prediction;

@@ -20,7 +20,7 @@ std::string printed(const Print& print) {
 
 std::string messages(bool quiet) {
   return printed([&] {
-    CalibrationProgressLine line(true);
+    ProgressLine line(true);
     const FitObserver observer = terminal_observer(line, {"office", "out", quiet});
     observer.begin("joint");
     observer.step({});
@@ -39,12 +39,26 @@ TEST(TerminalObserver, PrintsOnlyWarningsForAQuietUser) {
   EXPECT_THAT(messages(true), ::testing::StartsWith("a warning\nrayloc: office: a reason\n"));
 }
 
+TEST(CalibrationStepText, HasPointsStageLossAndHeldOutFit) {
+  CalibrationProgress progress{{"fit", 12, 0.31214, 0.8713}, 0.5, 57};
+  EXPECT_EQ(step_text(progress), "57 points, fit, step 12, loss 0.3121, held-out 0.871");
+  // Losses of the two methods are of different sizes.
+  progress.step.loss = 0.00071234;
+  EXPECT_THAT(step_text(progress), ::testing::HasSubstr("loss 0.0007123,"));
+  progress.step.loss = 1234.567;
+  EXPECT_THAT(step_text(progress), ::testing::HasSubstr("loss 1235,"));
+}
+
 TEST(TerminalObserver, WritesProgressForPrograms) {
   const std::string text = printed([] {
-    CalibrationProgressLine line(false, true);
-    terminal_observer(line, {"office", "out", false}).begin("joint");
+    ProgressLine line(false, true);
+    const FitObserver observer = terminal_observer(line, {"office", "out", false});
+    observer.begin("joint");
+    observer.step({{"fit", 12, 0.31214, 0.8713}, 0.5, 57});
   });
-  EXPECT_EQ(text, "progress 0.000 joint ...\n");
+  EXPECT_EQ(text,
+            "progress 0.000 joint ...\nprogress 0.500 joint: 57 points, fit, step 12, loss 0.3121, "
+            "held-out 0.871\n");
 }
 
 TEST(CalibrationResultText, NamesTheReportsOfARefusedSurvey) {
