@@ -1,9 +1,9 @@
 #include "daemon/cli/feed/status_text.h"
 
-#include <algorithm>
 #include <cctype>
 #include <cstdint>
 #include <cstdlib>
+#include <stdexcept>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -145,24 +145,48 @@ std::string state_text(const SiteStatus& site, const std::string& end) {
   return text + estimation_text(site.status, end);
 }
 
+// `publisher`: the publisher's state by the first site that states it; empty until then.
+std::string site_text(const SiteStatus& site, std::string& publisher) {
+  if (site.site.empty()) {
+    return state_text(site, "; " + publisher_of(site.status));
+  }
+  if (!site.has_begun()) {
+    return fmt::format("not ready: {}\n", site.status.value("error", "it states no reason"));
+  }
+  std::string text = state_text(site, "");
+  const std::string stated = publisher_of(site.status);
+  publisher = publisher.empty() ? stated : publisher;
+  return text;
+}
+
+std::string malformed_text(const SiteStatus& site, std::string_view problem) {
+  return fmt::format("{} is malformed: {}; are rayloc and raylocd of the same version?",
+                     site.site.empty() ? "the status" : "the status of site '" + site.site + "'",
+                     problem);
+}
+
 }  // namespace
 
-std::string status_text(const std::vector<SiteStatus>& sites) {
-  std::string text;
+StatusText status_text(const std::vector<SiteStatus>& sites) {
+  StatusText all;
+  std::string publisher;
   for (const SiteStatus& site : sites) {
-    if (site.site.empty()) {
-      text += state_text(site, "; " + publisher_of(site.status));
-      continue;
+    try {
+      const std::string text = site_text(site, publisher);
+      if (!site.site.empty()) {
+        all.text += fmt::format("{}site {}\n", all.text.empty() ? "" : "\n", site.site);
+      }
+      all.text += text;
+    } catch (const StatusJson::exception& error) {
+      all.malformed.push_back(malformed_text(site, error.what()));
+    } catch (const std::logic_error&) {  // std::stoull
+      all.malformed.push_back(malformed_text(site, "a count is not a number"));
     }
-    text += fmt::format("{}site {}\n", &site == &sites.front() ? "" : "\n", site.site);
-    text += site.has_begun()
-                ? state_text(site, "")
-                : fmt::format("not ready: {}\n", site.status.value("error", "it states no reason"));
   }
-  const auto some = std::find_if(sites.begin(), sites.end(), [](const SiteStatus& site) {
-    return !site.site.empty() && site.has_begun();
-  });
-  return some == sites.end() ? text : text + fmt::format("\n{}\n", publisher_of(some->status));
+  if (!publisher.empty()) {
+    all.text += fmt::format("\n{}\n", publisher);
+  }
+  return all;
 }
 
 std::string status_json(const SiteStatus& site) {

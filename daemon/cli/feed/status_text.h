@@ -16,9 +16,13 @@ struct SiteStatus {
   bool has_begun() const { return status.contains("sources"); }
 };
 
-// Lines for people, each with its end: the state of every site, then the counters of the publisher,
-// which the sites share. Throws nlohmann::json::exception where the state lacks a field.
-std::string status_text(const std::vector<SiteStatus>& sites);
+struct StatusText {
+  std::string text;                    // lines for people, each with its end
+  std::vector<std::string> malformed;  // a message for each site that `text` lacks
+};
+// The state of every site, then the counters of the publisher, which the sites share. A site whose
+// state lacks a field, or has one of another type, is left out.
+StatusText status_text(const std::vector<SiteStatus>& sites);
 
 // A line of JSON, without its end: "readiness", "status", and "site" where there are several.
 std::string status_json(const SiteStatus& site);

@@ -23,11 +23,16 @@ Expected<SiteStatus> ask(const HttpQuery& query, const std::string& site, const 
   return SiteStatus{site, ready->json, status->json};
 }
 
+struct Answers {
+  std::vector<SiteStatus> states;
+  std::vector<std::string> problems;  // a message for each site without a state
+};
+
 // States of the sites of [[site]], or of the one of [site].
-Expected<std::vector<SiteStatus>> ask_all(const HttpQuery& query, const std::string& only) {
+Expected<Answers> ask_all(const HttpQuery& query, const std::string& only) {
   const Expected<JsonResult> sites = get_json(query, "/api/v1/sites");
   RAYLOC_TRY(sites);
-  std::vector<SiteStatus> states;
+  Answers answers;
   std::string names;
   for (const nlohmann::json& site : sites->json) {
     const std::string name = site.at("name").get<std::string>();
@@ -39,27 +44,36 @@ Expected<std::vector<SiteStatus>> ask_all(const HttpQuery& query, const std::str
     std::string path = "/" + site.at("path").get<std::string>();
     path.pop_back();
     Expected<SiteStatus> state = ask(query, listed ? name : "", listed ? path : "");
-    RAYLOC_TRY(state);
-    states.push_back(std::move(*state));
+    if (state) {
+      answers.states.push_back(std::move(*state));
+    } else {
+      answers.problems.push_back((listed ? "site '" + name + "': " : "") + state.error().message);
+    }
   }
-  if (states.empty()) {
+  if (answers.states.empty() && answers.problems.empty()) {
     return make_error(ErrorKind::kUsage,
                       "no site is called '" + only + "' there; there are: " + names);
   }
-  return states;
+  return answers;
 }
 
 Expected<void> run_status_verb(const HttpOptions& options, const std::string& site, bool json) {
   const Expected<HttpQuery> query = query_of(options);
   RAYLOC_TRY(query);
-  const Expected<std::vector<SiteStatus>> states = ask_all(*query, site);
-  RAYLOC_TRY(states);
-  if (!json) {
-    fmt::print("{}", status_text(*states));
-    return {};
+  Expected<Answers> answers = ask_all(*query, site);
+  RAYLOC_TRY(answers);
+  std::vector<std::string>& problems = answers->problems;
+  if (json) {
+    for (const SiteStatus& state : answers->states) {
+      fmt::print("{}\n", status_json(state));
+    }
+  } else {
+    const StatusText all = status_text(answers->states);
+    fmt::print("{}", all.text);
+    problems.insert(problems.end(), all.malformed.begin(), all.malformed.end());
   }
-  for (const SiteStatus& state : *states) {
-    fmt::print("{}\n", status_json(state));
+  if (!problems.empty()) {
+    return make_error(ErrorKind::kUnavailable, fmt::format("{}", fmt::join(problems, "\n")));
   }
   return {};
 }

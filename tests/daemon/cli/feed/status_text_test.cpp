@@ -32,7 +32,7 @@ SiteStatus site_status(const std::string& name) {
 }
 
 TEST(StatusText, HasReadinessSourcesAndEstimates) {
-  EXPECT_EQ(status_text({site_status("")}),
+  EXPECT_EQ(status_text({site_status("")}).text,
             "raylocd 1.2.3 since 2026-11-26T22:00:00Z: not ready\n"
             "  source ap2: nothing has come yet\n"
             "  warning: people are not looked for\n"
@@ -50,11 +50,36 @@ TEST(StatusText, HasReadinessSourcesAndEstimates) {
 TEST(StatusText, SitesShareThePublisher) {
   SiteStatus failed = site_status("lab");
   failed.status = {{"error", "its scene cannot be read"}};
-  const std::string text = status_text({failed, site_status("office")});
+  const std::string text = status_text({failed, site_status("office")}).text;
   EXPECT_THAT(text, HasSubstr("site lab\nnot ready: its scene cannot be read\n\nsite office\n"));
   EXPECT_THAT(text, HasSubstr("0 were left out\n"));
   EXPECT_THAT(text, HasSubstr("\n\n900 messages to 2 subscriptions, 0 times one was slow\n"));
-  EXPECT_THAT(status_text({failed}), Not(HasSubstr("messages")));
+  EXPECT_THAT(status_text({failed}).text, Not(HasSubstr("messages")));
+}
+
+TEST(StatusText, LeavesOutAndNamesASiteWithAMalformedState) {
+  SiteStatus lacking = site_status("lab");
+  lacking.status.erase("estimation");
+  SiteStatus miscounted = site_status("hall");
+  miscounted.status["estimation"]["fixes"] = "many";
+  SiteStatus untyped = site_status("attic");
+  untyped.status = nlohmann::json::array();
+  const StatusText all = status_text({lacking, miscounted, site_status("office"), untyped});
+  EXPECT_EQ(all.text, status_text({site_status("office")}).text);
+  ASSERT_EQ(all.malformed.size(), 3U);
+  EXPECT_THAT(all.malformed[0], HasSubstr("the status of site 'lab' is malformed: "));
+  EXPECT_THAT(all.malformed[0], HasSubstr("'estimation'"));
+  EXPECT_THAT(all.malformed[1], HasSubstr("'hall' is malformed: a count is not a number"));
+  EXPECT_THAT(all.malformed[2], HasSubstr("'attic' is malformed: "));
+}
+
+TEST(StatusText, ReportsAMalformedStateOfTheOnlySite) {
+  SiteStatus lacking = site_status("");
+  lacking.status.erase("publisher");
+  const StatusText all = status_text({lacking});
+  EXPECT_EQ(all.text, "");
+  ASSERT_EQ(all.malformed.size(), 1U);
+  EXPECT_THAT(all.malformed[0], HasSubstr("the status is malformed: "));
 }
 
 TEST(StatusText, JsonNamesASiteOfSeveral) {
