@@ -45,7 +45,7 @@ void read_recording(const cli::RecordingArgument& recording,
                     FrameTable& table) {
   auto source = value_of(RecordedSource::open(recording.files, as_stamped_options()));
   CsiReceiverOptions options;
-  options.access_point = static_cast<int>(table.access_points.size());
+  options.access_point = table.access_points.size();
   options.format = format;
   table.access_points.push_back(recording.access_point.empty() ? recording.files.front()
                                                                : recording.access_point);

@@ -219,7 +219,7 @@ class CsiReceiver::Impl {
     out.push_back(std::move(frame));
   }
 
-  const int access_point_;
+  const std::size_t access_point_;
   const bool only_devices_;
   const std::vector<MacAddress> stated_;
   const std::vector<std::uint8_t> expected_rx_chains_;

@@ -33,7 +33,7 @@ namespace rayloc {
 struct DecoderRow;
 
 struct CsiReceiverOptions {
-  int access_point = 0;
+  std::size_t access_point = 0;  // CsiFrame::access_point of its frames
   // Name of a wire format ("axcsi-v4"), or empty: detected for each datagram (WIRE_FORMATS 1.8).
   std::string format;
   // Receive chains that a complete frame must have, besides those learned from recent traffic.

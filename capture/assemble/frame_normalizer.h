@@ -29,7 +29,7 @@ namespace rayloc {
 class FrameNormalizer {
  public:
   // raw: keeps FFT order, rotation and unusable tones; tone_index is then in the order of the wire.
-  FrameNormalizer(int access_point, bool raw) : access_point_(access_point), raw_(raw) {}
+  FrameNormalizer(std::size_t access_point, bool raw) : access_point_(access_point), raw_(raw) {}
 
   CsiFrame normalize(const AssembledFrame& assembled);
 
@@ -69,7 +69,7 @@ class FrameNormalizer {
   static Selection make_selection(const Layout& layout);
   static Selection make_raw_selection(const Layout& layout);
 
-  int access_point_;
+  std::size_t access_point_;
   bool raw_;
   std::vector<Selection> selections_;
   std::size_t current_ = 0;

@@ -64,7 +64,7 @@ struct Burst {
     std::uint64_t stride = 1;
     std::size_t kept = 0;
   };
-  std::map<std::pair<int, std::optional<RadioChannel>>, Sampling> sampling;
+  std::map<std::pair<std::size_t, std::optional<RadioChannel>>, Sampling> sampling;
 };
 
 class BurstCollector {

@@ -10,7 +10,9 @@ namespace rayloc {
 
 // Options for the datagrams of one access point, `index` into Site::access_points. `method`: null
 // where nothing is located; the receiver then accepts all CSI.
-inline CsiReceiverOptions receiver_options(const Site& site, int index, const Method* method) {
+inline CsiReceiverOptions receiver_options(const Site& site,
+                                           std::size_t index,
+                                           const Method* method) {
   CsiReceiverOptions options = receiver_options(site, index);
   if (method == nullptr) {
     options.accept_every_source();

@@ -135,7 +135,7 @@ ChainLearner::NewArrays ChainLearner::new_of(std::span<const CsiFrame> frames,
   std::vector<char> due(access_points.size());
   for (const CsiFrame& frame : frames) {
     notice_silence(frame);
-    const auto a = static_cast<std::size_t>(frame.access_point);
+    const std::size_t a = frame.access_point;
     const std::size_t chains = access_points[a].rx_chains.size();
     due[a] = chains > 1 && chains <= kMaxChains && is_due(a, fresh.time, last) ? 1 : 0;
   }
@@ -405,7 +405,7 @@ std::vector<ChainFactors> ChainLearner::compare(const AccessPointMap& map, Chain
 
 // An access point that is off receives no frames.
 void ChainLearner::notice_silence(const CsiFrame& frame) {
-  const auto a = static_cast<std::size_t>(frame.access_point);
+  const std::size_t a = frame.access_point;
   const auto [last, is_first] = received_.emplace(a, frame.time);
   if (!is_first && frame.time - last->second > kSilence) {
     if (const auto found = aps_.find(a); found != aps_.end()) {
@@ -422,11 +422,11 @@ bool ChainLearner::leaves_alone() const {
 }
 
 FrameFault ChainLearner::fault_of(std::span<const CsiFrame> accepted) const {
-  std::set<int> received;
+  std::set<std::size_t> received;
   FrameFault suspect{1.0};
   for (const CsiFrame& frame : accepted) {
     if (received.insert(frame.access_point).second) {
-      const auto found = aps_.find(static_cast<std::size_t>(frame.access_point));
+      const auto found = aps_.find(frame.access_point);
       suspect.probability *=
           found == aps_.end() ? kRotatedAtStart : 1.0 - found->second.belief.as_accepted();
     }

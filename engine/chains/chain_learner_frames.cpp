@@ -16,7 +16,7 @@ std::vector<CsiFrame> ChainLearner::undone(std::span<const CsiFrame> frames) con
     }
     const std::vector<std::complex<double>> undoing = inverses(learned.state.factors.factor);
     for (CsiFrame& frame : result) {
-      if (static_cast<std::size_t>(frame.access_point) == number) {
+      if (frame.access_point == number) {
         multiply(localizer_->room().access_points[number], undoing, frame);
       }
     }
@@ -27,7 +27,7 @@ std::vector<CsiFrame> ChainLearner::undone(std::span<const CsiFrame> frames) con
 std::vector<CsiFrame> ChainLearner::accepted(std::span<const CsiFrame> frames) const {
   std::vector<CsiFrame> kept = undone(frames);
   std::erase_if(kept, [&](const CsiFrame& frame) {
-    const auto found = aps_.find(static_cast<std::size_t>(frame.access_point));
+    const auto found = aps_.find(frame.access_point);
     return found != aps_.end() && found->second.state.knowledge == ChainKnowledge::kLearning;
   });
   return kept;

@@ -7,6 +7,7 @@
 // between frames; `power_dbm` carries the level.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -26,9 +27,9 @@ enum class PhyFormat { kLegacy, kHt, kVht, kHe };
 std::string_view to_string(PhyFormat phy);  // "legacy", "ht", "vht", "he"
 
 struct CsiFrame {
-  Timestamp time;        // arrival of the frame's first datagram; the frame's event time
-  Timestamp time_last;   // arrival of its last datagram
-  int access_point = 0;  // index of the source (position in the site's list of access points)
+  Timestamp time;                // arrival of the frame's first datagram; the frame's event time
+  Timestamp time_last;           // arrival of its last datagram
+  std::size_t access_point = 0;  // position in the site's list of access points
   MacAddress transmitter;
   std::string_view format;  // name of the wire format: "axcsi-v4"; static storage
   PhyFormat phy = PhyFormat::kLegacy;

@@ -72,7 +72,7 @@ class CalibrationMonitor::AccessPoint {
     MonitoredSpot& spot = spot_of(transmitter);
     std::size_t taken = 0;
     for (const CsiFrame& frame : frames) {
-      if (frame.access_point == static_cast<int>(index_) && taken < kFramesOfBurst) {
+      if (frame.access_point == index_ && taken < kFramesOfBurst) {
         spot.frames.push_back(frame);
         ++taken;
       }
@@ -151,7 +151,7 @@ void CalibrationMonitor::AccessPoint::set_reference(const Transmitter& transmitt
 ReceivedSpots CalibrationMonitor::AccessPoint::receive() {
   ReceivedSpots received;
   for (const auto& spot : spots_) {
-    auto burst = combine_burst(spot->frames, {static_cast<int>(index_), grid_, ap_.rx_chains, {}});
+    auto burst = combine_burst(spot->frames, {index_, grid_, ap_.rx_chains, {}});
     spot->frames.clear();
     if (burst) {
       remove_gains(ap_.gains, burst->h);

@@ -193,7 +193,7 @@ std::string describe(const std::map<std::string, std::size_t>& refused) {
 
 // The frames of the access point, at most `most` of them, evenly spread.
 std::vector<const CsiFrame*> choose(std::span<const CsiFrame> frames,
-                                    int access_point,
+                                    std::size_t access_point,
                                     std::size_t most,
                                     std::size_t& unread) {
   std::vector<const CsiFrame*> own;

@@ -46,7 +46,7 @@ struct AbsentRxChain {
 };
 
 struct BurstObservation {
-  int access_point = 0;
+  std::size_t access_point = 0;
   MacAddress transmitter;
   Timestamp first;  // of the frames used
   Timestamp last;
@@ -79,7 +79,7 @@ struct BurstObservation {
 // which is that of time. `rx_chains`: the receive chains wanted, in the order of the result's rows;
 // frames may have more. An Error states why no frame could be used, with counts.
 struct BurstRequest {
-  int access_point = 0;
+  std::size_t access_point = 0;
   OfdmGrid grid;
   std::vector<std::uint8_t> rx_chains;
   BurstOptions options;

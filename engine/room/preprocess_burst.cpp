@@ -68,13 +68,12 @@ std::optional<BurstObservation> preprocess_burst(const RoomModel& room,
                                                  const BurstOptions& options,
                                                  std::vector<std::string>& warnings) {
   const RoomAccessPoint& ap = room.access_points[access_point];
-  const auto index = static_cast<int>(access_point);
   if (std::none_of(frames.begin(), frames.end(), [&](const CsiFrame& frame) {
-        return frame.access_point == index;
+        return frame.access_point == access_point;
       })) {
     return std::nullopt;
   }
-  auto burst = combine_burst(frames, {index, room.grid, ap.rx_chains, options});
+  auto burst = combine_burst(frames, {access_point, room.grid, ap.rx_chains, options});
   if (!burst) {
     warnings.push_back("access point " + ap.id + ": " + burst.error().message);
     return std::nullopt;

@@ -57,7 +57,7 @@ std::vector<Frames> bursts_of(Frames frames) {
 
 void turn(const RoomModel& room, const std::vector<std::vector<Value>>& turns, Frames& frames) {
   for (CsiFrame& frame : frames) {
-    const auto a = static_cast<std::size_t>(frame.access_point);
+    const std::size_t a = frame.access_point;
     const auto& rx_chains = room.access_points[a].rx_chains;
     for (std::size_t row = 0; row < frame.rx_chains.size(); ++row) {
       const auto rx_chain = std::find(rx_chains.begin(), rx_chains.end(), frame.rx_chains[row]);

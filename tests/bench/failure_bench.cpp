@@ -53,7 +53,7 @@ void strange(const RoomModel& room, std::mt19937& random, Frames& frames) {
     for (const std::int16_t tone : frame.tone_index) {
       offset.push_back(room.grid.spacing_hz * tone);
     }
-    auto& h = channels[static_cast<std::size_t>(frame.access_point)];
+    auto& h = channels[frame.access_point];
     if (h.empty()) {
       h = test::strange_channel(frame.rx_chains.size(), offset, random);
     }
@@ -160,10 +160,8 @@ void study_jumps(const std::shared_ptr<const Localizer>& localizer,
       ChainLearner learner(localizer);
       for (const Spot& spot : spots) {
         Frames frames = spot.frames;
-        test::turn_chain(frames,
-                         static_cast<int>(ap),
-                         rx_chain,
-                         0.5 * std::numbers::pi * static_cast<double>(quarters));
+        test::turn_chain(
+            frames, ap, rx_chain, 0.5 * std::numbers::pi * static_cast<double>(quarters));
         learner.receive(frames);
         judge(verbose,
               "chain's phase jumped",
@@ -196,7 +194,7 @@ void run(const RoomModel& room, const std::vector<Spot>& spots, bool verbose) {
   };
   std::mt19937 random(1);
   const std::size_t aps = room.access_points.size();
-  const auto hit = [&](std::size_t i) { return static_cast<int>(i % aps); };
+  const auto hit = [&](std::size_t i) { return i % aps; };
   const auto rx_chain = [&](std::size_t i) {
     const auto& rx_chains = room.access_points[i % aps].rx_chains;
     return rx_chains[(i / aps) % rx_chains.size()];

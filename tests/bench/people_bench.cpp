@@ -59,7 +59,7 @@ Frames together(const RoomModel& room,
     }
     const auto& rx_chains = room.access_points[link.access_point].rx_chains;
     for (CsiFrame& frame : frames) {
-      if (frame.access_point != static_cast<int>(link.access_point)) {
+      if (frame.access_point != link.access_point) {
         continue;
       }
       for (std::size_t m = 0; m < rx_chains.size(); ++m) {

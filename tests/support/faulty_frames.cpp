@@ -17,7 +17,9 @@ namespace {
 using ToneValue = std::complex<float>;
 
 // Row of the core in the frame; empty if the frame is from another access point or lacks the core.
-std::optional<std::size_t> row_of(const CsiFrame& frame, int access_point, std::uint8_t rx_chain) {
+std::optional<std::size_t> row_of(const CsiFrame& frame,
+                                  std::size_t access_point,
+                                  std::uint8_t rx_chain) {
   const auto found = std::find(frame.rx_chains.begin(), frame.rx_chains.end(), rx_chain);
   if (frame.access_point != access_point || found == frame.rx_chains.end()) {
     return std::nullopt;
@@ -82,7 +84,7 @@ Expected expected_of(const RoomModel& room, std::size_t access_point, const Vec3
 }  // namespace
 
 void kill_chain(std::vector<CsiFrame>& frames,
-                int access_point,
+                std::size_t access_point,
                 std::uint8_t rx_chain,
                 std::mt19937& random) {
   std::normal_distribution<float> normal;
@@ -114,7 +116,7 @@ void kill_chain(std::vector<CsiFrame>& frames,
 }
 
 void turn_chain(std::vector<CsiFrame>& frames,
-                int access_point,
+                std::size_t access_point,
                 std::uint8_t rx_chain,
                 double phase) {
   const ToneValue turn = std::polar(1.0F, static_cast<float>(phase));
@@ -128,18 +130,17 @@ void turn_chain(std::vector<CsiFrame>& frames,
 }
 
 void obstruct(std::vector<CsiFrame>& frames,
-              int access_point,
+              std::size_t access_point,
               const RoomModel& room,
               const Vec3d& device) {
   constexpr double kTaken = 0.97;
-  const auto number = static_cast<std::size_t>(access_point);
-  const Expected expected = expected_of(room, number, device);
+  const Expected expected = expected_of(room, access_point, device);
   const Aligner aligner(room.grid);
   for (CsiFrame& frame : frames) {
     if (frame.access_point != access_point) {
       continue;
     }
-    const auto values = values_of(frame, room, room.access_points[number]);
+    const auto values = values_of(frame, room, room.access_points[access_point]);
     Array h;
     for (const ToneValue* value : values) {
       h.emplace_back(*value);

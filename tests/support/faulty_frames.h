@@ -18,20 +18,20 @@ namespace rayloc::test {
 // Removes the antenna of a chain: noise at -31 dB of the mean power of the others, and the next
 // chain coupled in at -28 dB. `core`: number of the chain; frames without it are unchanged.
 void kill_chain(std::vector<CsiFrame>& frames,
-                int access_point,
+                std::size_t access_point,
                 std::uint8_t rx_chain,
                 std::mt19937& random);
 
 // Adds a phase [rad] to one chain, as after a power cycle.
 void turn_chain(std::vector<CsiFrame>& frames,
-                int access_point,
+                std::size_t access_point,
                 std::uint8_t rx_chain,
                 double phase);
 
 // Places an obstruction that passes 3 % of the direct path's amplitude in front of an access point.
 // `room`: as calibrated, gives the direct path's strength; `device`: the true position.
 void obstruct(std::vector<CsiFrame>& frames,
-              int access_point,
+              std::size_t access_point,
               const RoomModel& room,
               const Vec3d& device);
 

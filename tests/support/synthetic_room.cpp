@@ -132,7 +132,7 @@ std::vector<CsiFrame> frames_of(const RoomModel& room,
     for (int n = 0; n < options.count; ++n) {
       CsiFrame frame;
       frame.time = Timestamp(std::chrono::milliseconds(10 * n));
-      frame.access_point = static_cast<int>(i);
+      frame.access_point = i;
       frame.rx_chains = ap.rx_chains;
       frame.tone_index = room.grid.tone_index;
       frame.complete = true;

@@ -110,8 +110,7 @@ Expected<RefitInputs> read_fixed(const Site& site, const std::vector<CaptureArgu
   }
   received.recorded.resize(site.access_points.size());
   for (const CaptureArgument& capture : captures) {
-    received.recorded[static_cast<std::size_t>(*find_access_point(site, capture.access_point))] =
-        true;
+    received.recorded[*find_access_point(site, capture.access_point)] = true;
   }
   return received;
 }
@@ -261,8 +260,7 @@ std::vector<KnownSpot> Rechain::spots_of(std::size_t access_point, ContentHash& 
   const RoomAccessPoint& ap = room_.access_points[access_point];
   std::vector<KnownSpot> spots;
   for (const SpotFrames& spot : received_.spots) {
-    auto burst =
-        combine_burst(spot.frames, {static_cast<int>(access_point), room_.grid, ap.rx_chains, {}});
+    auto burst = combine_burst(spot.frames, {access_point, room_.grid, ap.rx_chains, {}});
     if (!burst) {
       received_.refused.push_back({fmt::format("{} at ({:g}, {:g}, {:g})",
                                                ap.id,

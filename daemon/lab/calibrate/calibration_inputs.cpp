@@ -212,7 +212,7 @@ std::vector<SurveyPoint> survey_points(const CalibrationInputs& inputs) {
 }
 
 // Checks that the recordings of other access points have frames at most points.
-OtherRecordings other_recordings(int access_point, const CalibrationInputs& inputs) {
+OtherRecordings other_recordings(std::size_t access_point, const CalibrationInputs& inputs) {
   const auto with_others =
       std::count_if(inputs.points.begin(), inputs.points.end(), [&](const SurveyedFrames& spot) {
         return std::any_of(spot.frames.begin(), spot.frames.end(), [&](const CsiFrame& frame) {
@@ -226,7 +226,7 @@ OtherRecordings other_recordings(int access_point, const CalibrationInputs& inpu
 
 // Explains why a recording has no frame of the device at any of the points.
 std::string explain_silence(const Site& site,
-                            int access_point,
+                            std::size_t access_point,
                             const std::optional<MacAddress>& device,
                             const Recorded& recorded,
                             const CalibrationInputs& inputs,
@@ -264,7 +264,7 @@ std::string explain_silence(const Site& site,
 
 // Points whose frames belong to other points because a clock was off.
 Expected<void> check_clock(const MacAddress& device,
-                           const std::pair<const int, Recorded>& recorded,
+                           const std::pair<const std::size_t, Recorded>& recorded,
                            const std::string& access_point,
                            const std::string& points_file,
                            const CalibrationInputs& inputs) {
@@ -291,12 +291,12 @@ Expected<void> check_clock(const MacAddress& device,
 // A recording of another time is an error; single points without frames are only left out.
 Expected<void> check_overlap(const Site& site,
                              const std::optional<MacAddress>& device,
-                             const std::pair<const int, Recorded>& recorded,
+                             const std::pair<const std::size_t, Recorded>& recorded,
                              const std::string& points_file,
                              bool offset_is_stated,
                              CalibrationInputs& inputs) {
-  const int access_point = recorded.first;
-  const std::string& id = site.access_points[static_cast<std::size_t>(access_point)].id;
+  const std::size_t access_point = recorded.first;
+  const std::string& id = site.access_points[access_point].id;
   std::vector<RefusedInput> empty;
   for (const SurveyedFrames& spot : inputs.points) {
     if (std::none_of(spot.frames.begin(), spot.frames.end(), [&](const CsiFrame& frame) {
@@ -330,8 +330,7 @@ std::string hash_of_frames(const Site& site, const CalibrationInputs& inputs) {
   content.add(inputs.points_hash);
   for (const SurveyedFrames& spot : inputs.points) {
     for (const CsiFrame& frame : spot.frames) {
-      add_to_hash(
-          content, site.access_points[static_cast<std::size_t>(frame.access_point)].id, frame);
+      add_to_hash(content, site.access_points[frame.access_point].id, frame);
     }
   }
   return content.text();
@@ -365,11 +364,11 @@ Expected<CalibrationInputs> read_calibration_inputs(const Site& site,
   inputs.points_hash = points_hash.text();
   RAYLOC_TRY(check_points(site, points_file, inputs));
   RAYLOC_TRY(check_times(points_file, inputs));
-  std::map<int, Recorded> recorded;  // by access point
+  std::map<std::size_t, Recorded> recorded;  // by access point
   for (const RecordingArgument& recording : recordings_of(captures)) {
     const auto index = find_access_point(site, recording.access_point);
     RAYLOC_TRY(index);
-    inputs.recorded[static_cast<std::size_t>(*index)] = true;
+    inputs.recorded[*index] = true;
     RAYLOC_TRY(read_recording(site, recording, inputs, recorded[*index]));
   }
   const std::optional<MacAddress> device = device_of(site, inputs);

@@ -18,8 +18,7 @@ CombinedSurvey combine_survey(const RoomModel& room,
     const SurveyedFrames& spot = inputs.points[p];
     CalibrationPoint point{spot.point.position, held[p], {}};
     for (std::size_t a = 0; a < room.access_points.size(); ++a) {
-      auto burst = combine_burst(
-          spot.frames, {static_cast<int>(a), room.grid, room.access_points[a].rx_chains, {}});
+      auto burst = combine_burst(spot.frames, {a, room.grid, room.access_points[a].rx_chains, {}});
       if (!burst && burst.error().message != "no frames") {
         const std::string what =
             points_file + ":" + std::to_string(spot.point.line) + " " + room.access_points[a].id;

@@ -30,7 +30,7 @@ Presence presence_of(std::size_t access_point,
   Presence presence;
   for (const SurveyedFrames& spot : inputs.points) {
     for (const CsiFrame& frame : spot.frames) {
-      if (frame.access_point == static_cast<int>(access_point)) {
+      if (frame.access_point == access_point) {
         ++presence.frames;
         presence.with_rx_chain += brings_rx_chain(frame, rx_chain) ? 1U : 0U;
       }

@@ -55,7 +55,7 @@ Expected<DeviceBursts> read_device_bursts(const Site& site,
       const bool is_of_device = is_device(site, frame.transmitter);
       if (is_of_device || (fixed != nullptr && fixed->position)) {
         result.is_any_device |= is_of_device;
-        result.receivers.insert(static_cast<std::size_t>(frame.access_point));
+        result.receivers.insert(frame.access_point);
         frames.push_back(std::move(frame));
       }
     };

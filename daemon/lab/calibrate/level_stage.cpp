@@ -35,7 +35,7 @@ std::vector<TransmitterLevel> fit_levels(const Site& site,
   RoomModel fitted = room;  // with the diffuse power that the localizer will use
   RoomAccessPoint& ap = fitted.access_points[result.index];
   apply(result.fit, ap);
-  const BurstRequest request{static_cast<int>(result.index), fitted.grid, ap.rx_chains, {}};
+  const BurstRequest request{result.index, fitted.grid, ap.rx_chains, {}};
   std::vector<TransmitterLevel> levels;
   for (const SiteTransmitter& transmitter : site.transmitters) {
     if (!transmitter.constant_power || transmitter.role != TransmitterRole::kDevice) {

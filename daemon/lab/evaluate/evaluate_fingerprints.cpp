@@ -102,7 +102,7 @@ std::vector<FingerprintMap::AccessPoint> common_access_points(
       });
     };
     if (recorded(survey) && recorded(captures)) {
-      common.push_back({static_cast<int>(i), site.access_points[i].rx_chains});
+      common.push_back({i, site.access_points[i].rx_chains});
     }
   }
   return common;

@@ -24,7 +24,7 @@ namespace rayloc {
 class FingerprintMap {
  public:
   struct AccessPoint {
-    int index = 0;                        // CsiFrame::access_point
+    std::size_t index = 0;                // CsiFrame::access_point
     std::vector<std::uint8_t> rx_chains;  // rx chains to use
   };
   FingerprintMap(const OfdmGrid& grid, std::vector<AccessPoint> access_points);

@@ -46,7 +46,7 @@ Expected<Locate> nearest(const RoomModel& room, const StudyLayout& layout) {
   }
   std::vector<FingerprintMap::AccessPoint> access_points;
   for (std::size_t i = 0; i < room.access_points.size(); ++i) {
-    access_points.push_back({static_cast<int>(i), room.access_points[i].rx_chains});
+    access_points.push_back({i, room.access_points[i].rx_chains});
   }
   const auto map = std::make_shared<FingerprintMap>(room.grid, std::move(access_points));
   for (const StudySpot& point : layout.survey) {

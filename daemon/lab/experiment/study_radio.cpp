@@ -30,7 +30,7 @@ ChainGains gains_on_grid(const ChainGains& all, const OfdmGrid& grid) {
 
 std::vector<CsiFrame> decoded_frames(const SpotCapture& capture,
                                      const RoomAccessPoint& ap,
-                                     int index) {
+                                     std::size_t index) {
   CsiReceiverOptions options;
   options.access_point = index;
   options.expected_rx_chains = ap.rx_chains;

@@ -26,6 +26,6 @@ std::size_t nearest_channel(std::span<const RoomModel> rooms, const RoomModel& m
 // Frames of any channel, decoded by the product's receiver.
 std::vector<CsiFrame> decoded_frames(const SpotCapture& capture,
                                      const RoomAccessPoint& ap,
-                                     int index);
+                                     std::size_t index);
 
 }  // namespace rayloc

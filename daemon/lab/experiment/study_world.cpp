@@ -86,7 +86,7 @@ Expected<void> receive(const Transmissions& sent, CaptureOptions options, StudyL
                             std::vector<CsiFrame>& frames) -> Expected<void> {
       auto received = simulator.capture(spot);
       RAYLOC_TRY(received);
-      append(decoded_frames(*received, truth.access_points[ap], static_cast<int>(ap)), frames);
+      append(decoded_frames(*received, truth.access_points[ap], ap), frames);
       return {};
     };
     options.chain_changes = sent.truth.access_points[ap].chain_changes;

@@ -37,7 +37,7 @@ Listener listener_of(const RoomModel& room, std::size_t index, const PredictionO
   capture.impairments = default_impairments();
   capture.seed = options.seed;
   CsiReceiverOptions receiver;
-  receiver.access_point = static_cast<int>(index);
+  receiver.access_point = index;
   receiver.expected_rx_chains = room.access_points[index].rx_chains;
   return {CaptureSimulator(room, index, capture), CsiReceiver(receiver)};
 }

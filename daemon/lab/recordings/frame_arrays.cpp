@@ -21,7 +21,7 @@ FrameHeader header_of(const CsiFrame& frame) {
   header.time_last = frame.time_last.time_since_epoch().count();
   header.tone_spacing = frame.tone_spacing_hz;
   header.channel_centre = frame.channel ? frame.channel->centre_hz : 0.0;
-  header.access_point = frame.access_point;
+  header.access_point = static_cast<std::int32_t>(frame.access_point);
   header.bandwidth_mhz = frame.bandwidth_mhz;
   header.channel_bandwidth_mhz = frame.channel_bandwidth_mhz;
   header.streams = static_cast<std::int32_t>(frame.csi.streams());

@@ -46,7 +46,7 @@ Expected<std::vector<EmptyRoom>> receive_empty_room(const RoomModel& room,
   for (std::size_t a = 0; a < room.access_points.size(); ++a) {
     const RoomAccessPoint& ap = room.access_points[a];
     const bool recorded = std::any_of(frames.begin(), frames.end(), [&](const CsiFrame& frame) {
-      return frame.access_point == static_cast<int>(a);
+      return frame.access_point == a;
     });
     if (!recorded) {
       log.refused.push_back({ap.id, "not in the recordings: it will not look for people"});

@@ -23,7 +23,7 @@ Expected<FixedFrames> read_captures(const Site& site,
   auto frames = cli::read_fixed_frames(site, *captures, notes);
   RAYLOC_TRY(frames);
   for (const cli::RecordingArgument& recording : cli::recordings_of(*captures)) {
-    const int index = *find_access_point(site, recording.access_point);
+    const std::size_t index = *find_access_point(site, recording.access_point);
     const bool received = std::any_of(frames->begin(), frames->end(), [&](const auto& entry) {
       return std::any_of(entry.second.begin(), entry.second.end(), [&](const CsiFrame& frame) {
         return frame.access_point == index;

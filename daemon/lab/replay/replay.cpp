@@ -99,7 +99,7 @@ Expected<void> replay_streams(const Site& site,
   for (std::size_t i = 0; i < inputs.size(); ++i) {
     inputs[i].access_point = site.access_points[i].id;
     inputs[i].source = std::move(streams.sources[i]);
-    inputs[i].receiver = receiver_options(site, static_cast<int>(i), options.estimators.method);
+    inputs[i].receiver = receiver_options(site, i, options.estimators.method);
   }
   PipelineOptions all = pipeline_options(options);
   all.from = streams.from;

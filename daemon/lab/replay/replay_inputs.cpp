@@ -25,7 +25,7 @@ Expected<ReplayInputs> open_replay_inputs(const ReplayRecordings& recordings,
   for (const cli::RecordingArgument& recording : cli::recordings_of(*captures)) {
     auto source = RecordedSource::open(recording.files, file_options);
     RAYLOC_TRY(source);
-    const int index = *find_access_point(site, recording.access_point);
+    const std::size_t index = *find_access_point(site, recording.access_point);
     SourceInput input;
     input.access_point = recording.access_point;
     all.sources.push_back(source->get());

@@ -25,7 +25,7 @@ struct ReplayRecordings {
 struct ReplayInputs {
   std::vector<SourceInput> inputs;
   std::vector<const RecordedSource*> sources;  // in the order of the inputs
-  std::vector<int> access_points;              // by input, index in the site
+  std::vector<std::size_t> access_points;      // by input, index in the site
 };
 
 // Datagrams before `listen_from` are left out. Errors: a capture of no access point of the site; a

@@ -32,9 +32,9 @@ struct SourceConfig {
   SourceKind kind = SourceKind::kUdp;
   // The id in site.toml, and its position in Site::access_points. load_daemon_setup() resolves both
   // (the id may be left out of the file if the site has one access point); load_config() leaves the
-  // id as written and the index at -1.
+  // id as written and the index empty.
   std::string access_point;
-  int access_point_index = -1;
+  std::optional<std::size_t> access_point_index;
   // Its site by name (as written without [[site]]), and its position in DaemonConfig::sites.
   std::string site;
   int site_index = -1;

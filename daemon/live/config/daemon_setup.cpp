@@ -135,7 +135,7 @@ void resolve_access_point(const Site& site, std::size_t index, ConfigReading& re
                        suggestion(source.access_point, ids));
     return;
   }
-  source.access_point_index = static_cast<int>(found - ids.begin());
+  source.access_point_index = static_cast<std::size_t>(found - ids.begin());
   for (std::size_t j = 0; j < index; ++j) {
     const SourceConfig& other = reading.config.sources[j];
     if (other.site_index == source.site_index &&
@@ -186,7 +186,7 @@ void add_stream_sources(const std::vector<ReadSite>& sites, DaemonConfig& config
       SourceConfig& source = config.sources.emplace_back();
       source.kind = SourceKind::kCluster;
       source.access_point = site.access_points[j].id;
-      source.access_point_index = static_cast<int>(j);
+      source.access_point_index = j;
       source.site = sites[i].name;
       source.site_index = static_cast<int>(i);
       source.instance = topic_component(sites[i].name) + "-" + source.access_point;

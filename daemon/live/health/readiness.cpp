@@ -61,9 +61,9 @@ SiteLacks lacks_of(const SiteSetup& setup, const RoomModel& room) {
   if (setup.config.engine.method == nullptr) {
     return {};
   }
-  std::vector<int> received;
+  std::vector<std::size_t> received;
   for (const SourceConfig& source : setup.config.sources) {
-    received.push_back(source.access_point_index);
+    received.push_back(source.access_point_index.value());
   }
   return site_lacks(setup.site, room, received);
 }

@@ -26,8 +26,7 @@ LocationEstimate without_position(const Burst& burst,
   LocationEstimate estimate;
   estimate.time = estimate.capture_start = burst.first;
   estimate.capture_end = burst.last;
-  estimate.reason = "access point " +
-                    room.access_points[static_cast<std::size_t>(stamp.access_point)].id + ": " +
+  estimate.reason = "access point " + room.access_points[stamp.access_point].id + ": " +
                     describe(stamp) + ", and frames that share one give no position";
   return estimate;
 }

@@ -11,7 +11,7 @@ namespace rayloc {
 bool DeadChains::observe(const std::vector<CsiFrame>& frames, const RoomModel& room) {
   bool changes = false;
   for (const CsiFrame& frame : frames) {
-    const auto access_point = static_cast<std::size_t>(frame.access_point);
+    const std::size_t access_point = frame.access_point;
     if (access_point >= room.access_points.size()) {
       continue;
     }

@@ -25,7 +25,7 @@ std::string stamp_text(Timestamp time) {
 }  // namespace
 
 std::optional<StuckStamp> stuck_stamp(std::span<const CsiFrame> frames) {
-  std::map<std::pair<int, Timestamp>, std::size_t> counts;
+  std::map<std::pair<std::size_t, Timestamp>, std::size_t> counts;
   for (const CsiFrame& frame : frames) {
     ++counts[{frame.access_point, frame.time}];
   }

@@ -22,7 +22,7 @@ inline constexpr std::size_t kStuckFrames = 16;
 inline constexpr std::size_t kFramesOfASecond = 3;  // with a stamp of a whole second
 
 struct StuckStamp {
-  int access_point = 0;
+  std::size_t access_point = 0;
   Timestamp time;
   std::size_t frames = 0;                                   // that share it
   bool is_stuck() const { return frames >= kStuckFrames; }  // otherwise of a whole second

@@ -109,11 +109,11 @@ bool is_access_point_id(std::string_view text) {
          });
 }
 
-Expected<int> find_access_point(const Site& site, const std::string& id) {
+Expected<std::size_t> find_access_point(const Site& site, const std::string& id) {
   std::vector<std::string_view> ids;
   for (const SiteAccessPoint& access_point : site.access_points) {
     if (access_point.id == id) {
-      return static_cast<int>(ids.size());
+      return ids.size();
     }
     ids.emplace_back(access_point.id);
   }

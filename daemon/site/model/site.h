@@ -6,6 +6,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -142,7 +143,7 @@ bool is_access_point_id(std::string_view text);
 std::vector<std::string> access_point_ids(const Site& site);
 
 // Position in `access_points` of `id`; otherwise an error that lists the valid ids.
-Expected<int> find_access_point(const Site& site, const std::string& id);
+Expected<std::size_t> find_access_point(const Site& site, const std::string& id);
 
 // The stated transmitter with that address, or nullptr.
 const SiteTransmitter* find_transmitter(const Site& site, const MacAddress& mac);

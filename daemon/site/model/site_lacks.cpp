@@ -15,10 +15,11 @@ struct Uncalibrated {
   std::string problem;
 };
 
-std::vector<Uncalibrated> uncalibrated(const RoomModel& room, std::span<const int> received) {
+std::vector<Uncalibrated> uncalibrated(const RoomModel& room,
+                                       std::span<const std::size_t> received) {
   std::vector<Uncalibrated> all;
-  for (const int index : received) {
-    const RoomAccessPoint& ap = room.access_points[static_cast<std::size_t>(index)];
+  for (const std::size_t index : received) {
+    const RoomAccessPoint& ap = room.access_points[index];
     if (std::string problem = calibration_problem(room, ap); !problem.empty()) {
       all.push_back({ap.id, std::move(problem)});
     }
@@ -52,10 +53,13 @@ std::vector<std::string> SiteLacks::all() const {
   return all;
 }
 
-SiteLacks site_lacks(const Site& site, const RoomModel& room, std::span<const int> received) {
-  std::vector<int> every(site.access_points.size());
-  std::iota(every.begin(), every.end(), 0);
-  const std::span<const int> asked = received.empty() ? std::span<const int>(every) : received;
+SiteLacks site_lacks(const Site& site,
+                     const RoomModel& room,
+                     std::span<const std::size_t> received) {
+  std::vector<std::size_t> every(site.access_points.size());
+  std::iota(every.begin(), every.end(), 0U);
+  const std::span<const std::size_t> asked =
+      received.empty() ? std::span<const std::size_t>(every) : received;
   SiteLacks lacks;
   const std::vector<Uncalibrated> without = uncalibrated(room, asked);
   if (without.size() == asked.size()) {

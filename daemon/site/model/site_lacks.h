@@ -2,6 +2,7 @@
 // room. Reported when a person starts localization or asks why no target is located.
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <string>
 #include <vector>
@@ -20,6 +21,8 @@ struct SiteLacks {
 
 // `received`: positions in Site::access_points of those that send datagrams; empty: all of them.
 // REQUIRES: `room` was loaded for `site`.
-SiteLacks site_lacks(const Site& site, const RoomModel& room, std::span<const int> received = {});
+SiteLacks site_lacks(const Site& site,
+                     const RoomModel& room,
+                     std::span<const std::size_t> received = {});
 
 }  // namespace rayloc

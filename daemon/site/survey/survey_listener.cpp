@@ -24,7 +24,7 @@ Expected<SurveyListener> SurveyListener::open(const Site& site,
     Port port{ap.id,
               ap.rx_chains,
               std::move(*source),
-              CsiReceiver(receiver_options(site, static_cast<int>(wanted.access_point))),
+              CsiReceiver(receiver_options(site, wanted.access_point)),
               nullptr,
               0};
     if (!wanted.recording.empty()) {

@@ -25,7 +25,7 @@ std::vector<std::vector<float>> rows_of(const RoomModel& room,
   std::vector<std::vector<float>> rows;
   std::vector<std::string> of_single_frames;  // already reported for the burst
   for (const CsiFrame& frame : frames) {
-    if (frame.access_point != static_cast<int>(access_point) || rows.size() == kMaxFrames) {
+    if (frame.access_point != access_point || rows.size() == kMaxFrames) {
       continue;
     }
     const auto one = preprocess_burst(room, access_point, {&frame, 1}, {}, of_single_frames);

@@ -25,7 +25,7 @@ std::vector<const CsiFrame*> chosen(std::span<const CsiFrame> frames,
                                     std::size_t most) {
   std::vector<const CsiFrame*> own;
   for (const CsiFrame& frame : frames) {
-    if (frame.access_point == static_cast<int>(access_point)) {
+    if (frame.access_point == access_point) {
       own.push_back(&frame);
     }
   }

@@ -117,7 +117,7 @@ void Widar2::restart() {
 // changes slowly enough to be interpolated.
 void Widar2::take(const CsiFrame& frame) {
   const auto found = std::find_if(receivers_.begin(), receivers_.end(), [&](const Receiver& one) {
-    return static_cast<int>(one.access_point) == frame.access_point;
+    return one.access_point == frame.access_point;
   });
   if (found == receivers_.end()) {
     return;

@@ -128,7 +128,7 @@ Expected<Witraj> Witraj::create(std::shared_ptr<const RoomModel> room,
 // The ratio of the outer antennas and its inverse, with the floor of csi_ratio().
 void Witraj::take(const CsiFrame& frame) {
   const auto found = std::find_if(receivers_.begin(), receivers_.end(), [&](const Receiver& one) {
-    return static_cast<int>(one.access_point) == frame.access_point;
+    return one.access_point == frame.access_point;
   });
   if (found == receivers_.end()) {
     return;

@@ -29,7 +29,7 @@ std::optional<BurstObservation> receive_background(const RoomModel& room,
   auto background = preprocess_burst(room, access_point, frames, options, warnings);
   std::vector<Received> received;
   for (const CsiFrame& frame : frames) {
-    if (frame.access_point != static_cast<int>(access_point)) {
+    if (frame.access_point != access_point) {
       continue;
     }
     std::vector<std::string> ignored;  // already reported for the whole recording

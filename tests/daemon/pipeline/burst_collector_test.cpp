@@ -10,7 +10,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-CsiFrame frame_at(int ms, std::uint8_t transmitter = 1, int access_point = 0) {
+CsiFrame frame_at(int ms, std::uint8_t transmitter = 1, std::size_t access_point = 0) {
   CsiFrame frame;
   frame.time = Timestamp(milliseconds(ms));
   frame.transmitter.octets[5] = transmitter;

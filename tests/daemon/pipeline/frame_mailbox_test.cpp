@@ -11,7 +11,7 @@ using std::chrono::milliseconds;
 
 Timestamp at(int ms) { return Timestamp(milliseconds(ms)); }
 
-CsiFrame frame_at(int ms, int access_point = 0) {
+CsiFrame frame_at(int ms, std::size_t access_point = 0) {
   CsiFrame frame;
   frame.time = at(ms);
   frame.access_point = access_point;
@@ -22,7 +22,7 @@ void put(FrameMailbox& mailbox, std::size_t source, std::vector<int> times, int 
   std::vector<CsiFrame> frames;
   frames.reserve(times.size());
   for (const int ms : times) {
-    frames.push_back(frame_at(ms, static_cast<int>(source)));
+    frames.push_back(frame_at(ms, source));
   }
   mailbox.put(source, frames, at(safe));
 }

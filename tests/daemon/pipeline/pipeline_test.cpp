@@ -48,9 +48,9 @@ struct Outcome {
   std::vector<MailboxCounters> mailbox;
 };
 
-Outcome replay(std::size_t ring_frames, std::shared_ptr<Pace> pace, int sources = 3) {
+Outcome replay(std::size_t ring_frames, std::shared_ptr<Pace> pace, std::size_t sources = 3) {
   std::vector<SourceWorker::Input> inputs;
-  for (int index = 0; index < sources; ++index) {
+  for (std::size_t index = 0; index < sources; ++index) {
     const std::string id = "ap" + std::to_string(index + 1);
     SourceWorker::Input input;
     input.access_point = id;

@@ -21,7 +21,7 @@ using std::chrono::seconds;
 
 constexpr seconds kPatience{60};
 
-std::string file_of(int index) {
+std::string file_of(std::size_t index) {
   return test::data_path("/sites/meeting_room/device_los-ap") + std::to_string(index + 1) +
          ".pcap.gz";
 }
@@ -70,14 +70,14 @@ class PlayedRecordings : public ::testing::Test {
     Playback::Options options;
     options.speed = std::nullopt;
     std::vector<RecordingPlan> plans;
-    for (int index = 0; index < 3; ++index) {
+    for (std::size_t index = 0; index < 3; ++index) {
       plans.push_back(plan_recording({file_of(index)}).value());
     }
     options.busy = busy_times(plans);
     playback_ = std::make_shared<Playback>(options);
     std::vector<SourceWorker::Input> inputs(3);
-    for (int index = 0; index < 3; ++index) {
-      SourceWorker::Input& input = inputs[static_cast<std::size_t>(index)];
+    for (std::size_t index = 0; index < 3; ++index) {
+      SourceWorker::Input& input = inputs[index];
       input.access_point = "ap" + std::to_string(index + 1);
       input.receiver.access_point = index;
       input.source =

@@ -56,7 +56,7 @@ class Writer : public OrderedSink {
 };
 
 struct ReplayCase {
-  int sources = 3;
+  std::size_t sources = 3;
   Duration burst = milliseconds(200);
   std::size_t ring_frames = 8192;
   std::string recording = "device_los";
@@ -64,7 +64,7 @@ struct ReplayCase {
 
 Writer replay(const ReplayCase& received, const WarmStart& start, Duration carry_every) {
   std::vector<SourceWorker::Input> inputs;
-  for (int index = 0; index < received.sources; ++index) {
+  for (std::size_t index = 0; index < received.sources; ++index) {
     const std::string id = "ap" + std::to_string(index + 1);
     SourceWorker::Input input;
     input.access_point = id;

@@ -84,7 +84,7 @@ LocationEstimate located_by_steps(const M3& m3, std::span<const CsiFrame> frames
       std::copy_if(frames.begin(), frames.end(), std::back_inserter(own), [&](const auto& frame) {
         return frame.channel.value_or(channel_of(room)) == channel_of(other);
       });
-      auto burst = combine_burst(own, {static_cast<int>(i), other.grid, ap.rx_chains, {}});
+      auto burst = combine_burst(own, {i, other.grid, ap.rx_chains, {}});
       if (!burst) {
         continue;
       }

@@ -51,7 +51,7 @@ std::vector<CsiFrame> in_sight(const RoomModel& room,
   }
   auto frames = test::frames_of(room, channels, {.count = 4, .snr_db = snr_db, .seed = seed});
   for (CsiFrame& frame : frames) {
-    const auto& ap = room.access_points[static_cast<std::size_t>(frame.access_point)];
+    const auto& ap = room.access_points[frame.access_point];
     const double distance = norm(place - ap.array.pose.position);
     frame.transmitter = kDevice;
     frame.power_dbm.assign(ap.rx_chains.size(),

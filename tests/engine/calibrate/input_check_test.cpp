@@ -37,8 +37,8 @@ const std::vector<CalibrationPoint>& survey() {
         const auto frames = test::frames_at(
             room, point.position, {2, 30.0, static_cast<unsigned>(1 + kPerAxis * i + j)});
         for (std::size_t ap = 0; ap < room.access_points.size(); ++ap) {
-          const auto burst = combine_burst(
-              frames, {static_cast<int>(ap), room.grid, room.access_points[ap].rx_chains, {}});
+          const auto burst =
+              combine_burst(frames, {ap, room.grid, room.access_points[ap].rx_chains, {}});
           point.h.push_back(burst.value().h);
         }
         made.push_back(std::move(point));

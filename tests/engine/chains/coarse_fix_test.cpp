@@ -36,10 +36,8 @@ std::vector<CsiFrame> burst(int number, double turn) {
   const auto& access_points = localizer()->room().access_points;
   for (std::size_t a = 0; a < access_points.size(); ++a) {
     for (std::size_t m = 1; m < access_points[a].rx_chains.size(); ++m) {
-      test::turn_chain(frames,
-                       static_cast<int>(a),
-                       access_points[a].rx_chains[m],
-                       turn * static_cast<double>(1 + m + a));
+      test::turn_chain(
+          frames, a, access_points[a].rx_chains[m], turn * static_cast<double>(1 + m + a));
     }
   }
   return frames;

@@ -172,7 +172,7 @@ TEST(Fault, DeadChainIsNamedAndLeftOut) {
     const Localizer& by = localizer(access_points);
     std::mt19937 random(3);
     const Tally tally = study("chain dead", by, [&](std::size_t spot, Frames& frames) {
-      test::kill_chain(frames, static_cast<int>(hit(by, spot)), rx_chain_of(by, spot), random);
+      test::kill_chain(frames, hit(by, spot), rx_chain_of(by, spot), random);
       return name_of(by, spot) + ": the chain of core " + std::to_string(rx_chain_of(by, spot)) +
              " is dead";
     });
@@ -213,7 +213,7 @@ TEST(Fault, JumpedPhaseOfAChain) {
     const Localizer& by = localizer(access_points);
     const Tally tally = study("chain's phase jumped", by, [&](std::size_t spot, Frames& frames) {
       test::turn_chain(frames,
-                       static_cast<int>(hit(by, spot)),
+                       hit(by, spot),
                        rx_chain_of(by, spot),
                        0.5 * std::numbers::pi * static_cast<double>(1 + spot % 3));
       return name_of(by, spot);
@@ -229,8 +229,7 @@ TEST(Fault, ObstructedAccessPoint) {
   for (const std::size_t access_points : {1U, 2U, 3U}) {
     const Localizer& by = localizer(access_points);
     const Tally tally = study("access point covered", by, [&](std::size_t spot, Frames& frames) {
-      test::obstruct(
-          frames, static_cast<int>(hit(by, spot)), by.room(), calibrated().spots[spot].position);
+      test::obstruct(frames, hit(by, spot), by.room(), calibrated().spots[spot].position);
       return name_of(by, spot);
     });
     if (access_points > 1) {

@@ -67,8 +67,7 @@ class Stream {
       const auto frames = test::frames_at(room, plug, {8, 30.0, 99});
       for (std::size_t a = 0; a < room.access_points.size(); ++a) {
         const RoomAccessPoint& ap = room.access_points[a];
-        auto h =
-            combine_burst(frames, {static_cast<int>(a), room.grid, ap.rx_chains, {}}).value().h;
+        auto h = combine_burst(frames, {a, room.grid, ap.rx_chains, {}}).value().h;
         remove_gains(ap.gains, h);
         monitor_.set_reference({plug, device_}, a, std::move(h));
       }

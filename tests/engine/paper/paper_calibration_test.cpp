@@ -46,10 +46,7 @@ std::vector<CalibrationPoint> survey(const RoomModel& room, int per_axis) {
         test::frames_at(room, point.position, {2, 40.0, static_cast<unsigned>(1 + i)});
     for (std::size_t ap = 0; ap < room.access_points.size(); ++ap) {
       point.h.push_back(
-          combine_burst(frames,
-                        {static_cast<int>(ap), room.grid, room.access_points[ap].rx_chains, {}})
-              .value()
-              .h);
+          combine_burst(frames, {ap, room.grid, room.access_points[ap].rx_chains, {}}).value().h);
     }
     points.push_back(std::move(point));
   }

@@ -86,7 +86,7 @@ Expected<std::vector<SurveyPort>> survey_ports(const SurveyPortArguments& argume
   std::vector<SurveyPort> ports;
   for (const CaptureArgument& address : *addresses) {
     const auto index = find_access_point(site, address.access_point);
-    SurveyPort port{static_cast<std::size_t>(index.value_or(0)), address.file, ""};
+    SurveyPort port{index.value_or(0), address.file, ""};
     for (const CaptureArgument& recording : *recordings) {
       if (recording.access_point == address.access_point) {
         port.recording = recording.file;

@@ -27,9 +27,9 @@ Expected<FrameOutput> FrameOutput::open(const FrameOutputOptions& options) {
   return FrameOutput(options, std::move(file));
 }
 
-int FrameOutput::add_access_point(const std::string& name) {
+std::size_t FrameOutput::add_access_point(const std::string& name) {
   access_points_.push_back(name);
-  return static_cast<int>(access_points_.size()) - 1;
+  return access_points_.size() - 1;
 }
 
 Expected<void> FrameOutput::write_line(const std::string& line) {

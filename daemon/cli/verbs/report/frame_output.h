@@ -1,6 +1,7 @@
 // FrameOutput: writes the frames of recordings as lines of text or as arrays of numpy.
 #pragma once
 
+#include <cstddef>
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -25,7 +26,7 @@ class FrameOutput {
   static Expected<FrameOutput> open(const FrameOutputOptions& options);
 
   // Returns the number of the access point, for CsiFrame::access_point.
-  int add_access_point(const std::string& name);
+  std::size_t add_access_point(const std::string& name);
   // Lines are flushed, for a concurrent reader. Arrays keep the frames, which are moved.
   Expected<void> write(std::vector<CsiFrame>& frames, const std::string& access_point);
   // Writes the arrays, if the output has any, once all frames are read.

@@ -42,7 +42,7 @@ Expected<Vec3d> access_point_of(const SceneSource& source, const std::string& id
                       "give both --tx and --rx: the scene names no access point that could be the "
                       "other end");
   }
-  int index = 0;
+  std::size_t index = 0;
   if (!id.empty()) {
     const auto found = find_access_point(*source.site, id);
     if (!found) {
@@ -50,7 +50,7 @@ Expected<Vec3d> access_point_of(const SceneSource& source, const std::string& id
     }
     index = *found;
   }
-  const AntennaArray& array = source.site->access_points[static_cast<std::size_t>(index)].array;
+  const AntennaArray& array = source.site->access_points[index].array;
   return element_position(array, array.element_offset.size() / 2);
 }
 

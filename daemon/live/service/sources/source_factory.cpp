@@ -164,12 +164,11 @@ SourceWorker::Input source_input(const SourceConfig& config,
                                  const Site& site,
                                  const Method* method,
                                  std::unique_ptr<DatagramSource> source) {
-  const SiteAccessPoint& access_point =
-      site.access_points[static_cast<std::size_t>(config.access_point_index)];
+  const std::size_t index = config.access_point_index.value();
   SourceWorker::Input input;
-  input.access_point = access_point.id;
+  input.access_point = site.access_points[index].id;
   input.source = std::move(source);
-  input.receiver = receiver_options(site, config.access_point_index, method);
+  input.receiver = receiver_options(site, index, method);
   if (!config.format.empty()) {
     input.receiver.format = config.format;
   }

@@ -13,12 +13,12 @@ using test::make_room;
 std::vector<FingerprintMap::AccessPoint> access_points_of(const RoomModel& room) {
   std::vector<FingerprintMap::AccessPoint> all;
   for (std::size_t i = 0; i < room.access_points.size(); ++i) {
-    all.push_back({static_cast<int>(i), room.access_points[i].rx_chains});
+    all.push_back({i, room.access_points[i].rx_chains});
   }
   return all;
 }
 
-std::vector<CsiFrame> only(std::vector<CsiFrame> frames, int access_point) {
+std::vector<CsiFrame> only(std::vector<CsiFrame> frames, std::size_t access_point) {
   std::erase_if(frames, [&](const CsiFrame& frame) { return frame.access_point != access_point; });
   return frames;
 }

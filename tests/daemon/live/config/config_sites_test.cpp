@@ -59,7 +59,7 @@ TEST_F(SitesOfAConfig, EachHasItsSourcesMethodAndFolders) {
   const SiteSetup& lab = setup->sites[1];
   EXPECT_EQ(office.site.name, "office");
   ASSERT_EQ(office.config.sources.size(), 2U);
-  EXPECT_EQ(office.config.sources[1].access_point_index, 1);
+  EXPECT_EQ(office.config.sources[1].access_point_index, 1U);
   EXPECT_EQ(office.config.sources[1].instance, "office-ap2");
   EXPECT_NE(office.config.engine.method, nullptr);
   EXPECT_EQ(office.config.record.directory, "/rec/office");

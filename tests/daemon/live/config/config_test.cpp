@@ -215,8 +215,8 @@ TEST(DaemonSetup, ResolvesSourcesToAccessPoints) {
   const Expected<DaemonSetup> setup = load_daemon_setup(file.path());
   ASSERT_TRUE(setup) << setup.error().message;
   EXPECT_EQ(setup->sites.front().site.name, "meeting_room");
-  for (int i = 0; i < 3; ++i) {
-    EXPECT_EQ(setup->config.sources[static_cast<std::size_t>(i)].access_point_index, i);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(setup->config.sources[i].access_point_index, i);
   }
 }
 

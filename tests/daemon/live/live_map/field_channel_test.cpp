@@ -107,8 +107,7 @@ Burst walk(const RoomModel& room, double from_x, Timestamp begin) {
 // The amplitudes of a burst at an access point, as the map draws them: of mean square 1.
 std::vector<double> amplitudes(const RoomModel& room, std::size_t index, const Burst& burst) {
   const RoomAccessPoint& ap = room.access_points[index];
-  auto received =
-      made(combine_burst(burst.frames, {static_cast<int>(index), room.grid, ap.rx_chains, {}}));
+  auto received = made(combine_burst(burst.frames, {index, room.grid, ap.rx_chains, {}}));
   remove_gains(ap.gains, received.h);
   double power = 0.0;
   for (const auto& value : received.h) {

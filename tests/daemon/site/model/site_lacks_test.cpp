@@ -58,8 +58,8 @@ TEST(Field, AccessPointsInUseDecideIfASiteCanLocate) {
   LackingSite all;
   all.site.reference_file = "people.toml";
   all.calibrate(0);
-  constexpr std::array<int, 1> kCalibrated{0};
-  constexpr std::array<int, 2> kOthers{1, 2};
+  constexpr std::array<std::size_t, 1> kCalibrated{0};
+  constexpr std::array<std::size_t, 2> kOthers{1, 2};
   EXPECT_THAT(site_lacks(all.site, all.room, kCalibrated).all(), IsEmpty());
   EXPECT_THAT(
       site_lacks(all.site, all.room, kOthers).obstacles,

@@ -222,7 +222,7 @@ TEST(Site, IsReadFromADirectoryOrAFile) {
 TEST(Site, FindsAccessPointsAndTransmitters) {
   const Expected<Site> site = load_site(kSiteFile);
   ASSERT_TRUE(site);
-  EXPECT_EQ(find_access_point(*site, "ap2"), 1);
+  EXPECT_EQ(find_access_point(*site, "ap2"), 1U);
   EXPECT_EQ(find_access_point(*site, "ap9").error().message,
             "the site has no access point 'ap9'; it has: ap1, ap2, ap3");
   EXPECT_EQ(find_transmitter(*site, *parse_mac_address("02-52-4C-00-00-02"))->role,
