@@ -17,7 +17,7 @@ namespace rayloc::python {
 namespace {
 
 bool calibrate(const py::dict& given) {
-  cli::CalibrateArguments arguments;
+  CalibrateArguments arguments;
   arguments.site = given["site"].cast<std::string>();
   arguments.captures = given["captures"].cast<std::vector<std::string>>();
   arguments.points = given["points"].cast<std::string>();
@@ -31,7 +31,7 @@ bool calibrate(const py::dict& given) {
   const bool progress = given["progress"].cast<bool>();
   const py::gil_scoped_release unlocked;
   auto outcome = cli::calibrate_survey(std::move(arguments), {.quiet = true, .progress = progress});
-  return value_of(std::move(outcome)) == cli::CalibrationOutcome::kExplains;
+  return value_of(std::move(outcome)) == CalibrationOutcome::kExplains;
 }
 
 }  // namespace

@@ -27,9 +27,9 @@ using SharedTable = std::shared_ptr<FrameTable>;
 void read_of_site(const Site& site, const std::vector<std::string>& captures, FrameTable& table) {
   table.access_points = access_point_ids(site);
   const auto resolved =
-      value_of(cli::resolve_captures(captures, table.access_points, cli::PerAccessPoint::kSeveral));
-  for (const cli::RecordingArgument& recording : cli::recordings_of(resolved)) {
-    if (auto read = cli::for_each_frame(
+      value_of(resolve_captures(captures, table.access_points, PerAccessPoint::kSeveral));
+  for (const RecordingArgument& recording : recordings_of(resolved)) {
+    if (auto read = for_each_frame(
             site,
             recording,
             [&](CsiFrame&& frame) { table.frames.push_back(std::move(frame)); },
@@ -40,7 +40,7 @@ void read_of_site(const Site& site, const std::vector<std::string>& captures, Fr
   }
 }
 
-void read_recording(const cli::RecordingArgument& recording,
+void read_recording(const RecordingArgument& recording,
                     const std::string& format,
                     FrameTable& table) {
   auto source = value_of(RecordedSource::open(recording.files, as_stamped_options()));
@@ -62,7 +62,7 @@ void read_recording(const cli::RecordingArgument& recording,
       receiver.flush(table.frames);
     }
   }
-  cli::note_recording(*source, receiver.counters(), table.access_points.back(), table.notes);
+  note_recording(*source, receiver.counters(), table.access_points.back(), table.notes);
 }
 
 SharedTable read(const std::vector<std::string>& captures,
@@ -81,7 +81,7 @@ SharedTable read(const std::vector<std::string>& captures,
   if (site) {
     read_of_site(value_of(load_site(*site)), captures, *table);
   } else {
-    for (const cli::RecordingArgument& recording : cli::recordings_of_any(captures)) {
+    for (const RecordingArgument& recording : recordings_of_any(captures)) {
       read_recording(recording, format, *table);
     }
   }

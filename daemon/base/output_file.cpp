@@ -3,7 +3,7 @@
 #include <cerrno>
 #include <cstring>
 
-namespace rayloc::cli {
+namespace rayloc {
 
 Expected<OutputFile> OutputFile::open(const std::string& path) {
   if (path == "-") {
@@ -33,4 +33,4 @@ Expected<void> OutputFile::close() {
   return {};
 }
 
-}  // namespace rayloc::cli
+}  // namespace rayloc

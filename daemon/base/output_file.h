@@ -9,7 +9,7 @@
 
 #include "engine/base/expected.h"
 
-namespace rayloc::cli {
+namespace rayloc {
 
 class OutputFile {
  public:
@@ -35,4 +35,4 @@ class OutputFile {
   bool failed_ = false;
 };
 
-}  // namespace rayloc::cli
+}  // namespace rayloc

@@ -258,23 +258,23 @@ int run(const std::vector<std::string>& arguments, const std::string& option) {
   for (const RoomAccessPoint& ap : room->access_points) {
     ids.push_back(ap.id);
   }
-  const auto captures = cli::resolve_captures(
-      {arguments.begin() + 2, arguments.end()}, ids, cli::PerAccessPoint::kSeveral);
+  const auto captures =
+      resolve_captures({arguments.begin() + 2, arguments.end()}, ids, PerAccessPoint::kSeveral);
   if (!captures) {
     std::fprintf(stderr, "chain_bench: %s\n", captures.error().message.c_str());
     return 65;
   }
   Frames frames;
   std::vector<std::string> notes;
-  for (const cli::RecordingArgument& recording : cli::recordings_of(*captures)) {
-    const auto read = cli::for_each_frame(
+  for (const RecordingArgument& recording : recordings_of(*captures)) {
+    const auto read = for_each_frame(
         *site, recording, [&](CsiFrame&& frame) { frames.push_back(std::move(frame)); }, notes);
     if (!read) {
       std::fprintf(stderr, "chain_bench: %s\n", read.error().message.c_str());
       return 65;
     }
   }
-  cli::keep_most_received(frames);
+  keep_most_received(frames);
   auto made = Localizer::create(std::make_shared<const RoomModel>(*room), {});
   if (!made || frames.empty()) {
     std::fputs("chain_bench: nothing to localize\n", stderr);

@@ -237,15 +237,15 @@ int run(const std::vector<std::string>& arguments, bool verbose) {
   for (const RoomAccessPoint& ap : room->access_points) {
     ids.push_back(ap.id);
   }
-  const auto captures = cli::resolve_captures({arguments.begin() + 2, arguments.end()}, ids);
-  const auto inputs = captures ? cli::read_calibration_inputs(*site, *captures, arguments[1])
+  const auto captures = resolve_captures({arguments.begin() + 2, arguments.end()}, ids);
+  const auto inputs = captures ? read_calibration_inputs(*site, *captures, arguments[1])
                                : tl::make_unexpected(captures.error());
   if (!inputs) {
     std::fprintf(stderr, "failure_bench: %s\n", inputs.error().message.c_str());
     return 65;
   }
   std::vector<Spot> spots;
-  for (const cli::SurveyedFrames& one : inputs->points) {
+  for (const SurveyedFrames& one : inputs->points) {
     if (!one.frames.empty()) {
       spots.push_back({one.point.position, one.frames});
     }

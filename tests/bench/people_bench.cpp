@@ -240,12 +240,12 @@ int run(const std::vector<std::string>& arguments, bool verbose) {
   for (const RoomAccessPoint& ap : room->access_points) {
     ids.push_back(ap.id);
   }
-  const auto captures = cli::resolve_captures({arguments.begin() + 2, arguments.end()}, ids);
+  const auto captures = resolve_captures({arguments.begin() + 2, arguments.end()}, ids);
   if (!captures) {
     return fail(captures.error());
   }
   std::vector<std::string> notes;
-  const auto frames = cli::read_fixed_frames(*site, *captures, notes);
+  const auto frames = read_fixed_frames(*site, *captures, notes);
   if (!frames) {
     return fail(frames.error());
   }

@@ -14,7 +14,7 @@
 #include "engine/base/timestamp.h"
 #include "engine/calibrate/joint/room_unknowns.h"
 
-namespace rayloc::cli {
+namespace rayloc {
 
 // How the caller stops a fit. Empty functions: it cannot be stopped.
 struct FitControl {
@@ -73,4 +73,4 @@ struct CalibrationResult {
 Expected<CalibrationResult> run_calibration(const CalibrateArguments& arguments,
                                             const FitObserver& observer = {});
 
-}  // namespace rayloc::cli
+}  // namespace rayloc

@@ -18,7 +18,7 @@
 #include "engine/base/printable.h"
 #include "engine/calibrate/survey_plan.h"
 
-namespace rayloc::cli {
+namespace rayloc {
 namespace {
 
 // Points at one height hardly constrain the height of the access points: every third point is above
@@ -125,4 +125,4 @@ draw::Drawing draw_plan(const PlannedSurvey& planned) {
   return draw::draw_scene(picture, draw::View::kPlan);
 }
 
-}  // namespace rayloc::cli
+}  // namespace rayloc

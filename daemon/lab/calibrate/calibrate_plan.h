@@ -11,7 +11,7 @@
 #include "engine/base/expected.h"
 #include "engine/room/room_model.h"
 
-namespace rayloc::cli {
+namespace rayloc {
 
 struct PlanArguments {
   std::string site;
@@ -47,4 +47,4 @@ Expected<PlannedSurvey> run_plan(const PlanArguments& arguments, const Observer&
 // The points in the plan of the room.
 draw::Drawing draw_plan(const PlannedSurvey& planned);
 
-}  // namespace rayloc::cli
+}  // namespace rayloc

@@ -29,7 +29,7 @@
 #include "engine/chains/chain_progress.h"
 #include "engine/observe/burst.h"
 
-namespace rayloc::cli {
+namespace rayloc {
 namespace {
 
 namespace fs = std::filesystem;
@@ -454,4 +454,4 @@ Expected<RechainResult> run_rechain(const RechainArguments& arguments, const Obs
   return Rechain(arguments, observer).run();
 }
 
-}  // namespace rayloc::cli
+}  // namespace rayloc

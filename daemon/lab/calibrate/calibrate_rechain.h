@@ -11,7 +11,7 @@
 #include "engine/base/expected.h"
 #include "engine/base/timestamp.h"
 
-namespace rayloc::cli {
+namespace rayloc {
 
 struct RechainArguments {
   std::string site;                     // calibrated site
@@ -61,4 +61,4 @@ struct RechainResult {
 Expected<RechainResult> run_rechain(const RechainArguments& arguments,
                                     const Observer& observer = {});
 
-}  // namespace rayloc::cli
+}  // namespace rayloc

@@ -16,7 +16,7 @@
 #include "engine/base/content_hash.h"
 #include "engine/base/vec3.h"
 
-namespace rayloc::cli {
+namespace rayloc {
 namespace {
 
 // Largest difference between the clocks of access points and survey.
@@ -380,4 +380,4 @@ Expected<CalibrationInputs> read_calibration_inputs(const Site& site,
   return inputs;
 }
 
-}  // namespace rayloc::cli
+}  // namespace rayloc

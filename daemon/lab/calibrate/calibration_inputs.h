@@ -15,7 +15,7 @@
 #include "engine/channel/csi_frame.h"
 #include "engine/room/room_model.h"
 
-namespace rayloc::cli {
+namespace rayloc {
 
 // Frames of all access points received while the device was at one surveyed point.
 struct SurveyedFrames {
@@ -48,4 +48,4 @@ Expected<CalibrationInputs> read_calibration_inputs(const Site& site,
                                                     const std::string& points_file,
                                                     std::optional<Duration> time_offset = {});
 
-}  // namespace rayloc::cli
+}  // namespace rayloc

@@ -10,7 +10,7 @@
 #include "daemon/site/model/site_copy.h"
 #include "engine/scene/scene_hash.h"
 
-namespace rayloc::cli {
+namespace rayloc {
 namespace {
 
 namespace fs = std::filesystem;
@@ -167,4 +167,4 @@ std::optional<CalibrationInterruption> Calibration::end(
   return CalibrationInterruption{!written.calibration.interrupted, resumes, compared};
 }
 
-}  // namespace rayloc::cli
+}  // namespace rayloc

@@ -6,7 +6,7 @@
 
 #include "engine/observe/burst.h"
 
-namespace rayloc::cli {
+namespace rayloc {
 
 CombinedSurvey combine_survey(const RoomModel& room,
                               const std::vector<bool>& held,
@@ -34,4 +34,4 @@ CombinedSurvey combine_survey(const RoomModel& room,
   return survey;
 }
 
-}  // namespace rayloc::cli
+}  // namespace rayloc

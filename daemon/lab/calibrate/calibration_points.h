@@ -8,7 +8,7 @@
 #include "engine/calibrate/room_calibration.h"
 #include "engine/room/room_model.h"
 
-namespace rayloc::cli {
+namespace rayloc {
 
 struct CombinedSurvey {
   std::vector<CalibrationPoint> points;  // one per row of the csv
@@ -23,4 +23,4 @@ CombinedSurvey combine_survey(const RoomModel& room,
                               const std::string& points_file,
                               CalibrationInputs& inputs);
 
-}  // namespace rayloc::cli
+}  // namespace rayloc

@@ -21,7 +21,7 @@
 #include "engine/calibrate/joint/multi_start.h"
 #include "engine/paper/paper_calibration.h"
 
-namespace rayloc::cli {
+namespace rayloc {
 namespace {
 
 constexpr const char* kOldReference =
@@ -344,4 +344,4 @@ Expected<CalibrationResult> run_calibration(const CalibrateArguments& arguments,
   return Calibration(arguments, observer).run();
 }
 
-}  // namespace rayloc::cli
+}  // namespace rayloc

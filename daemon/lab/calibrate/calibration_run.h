@@ -20,7 +20,7 @@
 #include "engine/calibrate/room_calibration.h"
 #include "engine/room/room_model.h"
 
-namespace rayloc::cli {
+namespace rayloc {
 
 class Calibration {
  public:
@@ -91,4 +91,4 @@ class Calibration {
   bool is_stopping_ = false;  // a stop was requested, and reported
 };
 
-}  // namespace rayloc::cli
+}  // namespace rayloc

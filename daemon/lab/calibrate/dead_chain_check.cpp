@@ -9,7 +9,7 @@
 
 #include "engine/channel/dead_row.h"
 
-namespace rayloc::cli {
+namespace rayloc {
 namespace {
 
 constexpr std::size_t kFewestSurveyFrames = 20;
@@ -107,4 +107,4 @@ std::string dead_chains_of(const RoomModel& room,
   return text;
 }
 
-}  // namespace rayloc::cli
+}  // namespace rayloc

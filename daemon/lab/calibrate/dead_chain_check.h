@@ -9,7 +9,7 @@
 #include "engine/calibrate/room_calibration.h"
 #include "engine/room/room_model.h"
 
-namespace rayloc::cli {
+namespace rayloc {
 
 // One line per chain: the access point, the rx chain, and what
 // to do; empty: none found. `points`: from combine_survey().
@@ -17,4 +17,4 @@ std::string dead_chains_of(const RoomModel& room,
                            const std::vector<CalibrationPoint>& points,
                            const CalibrationInputs& inputs);
 
-}  // namespace rayloc::cli
+}  // namespace rayloc

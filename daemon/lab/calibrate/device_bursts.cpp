@@ -8,7 +8,7 @@
 #include "daemon/lab/recordings/recorded_frames.h"
 #include "daemon/site/model/room_model.h"
 
-namespace rayloc::cli {
+namespace rayloc {
 namespace {
 
 constexpr auto kBurst = std::chrono::milliseconds(200);  // as for a device tracked by raylocd
@@ -72,4 +72,4 @@ Expected<std::shared_ptr<const Localizer>> device_localizer(const Site& site, Ro
   return std::make_shared<const Localizer>(*std::move(localizer));
 }
 
-}  // namespace rayloc::cli
+}  // namespace rayloc

@@ -14,7 +14,7 @@
 #include "engine/localize/localizer.h"
 #include "engine/room/room_model.h"
 
-namespace rayloc::cli {
+namespace rayloc {
 
 struct DeviceBursts {
   // Each from one transmitter, 200 ms, ordered by end time; fixed
@@ -32,4 +32,4 @@ Expected<DeviceBursts> read_device_bursts(const Site& site,
 // A localizer for devices that the site does not list, in its room.
 Expected<std::shared_ptr<const Localizer>> device_localizer(const Site& site, RoomModel room);
 
-}  // namespace rayloc::cli
+}  // namespace rayloc

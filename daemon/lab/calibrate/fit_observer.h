@@ -10,9 +10,7 @@
 
 namespace rayloc {
 
-namespace cli {
 struct CalibrationResult;  // calibrate.h
-}
 
 // Empty functions: nothing is reported. All are called from the thread of the calibration.
 // `on_progress` receives the share of the current part, and its stage.
@@ -27,7 +25,7 @@ struct FitObserver : Observer {
 
   // The result of the fit. It is called before any file is written, so that a full disk does not
   // lose the result.
-  std::function<void(const cli::CalibrationResult& result)> on_result;
+  std::function<void(const CalibrationResult& result)> on_result;
 
   void begin(const std::string& part) const {
     if (on_part) {
@@ -50,7 +48,7 @@ struct FitObserver : Observer {
       on_verdict(found);
     }
   }
-  void result(const cli::CalibrationResult& found) const {
+  void result(const CalibrationResult& found) const {
     if (on_result) {
       on_result(found);
     }

@@ -11,7 +11,7 @@
 #include "engine/chains/chain_learner.h"
 #include "engine/localize/localizer.h"
 
-namespace rayloc::cli {
+namespace rayloc {
 namespace {
 
 std::size_t learned_of(const std::vector<ChainState>& states) {
@@ -88,4 +88,4 @@ ChainGains multiplied(const ChainGains& gains, const ChainFactors& factors) {
   return result;
 }
 
-}  // namespace rayloc::cli
+}  // namespace rayloc

@@ -11,7 +11,7 @@
 #include "engine/chains/chain_state.h"
 #include "engine/room/room_model.h"
 
-namespace rayloc::cli {
+namespace rayloc {
 
 // Devices are at unknown positions, fixed transmitters where the site states. All access points
 // with a recording are assumed to have been powered off before it. Empty if no device was received.
@@ -24,4 +24,4 @@ Expected<std::vector<ChainState>> learn_chains(const Site& site,
 // Returns the gains of chains that these factors multiply.
 ChainGains multiplied(const ChainGains& gains, const ChainFactors& factors);
 
-}  // namespace rayloc::cli
+}  // namespace rayloc

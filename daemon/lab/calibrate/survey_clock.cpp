@@ -12,7 +12,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
-namespace rayloc::cli {
+namespace rayloc {
 namespace {
 
 constexpr Duration kPairSpacing = std::chrono::milliseconds(150);  // a walking person covers 0.2 m
@@ -409,4 +409,4 @@ std::string explain_other_times(const std::string& points_file,
                              "--time-offset SECONDS");
 }
 
-}  // namespace rayloc::cli
+}  // namespace rayloc

@@ -15,7 +15,7 @@
 #include "engine/base/timestamp.h"
 #include "engine/channel/csi_frame.h"
 
-namespace rayloc::cli {
+namespace rayloc {
 
 // The frames of one device at one access point, in any order.
 class DeviceTrace {
@@ -64,4 +64,4 @@ std::string explain_other_times(const std::string& points_file,
                                 const DeviceTrace& trace,
                                 OtherRecordings others = OtherRecordings::kUnknown);
 
-}  // namespace rayloc::cli
+}  // namespace rayloc

@@ -89,13 +89,12 @@ Expected<void> add_controls(const ComparisonRequest& request,
   if (request.fingerprints.empty()) {
     return {};
   }
-  const cli::FingerprintRequest fingerprints{request.fingerprints,
-                                             request.points,
-                                             request.captures,
-                                             request.is_person,
-                                             request.is_person ? "" : request.target};
-  auto errors =
-      cli::fingerprint_errors(*comparison.site, fingerprints, comparison.recorded, observer);
+  const FingerprintRequest fingerprints{request.fingerprints,
+                                        request.points,
+                                        request.captures,
+                                        request.is_person,
+                                        request.is_person ? "" : request.target};
+  auto errors = fingerprint_errors(*comparison.site, fingerprints, comparison.recorded, observer);
   RAYLOC_TRY(errors);
   comparison.controls.fingerprint = *std::move(errors);
   return {};

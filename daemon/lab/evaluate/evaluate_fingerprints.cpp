@@ -11,7 +11,7 @@
 #include "daemon/lab/recordings/recorded_frames.h"
 #include "daemon/site/survey/points_csv.h"
 
-namespace rayloc::cli {
+namespace rayloc {
 namespace {
 
 struct Window {
@@ -170,4 +170,4 @@ Expected<std::vector<double>> fingerprint_errors(const Site& site,
   return errors;
 }
 
-}  // namespace rayloc::cli
+}  // namespace rayloc

@@ -10,7 +10,7 @@
 #include "daemon/site/model/site.h"
 #include "engine/base/expected.h"
 
-namespace rayloc::cli {
+namespace rayloc {
 
 struct FingerprintRequest {
   std::vector<std::string> survey;    // [AP=]FILE: recordings of the surveyed points
@@ -28,4 +28,4 @@ Expected<std::vector<double>> fingerprint_errors(const Site& site,
                                                  const std::vector<TruthPoint>& truth,
                                                  const Observer& observer);
 
-}  // namespace rayloc::cli
+}  // namespace rayloc

@@ -7,7 +7,7 @@
 
 #include "daemon/lab/evaluate/statistics_json.h"
 
-namespace rayloc::cli {
+namespace rayloc {
 namespace {
 
 // A value that misses made infinite has no number: it is printed as "missed" without a unit.
@@ -73,4 +73,4 @@ std::string statistics_table(const ErrorStatistics& s) {
   return table;
 }
 
-}  // namespace rayloc::cli
+}  // namespace rayloc

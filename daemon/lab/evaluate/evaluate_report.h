@@ -5,7 +5,7 @@
 
 #include "daemon/lab/evaluate/error_statistics.h"
 
-namespace rayloc::cli {
+namespace rayloc {
 
 // One line with the keys of INTERFACE 3.2; infinite or absent values are null.
 std::string statistics_json(const ErrorStatistics& statistics);
@@ -13,4 +13,4 @@ std::string statistics_json(const ErrorStatistics& statistics);
 // For people, with 95 % intervals; infinite values are "missed".
 std::string statistics_table(const ErrorStatistics& statistics);
 
-}  // namespace rayloc::cli
+}  // namespace rayloc

@@ -5,7 +5,7 @@
 
 #include "daemon/site/model/site.h"
 
-namespace rayloc::cli {
+namespace rayloc {
 namespace {
 
 std::string list_of(const std::vector<std::string>& ids) {
@@ -88,4 +88,4 @@ std::vector<RecordingArgument> recordings_of_any(const std::vector<std::string>&
 
 std::string files_text(const RecordingArgument& recording) { return list_of(recording.files); }
 
-}  // namespace rayloc::cli
+}  // namespace rayloc

@@ -7,7 +7,7 @@
 
 #include "engine/base/expected.h"
 
-namespace rayloc::cli {
+namespace rayloc {
 
 struct CaptureArgument {
   std::string access_point;  // id; empty if omitted
@@ -46,4 +46,4 @@ std::vector<RecordingArgument> recordings_of_any(const std::vector<std::string>&
 // "a.pcap, b.pcap"
 std::string files_text(const RecordingArgument& recording);
 
-}  // namespace rayloc::cli
+}  // namespace rayloc

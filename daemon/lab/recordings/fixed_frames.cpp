@@ -4,7 +4,7 @@
 
 #include "daemon/lab/recordings/recorded_frames.h"
 
-namespace rayloc::cli {
+namespace rayloc {
 
 Expected<std::map<MacAddress, std::vector<CsiFrame>>> read_fixed_frames(
     const Site& site,
@@ -22,4 +22,4 @@ Expected<std::map<MacAddress, std::vector<CsiFrame>>> read_fixed_frames(
   return found;
 }
 
-}  // namespace rayloc::cli
+}  // namespace rayloc

@@ -10,7 +10,7 @@
 #include "engine/base/expected.h"
 #include "engine/channel/csi_frame.h"
 
-namespace rayloc::cli {
+namespace rayloc {
 
 // By transmitter, each sorted by access point and then by time. Frames of others are left out. An
 // access point may have several captures; `notes` as in for_each_frame().
@@ -19,4 +19,4 @@ Expected<std::map<MacAddress, std::vector<CsiFrame>>> read_fixed_frames(
     const std::vector<CaptureArgument>& captures,
     std::vector<std::string>& notes);
 
-}  // namespace rayloc::cli
+}  // namespace rayloc

@@ -38,7 +38,7 @@ std::string frame_json(const CsiFrame& frame, const std::string& access_point, b
   for (const std::optional<float>& dbm : frame.power_dbm) {
     power.push_back(dbm ? Json(*dbm) : Json(nullptr));
   }
-  Json line = {{"time", cli::time_text(frame.time)},
+  Json line = {{"time", time_text(frame.time)},
                {"ap", access_point},
                {"transmitter", to_string(frame.transmitter)},
                {"format", frame.format},
@@ -70,7 +70,7 @@ std::string frame_text(const CsiFrame& frame, const std::string& access_point) {
     power += i == 0 ? "" : ",";
     power += frame.power_dbm[i] ? std::to_string(static_cast<int>(*frame.power_dbm[i])) : "?";
   }
-  std::string line = cli::time_text(frame.time) + "  " + access_point + "  " +
+  std::string line = time_text(frame.time) + "  " + access_point + "  " +
                      to_string(frame.transmitter) + "  " + std::string(frame.format) + "  " +
                      std::string(to_string(frame.phy)) + " " + std::to_string(frame.bandwidth_mhz) +
                      " MHz  sequence " + std::to_string(frame.sequence) + "/" +

@@ -7,7 +7,7 @@
 #include "capture/source/recorded_source.h"
 #include "capture/source/transport_schemes.h"
 
-namespace rayloc::cli {
+namespace rayloc {
 
 Expected<std::unique_ptr<DatagramSource>> open_recording(const RecordingArgument& recording,
                                                          const SourceOptions& options) {
@@ -35,4 +35,4 @@ Expected<std::unique_ptr<DatagramSource>> open_recording(const RecordingArgument
   return as_transport<DatagramSource>(RecordedSource::open(files, pcap));
 }
 
-}  // namespace rayloc::cli
+}  // namespace rayloc

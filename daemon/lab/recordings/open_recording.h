@@ -8,11 +8,11 @@
 #include "daemon/lab/recordings/capture_argument.h"
 #include "engine/base/expected.h"
 
-namespace rayloc::cli {
+namespace rayloc {
 
 // A sequence of files is one recording; so is the content of other transports. An Error (kUsage)
 // for a live transport, or for one that cannot be a part of a sequence.
 Expected<std::unique_ptr<DatagramSource>> open_recording(const RecordingArgument& recording,
                                                          const SourceOptions& options);
 
-}  // namespace rayloc::cli
+}  // namespace rayloc

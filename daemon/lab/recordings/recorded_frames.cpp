@@ -17,7 +17,7 @@
 #include "daemon/pipeline/watch/stamp_check.h"
 #include "daemon/site/model/receiver_options.h"
 
-namespace rayloc::cli {
+namespace rayloc {
 namespace {
 
 // The reasons for which whole datagrams were rejected, with advice; empty if none were.
@@ -173,4 +173,4 @@ std::optional<MacAddress> keep_most_received(std::vector<CsiFrame>& frames) {
   return most;
 }
 
-}  // namespace rayloc::cli
+}  // namespace rayloc

@@ -14,7 +14,7 @@
 #include "engine/base/expected.h"
 #include "engine/channel/csi_frame.h"
 
-namespace rayloc::cli {
+namespace rayloc {
 
 // `recording.access_point` is one of the site's (resolve_captures). Frames are visited
 // in the order of the files, and in each in that of its packets; their times are those
@@ -40,4 +40,4 @@ void note_recording(const RecordedSource& source,
 // returns it. Empty if there was only one or none.
 std::optional<MacAddress> keep_most_received(std::vector<CsiFrame>& frames);
 
-}  // namespace rayloc::cli
+}  // namespace rayloc

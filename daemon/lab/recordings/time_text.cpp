@@ -4,7 +4,7 @@
 #include <chrono>
 #include <cstdio>
 
-namespace rayloc::cli {
+namespace rayloc {
 
 std::string time_text(Timestamp time) {
   const auto day = std::chrono::floor<std::chrono::days>(time);
@@ -29,4 +29,4 @@ std::string time_text(Timestamp time) {
   return text.data();
 }
 
-}  // namespace rayloc::cli
+}  // namespace rayloc

@@ -5,9 +5,9 @@
 
 #include "engine/base/timestamp.h"
 
-namespace rayloc::cli {
+namespace rayloc {
 
 // RFC 3339 in UTC, "2018-05-05T06:11:11.306626Z"; nine decimals if there are nanoseconds.
 std::string time_text(Timestamp time);
 
-}  // namespace rayloc::cli
+}  // namespace rayloc

@@ -9,12 +9,12 @@
 
 namespace rayloc {
 
-std::string recording_name(const cli::RecordingArgument& recording) {
+std::string recording_name(const RecordingArgument& recording) {
   return recording.access_point.empty() ? recording.files.front() : recording.access_point;
 }
 
 Expected<void> read_unsited_frames(
-    const cli::RecordingArgument& recording,
+    const RecordingArgument& recording,
     const CsiReceiverOptions& options,
     const std::function<Expected<void>(std::vector<CsiFrame>& frames)>& take,
     FrameSummary& summary,

@@ -14,14 +14,14 @@
 namespace rayloc {
 
 // The access point of the recording, or its first file if none is stated.
-std::string recording_name(const cli::RecordingArgument& recording);
+std::string recording_name(const RecordingArgument& recording);
 
 // `take` gets the frames of each batch, in the order of the packets, and may move them; an Error of
 // it ends the reading at once, without a summary. Adds the outcome to `summary`, and a line to
 // `notes` for each event that people should be informed of. Errors: a file that cannot be read as a
 // capture; the frames and the outcome before it are reported as well.
 Expected<void> read_unsited_frames(
-    const cli::RecordingArgument& recording,
+    const RecordingArgument& recording,
     const CsiReceiverOptions& options,
     const std::function<Expected<void>(std::vector<CsiFrame>& frames)>& take,
     FrameSummary& summary,

@@ -107,9 +107,9 @@ Expected<void> ReferenceLearner::fit_spots(const std::vector<CsiFrame>& frames,
                                            PersonReference& reference) {
   const MeasuredSpots measured = receive_spots(people_room_, reference, inputs_, log_);
   if (measured.spots.empty()) {
-    return bad_input("--people: received " + to_string(reference.mac) + " " +
-                     cli::explain_other_times(
-                         inputs_.points_file, inputs_.points, cli::DeviceTrace::of(frames)));
+    return bad_input(
+        "--people: received " + to_string(reference.mac) + " " +
+        explain_other_times(inputs_.points_file, inputs_.points, DeviceTrace::of(frames)));
   }
   auto fit = fit_person(people_room_, reference, measured.spots);
   if (!fit) {

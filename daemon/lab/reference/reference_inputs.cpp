@@ -18,11 +18,11 @@ Expected<FixedFrames> read_captures(const Site& site,
                                     const std::vector<std::string>& arguments,
                                     std::vector<std::string>& notes) {
   const auto captures =
-      cli::resolve_captures(arguments, access_point_ids(site), cli::PerAccessPoint::kSeveral);
+      resolve_captures(arguments, access_point_ids(site), PerAccessPoint::kSeveral);
   RAYLOC_TRY(captures);
-  auto frames = cli::read_fixed_frames(site, *captures, notes);
+  auto frames = read_fixed_frames(site, *captures, notes);
   RAYLOC_TRY(frames);
-  for (const cli::RecordingArgument& recording : cli::recordings_of(*captures)) {
+  for (const RecordingArgument& recording : recordings_of(*captures)) {
     const std::size_t index = *find_access_point(site, recording.access_point);
     const bool received = std::any_of(frames->begin(), frames->end(), [&](const auto& entry) {
       return std::any_of(entry.second.begin(), entry.second.end(), [&](const CsiFrame& frame) {
@@ -30,8 +30,7 @@ Expected<FixedFrames> read_captures(const Site& site,
       });
     });
     if (!received) {
-      std::string message = cli::files_text(recording) + ": access point '" +
-                            recording.access_point +
+      std::string message = files_text(recording) + ": access point '" + recording.access_point +
                             "' received no fixed transmitter of the site; give a recording of one "
                             "of the [[transmitter]] with role = \"fixed\"";
       for (const std::string& note : notes) {

@@ -14,15 +14,15 @@ Expected<ReplayInputs> open_replay_inputs(const ReplayRecordings& recordings,
                                           const Site& site,
                                           const Method& method,
                                           Timestamp listen_from) {
-  const auto captures = cli::resolve_captures(
-      recordings.captures, access_point_ids(site), cli::PerAccessPoint::kSeveral);
+  const auto captures =
+      resolve_captures(recordings.captures, access_point_ids(site), PerAccessPoint::kSeveral);
   RAYLOC_TRY(captures);
   PcapFileOptions file_options;
   file_options.max_gap = recordings.max_gap;
   const auto pace =
       recordings.speed ? std::make_shared<Pace>(*recordings.speed, recordings.max_gap) : nullptr;
   ReplayInputs all;
-  for (const cli::RecordingArgument& recording : cli::recordings_of(*captures)) {
+  for (const RecordingArgument& recording : recordings_of(*captures)) {
     auto source = RecordedSource::open(recording.files, file_options);
     RAYLOC_TRY(source);
     const std::size_t index = *find_access_point(site, recording.access_point);

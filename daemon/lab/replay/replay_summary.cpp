@@ -23,7 +23,7 @@ ReplayedSource replayed_source(const SourceReport& report, const RecordedSource&
   source.rejected = sum_of(report.source.rejected) + sum_of(report.receiver.rejected);
   source.frames = report.receiver.frames;
   source.partial = report.receiver.partial;
-  cli::note_recording(recording, report.receiver, report.access_point, source.notes);
+  note_recording(recording, report.receiver, report.access_point, source.notes);
   if (!report.stamps.empty()) {
     source.notes.push_back(report.access_point + ": " + report.description + ": " + report.stamps);
   }
@@ -42,7 +42,7 @@ std::string reason_of_no_frames(const std::vector<SourceReport>& sources) {
     received += source.source.received;
     frames += source.receiver.frames;
     is_rejected = is_rejected || !source.receiver.troubles.empty();
-    of_no_device += cli::addresses_refused(source.receiver);
+    of_no_device += addresses_refused(source.receiver);
     is_complete = is_complete && source.error.empty();
   }
   if (!is_complete || received == 0 || frames > 0) {

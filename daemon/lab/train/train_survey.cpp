@@ -23,9 +23,9 @@ Expected<Frames> read_frames(const Site& site,
                              const std::vector<std::string>& arguments,
                              std::vector<std::string>& notes) {
   const auto captures =
-      cli::resolve_captures(arguments, access_point_ids(site), cli::PerAccessPoint::kSeveral);
+      resolve_captures(arguments, access_point_ids(site), PerAccessPoint::kSeveral);
   RAYLOC_TRY(captures);
-  auto frames = cli::read_fixed_frames(site, *captures, notes);
+  auto frames = read_fixed_frames(site, *captures, notes);
   if (frames) {
     for (auto& [mac, all] : *frames) {
       std::stable_sort(all.begin(), all.end(), [](const CsiFrame& a, const CsiFrame& b) {
@@ -79,14 +79,14 @@ std::string hash_of(const TrainSurvey& survey) {
 Expected<TrainSurvey> read_device_survey(const Site& site,
                                          const RoomModel& room,
                                          const SurveyArguments& arguments) {
-  const auto captures = cli::resolve_captures(
-      arguments.captures, access_point_ids(site), cli::PerAccessPoint::kSeveral);
+  const auto captures =
+      resolve_captures(arguments.captures, access_point_ids(site), PerAccessPoint::kSeveral);
   RAYLOC_TRY(captures);
-  auto read = cli::read_calibration_inputs(
-      cli::with_bounds(site, room), *captures, arguments.points, arguments.time_offset);
+  auto read = read_calibration_inputs(
+      with_bounds(site, room), *captures, arguments.points, arguments.time_offset);
   RAYLOC_TRY(read);
   TrainSurvey survey;
-  for (cli::SurveyedFrames& spot : read->points) {
+  for (SurveyedFrames& spot : read->points) {
     if (!spot.frames.empty()) {
       survey.points.push_back({spot.point.position, std::move(spot.frames)});
     }
@@ -112,9 +112,8 @@ Expected<TrainSurvey> read_people_survey(const Site& site, const SurveyArguments
   }
   if (!survey.transmitter && !frames->empty() && !frames->begin()->second.empty()) {
     const auto& [mac, all] = *frames->begin();
-    return bad_input(
-        "--capture: received " + to_string(mac) + " " +
-        cli::explain_other_times(arguments.points, *points, cli::DeviceTrace::of(all)));
+    return bad_input("--capture: received " + to_string(mac) + " " +
+                     explain_other_times(arguments.points, *points, DeviceTrace::of(all)));
   }
   if (!survey.transmitter) {
     return bad_input(arguments.points +

@@ -68,7 +68,7 @@ Expected<void> WalkedSurvey::keep() {
                       "no access point has received a frame since you tapped your place; does the "
                       "device send? Nothing was written");
   }
-  auto file = cli::SurveyFile::open(file_.string());
+  auto file = SurveyFile::open(file_.string());
   RAYLOC_TRY(file);
   auto written = file->append({stay_->since, std::chrono::system_clock::now(), stay_->position, 0});
   if (written) {

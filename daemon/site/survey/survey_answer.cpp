@@ -7,7 +7,7 @@
 
 #include "engine/base/suggestion.h"
 
-namespace rayloc::cli {
+namespace rayloc {
 namespace {
 
 std::string_view trimmed(std::string_view text) {
@@ -73,4 +73,4 @@ Expected<SurveyAnswer> parse_survey_answer(std::string_view line,
                    (numbers || plan.empty() ? "" : suggestion(text, names)));
 }
 
-}  // namespace rayloc::cli
+}  // namespace rayloc

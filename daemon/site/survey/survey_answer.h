@@ -9,7 +9,7 @@
 #include "daemon/site/survey/planned_points.h"
 #include "engine/base/expected.h"
 
-namespace rayloc::cli {
+namespace rayloc {
 
 struct SurveyAnswer {
   bool quit = false;
@@ -23,4 +23,4 @@ Expected<SurveyAnswer> parse_survey_answer(std::string_view line,
                                            const PlannedPoint* next,
                                            double usual_height);
 
-}  // namespace rayloc::cli
+}  // namespace rayloc

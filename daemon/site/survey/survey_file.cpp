@@ -12,7 +12,7 @@
 
 #include "daemon/site/survey/csv_table.h"
 
-namespace rayloc::cli {
+namespace rayloc {
 namespace {
 
 constexpr const char* kHeader = "t_start,t_end,x,y,z\n";
@@ -95,4 +95,4 @@ Expected<void> SurveyFile::append(const SurveyPoint& point) {
   return written;
 }
 
-}  // namespace rayloc::cli
+}  // namespace rayloc

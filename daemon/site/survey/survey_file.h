@@ -9,7 +9,7 @@
 #include "daemon/site/survey/points_csv.h"
 #include "engine/base/expected.h"
 
-namespace rayloc::cli {
+namespace rayloc {
 
 class SurveyFile {
  public:
@@ -29,4 +29,4 @@ class SurveyFile {
   std::vector<SurveyPoint> points_;
 };
 
-}  // namespace rayloc::cli
+}  // namespace rayloc

@@ -6,7 +6,7 @@
 #include "capture/source/transport_schemes.h"
 #include "daemon/site/model/receiver_options.h"
 
-namespace rayloc::cli {
+namespace rayloc {
 
 Expected<SurveyListener> SurveyListener::open(const Site& site,
                                               const std::vector<SurveyPort>& ports) {
@@ -107,4 +107,4 @@ Expected<void> SurveyListener::finish() {
   return result;
 }
 
-}  // namespace rayloc::cli
+}  // namespace rayloc

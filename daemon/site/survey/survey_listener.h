@@ -15,7 +15,7 @@
 #include "daemon/site/model/site.h"
 #include "engine/base/expected.h"
 
-namespace rayloc::cli {
+namespace rayloc {
 
 struct SurveyPort {
   std::size_t access_point = 0;  // position in the site's list
@@ -60,4 +60,4 @@ class SurveyListener {
   Timestamp start_ = Timestamp::max();
 };
 
-}  // namespace rayloc::cli
+}  // namespace rayloc

@@ -10,7 +10,7 @@
 #include "daemon/site/scene/solid_around.h"
 #include "engine/base/printable.h"
 
-namespace rayloc::cli {
+namespace rayloc {
 namespace {
 
 constexpr double kSamePlace = 0.01;  // [m]: a planned point this close to a row is done
@@ -100,4 +100,4 @@ Expected<void> SurveySession::write(const CountedPoint& counted, const Vec3d& po
   return file_.append({counted.start, std::chrono::system_clock::now(), position, 0});
 }
 
-}  // namespace rayloc::cli
+}  // namespace rayloc

@@ -17,7 +17,7 @@
 #include "engine/base/expected.h"
 #include "engine/base/timestamp.h"
 
-namespace rayloc::cli {
+namespace rayloc {
 
 // Fails (kUsage) if a device cannot be at that position [m]: outside of the room or inside of an
 // object. The message states the bounds or the object.
@@ -81,4 +81,4 @@ class SurveySession {
   std::size_t written_ = 0;
 };
 
-}  // namespace rayloc::cli
+}  // namespace rayloc

@@ -338,17 +338,16 @@ int run(const std::vector<std::string>& arguments, const Options& options) {
     std::fprintf(stderr, "wave_bench: %s\n", room.error().message.c_str());
     return 65;
   }
-  const auto captures = cli::resolve_captures({arguments.begin() + 2, arguments.end()},
-                                              access_point_ids(*site),
-                                              cli::PerAccessPoint::kSeveral);
-  auto inputs = captures ? cli::read_calibration_inputs(*site, *captures, arguments[1])
+  const auto captures = resolve_captures(
+      {arguments.begin() + 2, arguments.end()}, access_point_ids(*site), PerAccessPoint::kSeveral);
+  auto inputs = captures ? read_calibration_inputs(*site, *captures, arguments[1])
                          : tl::make_unexpected(captures.error());
   if (!inputs) {
     std::fprintf(stderr, "wave_bench: %s\n", inputs.error().message.c_str());
     return 65;
   }
   const std::vector<bool> held(inputs->points.size(), true);
-  const auto survey = cli::combine_survey(*room, held, arguments[1], *inputs);
+  const auto survey = combine_survey(*room, held, arguments[1], *inputs);
   std::puts(
       "| access point | kind | likelihood | more | error | right place | more | error | tolerance "
       "| "

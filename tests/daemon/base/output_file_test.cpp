@@ -11,7 +11,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace rayloc::cli::output_file_test {
+namespace rayloc::output_file_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -58,4 +58,4 @@ TEST(OutputFile, RemembersAFailedWrite) {
 }
 
 }  // namespace
-}  // namespace rayloc::cli::output_file_test
+}  // namespace rayloc::output_file_test

@@ -104,8 +104,8 @@ Burst burst_of(std::vector<CsiFrame> frames) {
 
 TEST_F(RotatedChains, AreUsedOnlyOnceLearnedAndThenKept) {
   const Site site = load_site(path("calibrated")).value();
-  const auto captures = cli::resolve_captures({path("spots.pcap")}, {"ap1"}).value();
-  const auto spots = cli::read_calibration_inputs(site, captures, path("spots.csv")).value();
+  const auto captures = resolve_captures({path("spots.pcap")}, {"ap1"}).value();
+  const auto spots = read_calibration_inputs(site, captures, path("spots.csv")).value();
   ASSERT_EQ(spots.points.size(), static_cast<std::size_t>(kBursts));
   DeviceEstimator::Options options;
   options.chains.write = path("chains.json");

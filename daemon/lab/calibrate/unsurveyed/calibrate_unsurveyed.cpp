@@ -15,7 +15,7 @@
 #include "daemon/site/model/room_model.h"
 #include "daemon/site/model/site_copy.h"
 
-namespace rayloc::cli {
+namespace rayloc {
 namespace {
 
 namespace fs = std::filesystem;
@@ -173,4 +173,4 @@ Expected<UnsurveyedOutcome> run_unsurveyed(const UnsurveyedArguments& arguments,
   return fit_room(learned, work.file("places.csv"), *places, arguments, observer);
 }
 
-}  // namespace rayloc::cli
+}  // namespace rayloc

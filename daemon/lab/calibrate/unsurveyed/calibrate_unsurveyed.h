@@ -11,7 +11,7 @@
 #include "daemon/lab/calibrate/calibrate_rechain.h"
 #include "engine/base/expected.h"
 
-namespace rayloc::cli {
+namespace rayloc {
 
 struct UnsurveyedArguments {
   std::string site;                   // uncalibrated site
@@ -45,4 +45,4 @@ struct UnsurveyedObserver : FitObserver {
 Expected<UnsurveyedOutcome> run_unsurveyed(const UnsurveyedArguments& arguments,
                                            const UnsurveyedObserver& observer = {});
 
-}  // namespace rayloc::cli
+}  // namespace rayloc

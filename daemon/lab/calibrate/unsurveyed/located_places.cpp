@@ -11,7 +11,7 @@
 #include "engine/chains/chain_frames.h"
 #include "engine/localize/localizer.h"
 
-namespace rayloc::cli {
+namespace rayloc {
 namespace {
 
 constexpr double kSure = 0.9;            // probability of the first hypothesis, chosen
@@ -87,4 +87,4 @@ std::string to_csv(const std::vector<SurveyPoint>& points) {
   return csv;
 }
 
-}  // namespace rayloc::cli
+}  // namespace rayloc

@@ -11,7 +11,7 @@
 #include "engine/base/expected.h"
 #include "engine/room/room_model.h"
 
-namespace rayloc::cli {
+namespace rayloc {
 
 struct LocatedPlaces {
   std::vector<SurveyPoint> points;  // ordered by time, at most about two hundred
@@ -29,4 +29,4 @@ Expected<LocatedPlaces> located_places(const Site& site,
 // In the format of load_points_csv().
 std::string to_csv(const std::vector<SurveyPoint>& points);
 
-}  // namespace rayloc::cli
+}  // namespace rayloc

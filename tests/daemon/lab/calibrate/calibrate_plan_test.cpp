@@ -10,7 +10,7 @@
 
 #include "tests/support/test_paths.h"
 
-namespace rayloc::cli::calibrate_plan_test {
+namespace rayloc::calibrate_plan_test {
 namespace {
 
 using ::testing::Contains;
@@ -57,4 +57,4 @@ TEST(CalibratePlan, ReturnsAnErrorWithoutASite) {
 }
 
 }  // namespace
-}  // namespace rayloc::cli::calibrate_plan_test
+}  // namespace rayloc::calibrate_plan_test

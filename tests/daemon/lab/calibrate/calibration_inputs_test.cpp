@@ -15,7 +15,7 @@
 #include "tests/support/test_paths.h"
 #include "tests/support/wire_writer.h"
 
-namespace rayloc::cli::calibration_inputs_test {
+namespace rayloc::calibration_inputs_test {
 namespace {
 
 const std::string kFolder = test::data_path("/sites/meeting_room");
@@ -250,4 +250,4 @@ TEST_F(CalibrationInputsTest, DistinguishesExchangedRecordings) {
 }
 
 }  // namespace
-}  // namespace rayloc::cli::calibration_inputs_test
+}  // namespace rayloc::calibration_inputs_test

@@ -17,7 +17,7 @@
 #include "daemon/site/survey/time_offset.h"
 #include "tests/support/test_paths.h"
 
-namespace rayloc::cli::field_survey_clock_test {
+namespace rayloc::field_survey_clock_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -230,4 +230,4 @@ TEST(Field, RecordingWithAClockOfItsOwnIsNamedAlone) {
 }
 
 }  // namespace
-}  // namespace rayloc::cli::field_survey_clock_test
+}  // namespace rayloc::field_survey_clock_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace rayloc::cli::capture_argument_test {
+namespace rayloc::capture_argument_test {
 namespace {
 
 TEST(CaptureArgument, SplitsAtTheAccessPoint) {
@@ -48,4 +48,4 @@ TEST(CaptureArgument, RefusesAmbiguousArguments) {
 }
 
 }  // namespace
-}  // namespace rayloc::cli::capture_argument_test
+}  // namespace rayloc::capture_argument_test

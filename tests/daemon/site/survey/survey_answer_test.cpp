@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace rayloc::cli::survey_answer_test {
+namespace rayloc::survey_answer_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -47,4 +47,4 @@ TEST(SurveyAnswer, SuggestsAValidAnswer) {
 }
 
 }  // namespace
-}  // namespace rayloc::cli::survey_answer_test
+}  // namespace rayloc::survey_answer_test

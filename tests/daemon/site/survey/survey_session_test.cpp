@@ -13,7 +13,7 @@
 
 #include "tests/support/test_paths.h"
 
-namespace rayloc::cli::survey_session_test {
+namespace rayloc::survey_session_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -101,4 +101,4 @@ TEST_F(SurveySessionTest, APointEndsEarlyAtTheTimeoutOrByASignal) {
 }
 
 }  // namespace
-}  // namespace rayloc::cli::survey_session_test
+}  // namespace rayloc::survey_session_test
