@@ -5,9 +5,9 @@
 #include "daemon/methods/device_method.h"
 #include "daemon/methods/method.h"
 #include "daemon/methods/person_method.h"
-#include "engine/paper/paper_localizer.h"
-#include "engine/paper/paper_person_localizer.h"
-#include "engine/paper/paper_settings.h"
+#include "engine/paper/localizer.h"
+#include "engine/paper/person_localizer.h"
+#include "engine/paper/settings.h"
 
 namespace rayloc {
 namespace {
@@ -17,7 +17,7 @@ constexpr std::string_view kMultiStart = "multi_start";
 std::span<const MethodSetting> settings() {
   static const std::vector<MethodSetting> kAll = [] {
     std::vector<MethodSetting> all = {{kMultiStart, "random starts; the least loss wins"}};
-    for (const PaperSetting& setting : paper_settings()) {
+    for (const paper::Setting& setting : paper::settings()) {
       all.push_back({setting.key, setting.meaning});
     }
     return all;
@@ -26,13 +26,13 @@ std::span<const MethodSetting> settings() {
 }
 
 // `defaults`: for the kind of target.
-PaperLocalizerOptions apply(const MethodOptions& options, PaperLocalizerOptions defaults) {
+paper::LocalizerOptions apply(const MethodOptions& options, paper::LocalizerOptions defaults) {
   defaults.seed = options.seed;
   defaults.start = options.start;
   if (const auto* starts = find_value<double>(options.values, kMultiStart)) {
     defaults.starts = static_cast<std::size_t>(*starts);
   }
-  for (const PaperSetting& setting : paper_settings()) {
+  for (const paper::Setting& setting : paper::settings()) {
     if (const auto* value = find_value<double>(options.values, setting.key)) {
       setting.set(defaults, *value);
     }
@@ -42,7 +42,7 @@ PaperLocalizerOptions apply(const MethodOptions& options, PaperLocalizerOptions 
 
 class PaperDevices : public DeviceMethod {
  public:
-  PaperDevices(PaperLocalizer localizer, std::uint64_t seed)
+  PaperDevices(paper::Localizer localizer, std::uint64_t seed)
       : localizer_(std::move(localizer)), seed_(seed) {}
 
   const RoomModel& room() const override { return localizer_.room(); }
@@ -51,13 +51,13 @@ class PaperDevices : public DeviceMethod {
   }
 
  private:
-  PaperLocalizer localizer_;
+  paper::Localizer localizer_;
   std::uint64_t seed_;
 };
 
 class PaperPeople : public PersonMethod {
  public:
-  PaperPeople(PaperPersonLocalizer localizer, std::uint64_t seed)
+  PaperPeople(paper::PersonLocalizer localizer, std::uint64_t seed)
       : localizer_(std::move(localizer)), seed_(seed) {}
 
   std::vector<LocationEstimate> locate(std::span<const CsiFrame> frames,
@@ -66,19 +66,19 @@ class PaperPeople : public PersonMethod {
   }
 
  private:
-  PaperPersonLocalizer localizer_;
+  paper::PersonLocalizer localizer_;
   std::uint64_t seed_;
 };
 
 Expected<std::unique_ptr<DeviceMethod>> create_device(DeviceMethodInput input) {
-  auto made = PaperLocalizer::create(std::move(input.room), apply(input.options, {}));
+  auto made = paper::Localizer::create(std::move(input.room), apply(input.options, {}));
   RAYLOC_TRY(made);
   return std::make_unique<PaperDevices>(*std::move(made), input.options.seed);
 }
 
 Expected<std::unique_ptr<PersonMethod>> create_person(PersonMethodInput input) {
-  auto made = PaperPersonLocalizer::create(
-      std::move(input.room), input.reference, apply(input.options, paper_person_options()));
+  auto made = paper::PersonLocalizer::create(
+      std::move(input.room), input.reference, apply(input.options, paper::person_options()));
   RAYLOC_TRY(made);
   return std::make_unique<PaperPeople>(*std::move(made), input.options.seed);
 }

@@ -1,5 +1,5 @@
 // Inputs, progress reports and results of a room's calibration. Shared by the two methods:
-// calibrate_jointly() (METHODS B4) and calibrate_by_paper() (METHODS A3).
+// calibrate_jointly() (METHODS B4) and paper::calibrate() (METHODS A3).
 #pragma once
 
 #include <complex>

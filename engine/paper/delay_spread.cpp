@@ -6,7 +6,7 @@
 
 #include "engine/base/check.h"
 
-namespace rayloc {
+namespace rayloc::paper {
 namespace {
 
 using Value = std::complex<double>;
@@ -104,4 +104,4 @@ std::vector<Value> DelaySpread::adjoint(std::span<const Value> h,
   return adjoint;
 }
 
-}  // namespace rayloc
+}  // namespace rayloc::paper

@@ -19,7 +19,7 @@
 
 #include "engine/channel/ofdm_grid.h"
 
-namespace rayloc {
+namespace rayloc::paper {
 
 class DelaySpread {
  public:
@@ -50,4 +50,4 @@ class DelaySpread {
   std::vector<std::pair<std::size_t, std::size_t>> pair_;  // tones that are D apart
 };
 
-}  // namespace rayloc
+}  // namespace rayloc::paper

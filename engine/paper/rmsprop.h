@@ -16,7 +16,7 @@
 
 #include "engine/base/check.h"
 
-namespace rayloc {
+namespace rayloc::paper {
 
 struct RmspropOptions {
   double decay = 0.9;     // of the running mean square, [0, 1)
@@ -51,4 +51,4 @@ class Rmsprop {
   double remembered_ = 1.0;  // decay^t
 };
 
-}  // namespace rayloc
+}  // namespace rayloc::paper

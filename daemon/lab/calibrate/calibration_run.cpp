@@ -19,7 +19,7 @@
 #include "engine/calibrate/check/input_check.h"
 #include "engine/calibrate/joint/joint_calibration.h"
 #include "engine/calibrate/joint/multi_start.h"
-#include "engine/paper/paper_calibration.h"
+#include "engine/paper/calibration.h"
 
 namespace rayloc {
 namespace {
@@ -183,7 +183,7 @@ Expected<CalibrationMethodResult> Calibration::calibrate(const std::string& meth
     return gains_only();
   }
   CalibrationMethodResult result{method, {}, 0.0, plan_.trace};
-  const PaperCalibrationOptions paper;
+  const paper::CalibrationOptions paper;
   result.rays = method == "paper"
                     ? TraceOptions{.max_depth = paper.max_depth, .softness = paper.softness}
                     : JointCalibrationOptions().trace;
@@ -193,7 +193,7 @@ Expected<CalibrationMethodResult> Calibration::calibrate(const std::string& meth
     return go_on();
   };
   const auto begin = std::chrono::steady_clock::now();
-  auto calibration = method == "paper" ? calibrate_by_paper(start_, points_, paper, observer)
+  auto calibration = method == "paper" ? paper::calibrate(start_, points_, paper, observer)
                                        : jointly(observer, result.seconds);
   RAYLOC_TRY(calibration);
   result.calibration = *std::move(calibration);

@@ -11,7 +11,7 @@
 #include "daemon/site/model/toml_reader.h"
 #include "engine/base/check.h"
 #include "engine/likelihood/likelihood.h"
-#include "engine/paper/paper_settings.h"
+#include "engine/paper/settings.h"
 
 namespace rayloc {
 namespace {
@@ -380,11 +380,11 @@ bool is_walking(const Condition& condition) { return condition.motion == "walk";
 
 bool is_control(const Condition& condition) { return find_method(condition.method) == nullptr; }
 
-PaperLocalizerOptions Condition::paper_options() const {
-  PaperLocalizerOptions options =
-      kind == "person" ? paper_person_options() : PaperLocalizerOptions{};
+paper::LocalizerOptions Condition::paper_options() const {
+  paper::LocalizerOptions options =
+      kind == "person" ? paper::person_options() : paper::LocalizerOptions{};
   for (const auto& [key, value] : paper) {
-    find_paper_setting(key)->set(options, value);
+    paper::find_setting(key)->set(options, value);
   }
   return options;
 }
@@ -399,18 +399,18 @@ Condition default_condition() {
 
 std::string condition_text(const Condition& condition, std::string_view key) {
   if (key.starts_with(kPaper)) {
-    const PaperSetting* setting = find_paper_setting(key.substr(kPaper.size()));
+    const paper::Setting* setting = paper::find_setting(key.substr(kPaper.size()));
     RAYLOC_CHECK(setting != nullptr);
-    return paper_text(*setting, setting->get(condition.paper_options()));
+    return paper::setting_text(*setting, setting->get(condition.paper_options()));
   }
   return text_of(condition, find_key(key));
 }
 
 std::optional<double> condition_number(const Condition& condition, std::string_view key) {
   if (key.starts_with(kPaper)) {
-    const PaperSetting* setting = find_paper_setting(key.substr(kPaper.size()));
+    const paper::Setting* setting = paper::find_setting(key.substr(kPaper.size()));
     RAYLOC_CHECK(setting != nullptr);
-    return setting->kind == PaperSettingKind::kFlag
+    return setting->kind == paper::SettingKind::kFlag
                ? std::nullopt
                : std::optional(setting->get(condition.paper_options()));
   }
@@ -428,7 +428,7 @@ std::vector<std::string> reported_keys(std::span<const Condition* const> conditi
       keys.emplace_back(key.key);
     }
   }
-  for (const PaperSetting& setting : paper_settings()) {
+  for (const paper::Setting& setting : paper::settings()) {
     keys.push_back(std::string(kPaper) + std::string(setting.key));
   }
   return keys;
@@ -457,14 +457,15 @@ std::string experiment_help() {
         quoted ? "\"" + std::string(key.preset) + "\"" : std::string(key.preset);
     line(std::string(key.key) + " = " + value, key.meaning);
   }
-  const PaperLocalizerOptions defaults;
-  const PaperLocalizerOptions people = paper_person_options();
-  for (const PaperSetting& setting : paper_settings()) {
+  const paper::LocalizerOptions defaults;
+  const paper::LocalizerOptions people = paper::person_options();
+  for (const paper::Setting& setting : paper::settings()) {
     std::string meaning(setting.meaning);
     if (setting.get(people) != setting.get(defaults)) {
-      meaning += " (people: " + paper_text(setting, setting.get(people)) + ")";
+      meaning += " (people: " + paper::setting_text(setting, setting.get(people)) + ")";
     }
-    line("paper." + std::string(setting.key) + " = " + paper_text(setting, setting.get(defaults)),
+    line("paper." + std::string(setting.key) + " = " +
+             paper::setting_text(setting, setting.get(defaults)),
          meaning);
   }
   return help;

@@ -1,6 +1,6 @@
 // Condition: one setting of a study: the room, its clutter, the receivers, the localization method.
 //
-// condition_keys() and engine/paper/paper_settings.h define the keys of an experiment's file
+// condition_keys() and engine/paper/settings.h define the keys of an experiment's file
 // completely: reading, defaults, the text of `rayloc experiment --help` and the columns of the
 // report come from them. Any of them can be an axis of a study.
 #pragma once
@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "daemon/site/model/number_range.h"
-#include "engine/paper/paper_options.h"
+#include "engine/paper/options.h"
 
 namespace rayloc {
 
@@ -58,10 +58,10 @@ struct Condition {
   double model_depth = 0;     // reflections in the model
   double repeats = 0;         // locations per spot with other random numbers; method paper
   double multi_start = 0;     // random starts per location, least loss wins; method paper
-  std::map<std::string, double, std::less<>> paper;  // stated values, by key of paper_settings()
+  std::map<std::string, double, std::less<>> paper;  // stated values, by key of paper::settings()
 
   // With the defaults of the located kind.
-  PaperLocalizerOptions paper_options() const;
+  paper::LocalizerOptions paper_options() const;
 };
 
 struct ConditionKey {

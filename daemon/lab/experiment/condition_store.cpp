@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/base/content_hash.h"
-#include "engine/paper/paper_settings.h"
+#include "engine/paper/settings.h"
 
 namespace rayloc {
 namespace {
@@ -30,7 +30,7 @@ std::string hash_of(const Condition& condition, std::uint64_t seed) {
   for (const ConditionKey& key : condition_keys()) {
     hash.add(condition_text(condition, key.key));
   }
-  for (const PaperSetting& setting : paper_settings()) {
+  for (const paper::Setting& setting : paper::settings()) {
     hash.add(condition_text(condition, "paper." + std::string(setting.key)));
   }
   return hash.text();

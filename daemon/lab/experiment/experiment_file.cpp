@@ -9,7 +9,7 @@
 #include "daemon/methods/method_registry.h"
 #include "daemon/site/model/toml_reader.h"
 #include "engine/base/suggestion.h"
-#include "engine/paper/paper_settings.h"
+#include "engine/paper/settings.h"
 
 namespace rayloc {
 namespace {
@@ -64,16 +64,16 @@ std::vector<Value> read_values(const TomlTable& table, const ConditionKey& key) 
   return values;
 }
 
-std::vector<Value> read_values(const TomlTable& table, const PaperSetting& setting) {
+std::vector<Value> read_values(const TomlTable& table, const paper::Setting& setting) {
   std::vector<Value> values;
   std::vector<double> numbers;
-  if (setting.kind == PaperSettingKind::kFlag) {
+  if (setting.kind == paper::SettingKind::kFlag) {
     for (const bool flag : table.booleans(setting.key)) {
       numbers.push_back(flag ? 1.0 : 0.0);
     }
   } else {
     numbers = table.numbers(setting.key, {setting.min, setting.max, {}});
-    if (setting.kind == PaperSettingKind::kWhole && !check_whole(table, setting.key, numbers)) {
+    if (setting.kind == paper::SettingKind::kWhole && !check_whole(table, setting.key, numbers)) {
       return {};
     }
   }
@@ -95,7 +95,7 @@ std::vector<Stated> read_stated(const TomlTable& table) {
     }
   }
   if (const auto paper = table.table("paper")) {
-    for (const PaperSetting& setting : paper_settings()) {
+    for (const paper::Setting& setting : paper::settings()) {
       auto values = read_values(*paper, setting);
       if (!values.empty()) {
         stated.push_back(
@@ -209,7 +209,7 @@ class ExperimentReader {
         }
       }
     }
-    const PaperLocalizerOptions paper = condition.paper_options();
+    const paper::LocalizerOptions paper = condition.paper_options();
     for (const auto& valid : {validate(paper.descent), validate(paper.csi.smoothing)}) {
       if (!valid) {
         table.error_at("paper", valid.error().message);

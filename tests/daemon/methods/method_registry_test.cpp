@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "engine/paper/paper_settings.h"
+#include "engine/paper/settings.h"
 
 namespace rayloc::method_registry_test {
 namespace {
@@ -42,7 +42,7 @@ TEST(MethodRegistry, EveryRowIsCompletelyDescribed) {
 
 TEST(MethodRegistry, PaperHasAllOfItsSettings) {
   const Method& paper = *find_method("paper");
-  for (const PaperSetting& setting : paper_settings()) {
+  for (const paper::Setting& setting : paper::settings()) {
     EXPECT_TRUE(paper.has_setting(setting.key)) << setting.key;
   }
   EXPECT_FALSE(paper.has_setting("likelihood"));

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <random>
 
-namespace rayloc::delay_spread_test {
+namespace rayloc::paper::delay_spread_test {
 namespace {
 
 using Value = std::complex<double>;
@@ -116,4 +116,4 @@ TEST(DelaySpread, AdjointMatchesDifferences) {
 }
 
 }  // namespace
-}  // namespace rayloc::delay_spread_test
+}  // namespace rayloc::paper::delay_spread_test

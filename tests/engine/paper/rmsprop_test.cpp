@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-namespace rayloc::rmsprop_test {
+namespace rayloc::paper::rmsprop_test {
 namespace {
 
 TEST(Rmsprop, StepLengthDependsOnlyOnTheRate) {
@@ -49,4 +49,4 @@ TEST(Rmsprop, FindsTheLowestPlaceOfAValley) {
 }
 
 }  // namespace
-}  // namespace rayloc::rmsprop_test
+}  // namespace rayloc::paper::rmsprop_test

@@ -6,7 +6,7 @@
 
 #include "engine/base/vec3.h"
 #include "engine/baselines/settings.h"
-#include "engine/paper/paper_settings.h"
+#include "engine/paper/settings.h"
 
 namespace rayloc::cli {
 namespace {
@@ -84,7 +84,7 @@ Expected<MethodOptions> method_options(const MethodArguments& options) {
     settings.values.insert_or_assign("multi_start", static_cast<double>(options.starts));
   }
   for (const std::string& text : options.paper) {
-    const auto assignment = read_paper_assignment(text);
+    const auto assignment = paper::read_assignment(text);
     if (!assignment) {
       return make_error(ErrorKind::kUsage, "--paper " + assignment.error().message);
     }
@@ -129,7 +129,7 @@ void add_method_options(OptionParser& app, MethodArguments& options) {
       options.paper,
       "KEY=VALUE: hyper-parameters and ablations of method paper, with their defaults for devices "
       "(for people where they differ):\n" +
-          paper_settings_help());
+          paper::settings_help());
   app.add_option("--baseline", options.baseline, help_of_baselines());
   app.add_option("--start",
                  options.start,
