@@ -65,7 +65,7 @@ passes engine/scene/bvh.cpp '#include <embree3/rtcore.h>' \
   engine/localize/grid.cpp '#include "engine/trace/path.h"' \
   capture/source/udp_source.cpp '#include <sys/socket.h>' \
   daemon/live/publish/publisher.cpp '#include <zmq.hpp>' \
-  daemon/live/cluster/nats/nats_broker.cpp '#include <nats/nats.h>' \
+  daemon/live/cluster/nats/broker.cpp '#include <nats/nats.h>' \
   daemon/live/publish/publisher.cpp '#include "rayloc/v1/location.pb.h"' \
   daemon/live/output/publisher_stage.h '#include "rayloc/v1/heartbeat.pb.h"' \
   daemon/live/output/publisher_stage.cpp '#include "daemon/messages/location_message.h"' \

@@ -135,7 +135,7 @@ class Broker {
 };
 
 // Begins to connect and returns at once. An Error where the NATS module is not installed
-// (nats/nats_module.h), or where a server's address, a certificate or a seed cannot be parsed.
+// (nats/module.h), or where a server's address, a certificate or a seed cannot be parsed.
 Expected<std::shared_ptr<Broker>> open_broker(const BrokerOptions& options);
 
 }  // namespace rayloc

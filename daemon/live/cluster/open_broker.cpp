@@ -3,28 +3,28 @@
 #include <filesystem>
 
 #include "daemon/live/cluster/broker.h"
-#include "daemon/live/cluster/nats/nats_module.h"
+#include "daemon/live/cluster/nats/module.h"
 #include "daemon/live/cluster/operate/nkey.h"
 
 namespace rayloc {
 namespace {
 
 // The module stays loaded: libnats has threads. Returns null with the reason in `why`.
-OpenNats find_module(std::string& why) {
+nats::Open find_module(std::string& why) {
 #ifdef RAYLOC_NATS_LINKED
   (void)why;
   return rayloc_open_nats;
 #else
   std::error_code failed;
   const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", failed);
-  const std::filesystem::path file = (program.parent_path() / kNatsModule).lexically_normal();
+  const std::filesystem::path file = (program.parent_path() / nats::kModule).lexically_normal();
   void* const module = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
   if (module == nullptr) {
     const char* const message = ::dlerror();
     why = message != nullptr ? message : file.string();
     return nullptr;
   }
-  return reinterpret_cast<OpenNats>(::dlsym(module, kOpenNats));
+  return reinterpret_cast<nats::Open>(::dlsym(module, nats::kOpen));
 #endif
 }
 
@@ -38,7 +38,7 @@ Expected<std::shared_ptr<Broker>> open_broker(const BrokerOptions& options) {
     nkey = std::move(*made);
   }
   std::string why;
-  const OpenNats open = find_module(why);
+  const nats::Open open = find_module(why);
   if (open == nullptr) {
     return make_error(ErrorKind::kUnavailable,
                       "[cluster]: the connection to NATS cannot be loaded (" + why +

@@ -1,4 +1,4 @@
-// Broker over libnats: only this file, nats_link and nats_options use libnats.
+// Broker over libnats: only this file, link and options use libnats.
 #include <nats/nats.h>
 
 #include <algorithm>
@@ -10,12 +10,12 @@
 #include <utility>
 
 #include "daemon/live/cluster/broker.h"
-#include "daemon/live/cluster/nats/nats_link.h"
-#include "daemon/live/cluster/nats/nats_message.h"
-#include "daemon/live/cluster/nats/nats_module.h"
-#include "daemon/live/cluster/nats/nats_options.h"
+#include "daemon/live/cluster/nats/link.h"
+#include "daemon/live/cluster/nats/message.h"
+#include "daemon/live/cluster/nats/module.h"
+#include "daemon/live/cluster/nats/options.h"
 
-namespace rayloc {
+namespace rayloc::nats {
 namespace {
 
 constexpr std::int64_t kMaxPayload = 1 << 20;  // bytes: the default of a server
@@ -33,7 +33,7 @@ tl::unexpected<Error> away(const std::string& what) {
   return make_error(ErrorKind::kUnavailable, what + ": no server answers");
 }
 
-using Slots = std::list<std::shared_ptr<NatsSlot>>;
+using Slots = std::list<std::shared_ptr<Slot>>;
 
 class NatsBroker final : public Broker {
  public:
@@ -84,40 +84,40 @@ class NatsBroker final : public Broker {
                                                  const std::string& subject) override;
 
   // Null while no server answers.
-  std::shared_ptr<NatsLink> linked() const {
+  std::shared_ptr<Link> linked() const {
     const std::lock_guard lock(mutex_);
     return link_ && link_->is_connected() ? link_ : nullptr;
   }
-  void ignore(const std::shared_ptr<NatsSlot>& slot);
+  void ignore(const std::shared_ptr<Slot>& slot);
 
  private:
-  Expected<std::unique_ptr<Subscription>> listen(const std::string& subject, NatsSlot::Take take);
+  Expected<std::unique_ptr<Subscription>> listen(const std::string& subject, Slot::Take take);
   Expected<void> connect();
   void keep_linked();
-  NatsLink::Callbacks callbacks();
+  Link::Callbacks callbacks();
   void note_refusal(std::string words) {
     const std::lock_guard lock(mutex_);
     refusal_ = std::move(words);
   }
 
   BrokerOptions options_;
-  NatsIdentity identity_{"", "_INBOX"};
+  Identity identity_{"", "_INBOX"};
   std::atomic<std::uint64_t> connections_{0};
   std::atomic<std::uint64_t> failed_tries_{0};
   std::mutex listening_;  // before mutex_; subscriptions of a link, and the current link
   Slots slots_;           // guarded by listening_
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  std::shared_ptr<NatsLink> link_;  // guarded by mutex_; null: none was made yet
-  bool is_link_due_ = false;        // guarded by mutex_: missing or ended
-  bool is_ending_ = false;          // guarded by mutex_
-  std::string refusal_;             // guarded by mutex_
+  std::shared_ptr<Link> link_;  // guarded by mutex_; null: none was made yet
+  bool is_link_due_ = false;    // guarded by mutex_: missing or ended
+  bool is_ending_ = false;      // guarded by mutex_
+  std::string refusal_;         // guarded by mutex_
   std::thread keeper_;
 };
 
 class NatsSubscription final : public Broker::Subscription {
  public:
-  NatsSubscription(NatsBroker& broker, std::shared_ptr<NatsSlot> slot)
+  NatsSubscription(NatsBroker& broker, std::shared_ptr<Slot> slot)
       : broker_(broker), slot_(std::move(slot)) {}
   // REQUIRES: the broker is alive.
   ~NatsSubscription() override { broker_.ignore(slot_); }
@@ -126,7 +126,7 @@ class NatsSubscription final : public Broker::Subscription {
 
  private:
   NatsBroker& broker_;
-  const std::shared_ptr<NatsSlot> slot_;
+  const std::shared_ptr<Slot> slot_;
 };
 
 NatsBroker::~NatsBroker() {
@@ -152,8 +152,8 @@ Expected<void> NatsBroker::open(const BrokerOptions& options, const std::string&
   return {};
 }
 
-NatsLink::Callbacks NatsBroker::callbacks() {
-  NatsLink::Callbacks callbacks;
+Link::Callbacks NatsBroker::callbacks() {
+  Link::Callbacks callbacks;
   callbacks.connected = [this] { ++connections_; };
   callbacks.ended = [this] {
     const std::lock_guard lock(mutex_);
@@ -169,11 +169,11 @@ Expected<void> NatsBroker::connect() {
     const std::lock_guard lock(mutex_);
     is_link_due_ = false;  // a new one may end before it is stored here
   }
-  auto made = NatsLink::connect(options_, identity_, callbacks());
-  std::shared_ptr<NatsLink> before;  // ends when no mutex is held
+  auto made = Link::connect(options_, identity_, callbacks());
+  std::shared_ptr<Link> before;  // ends when no mutex is held
   if (made) {
     const std::lock_guard listening(listening_);
-    for (const std::shared_ptr<NatsSlot>& slot : slots_) {
+    for (const std::shared_ptr<Slot>& slot : slots_) {
       (void)(*made)->listen(slot);  // it fails where the link has ended again
     }
     const std::lock_guard lock(mutex_);
@@ -206,10 +206,10 @@ void NatsBroker::keep_linked() {
 }
 
 Expected<std::unique_ptr<Broker::Subscription>> NatsBroker::listen(const std::string& subject,
-                                                                   NatsSlot::Take take) {
-  auto slot = std::make_shared<NatsSlot>(subject, std::move(take));
+                                                                   Slot::Take take) {
+  auto slot = std::make_shared<Slot>(subject, std::move(take));
   const std::lock_guard listening(listening_);
-  std::shared_ptr<NatsLink> link;
+  std::shared_ptr<Link> link;
   {
     const std::lock_guard lock(mutex_);
     link = link_;
@@ -227,11 +227,11 @@ Expected<std::unique_ptr<Broker::Subscription>> NatsBroker::listen(const std::st
   return std::make_unique<NatsSubscription>(*this, std::move(slot));
 }
 
-void NatsBroker::ignore(const std::shared_ptr<NatsSlot>& slot) {
+void NatsBroker::ignore(const std::shared_ptr<Slot>& slot) {
   {
     const std::lock_guard listening(listening_);
     slots_.remove(slot);
-    std::shared_ptr<NatsLink> link;
+    std::shared_ptr<Link> link;
     {
       const std::lock_guard lock(mutex_);
       link = link_;
@@ -445,12 +445,12 @@ Expected<std::optional<BrokerMessage>> NatsBroker::last_of(const std::string& st
 
 }  // namespace
 
-}  // namespace rayloc
+}  // namespace rayloc::nats
 
 void rayloc_open_nats(const rayloc::BrokerOptions& options,
                       const std::string& nkey,
                       rayloc::Expected<std::shared_ptr<rayloc::Broker>>& opened) {
-  auto broker = std::make_shared<rayloc::NatsBroker>();
+  auto broker = std::make_shared<rayloc::nats::NatsBroker>();
   if (const rayloc::Expected<void> begun = broker->open(options, nkey); !begun) {
     opened = tl::make_unexpected(begun.error());
     return;

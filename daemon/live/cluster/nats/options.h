@@ -7,7 +7,7 @@
 
 #include "daemon/live/cluster/broker.h"
 
-namespace rayloc {
+namespace rayloc::nats {
 
 std::string data_of(natsMsg* message);
 // Fault that the server reports for a message that was to be stored; empty: it is stored.
@@ -17,7 +17,7 @@ std::string trouble_in(natsMsg* acknowledgement);
 Error error_of(const std::string& what, natsStatus status);
 
 // Our identity towards the servers.
-struct NatsIdentity {
+struct Identity {
   std::string nkey;   // the public key; empty: none
   std::string inbox;  // subject prefix of replies to us
 };
@@ -25,4 +25,4 @@ struct NatsIdentity {
 // Sets TLS and our identity. `nkey`: the public key; empty: none.
 Expected<void> secure(natsOptions* made, const BrokerOptions& options, const std::string& nkey);
 
-}  // namespace rayloc
+}  // namespace rayloc::nats

@@ -1,11 +1,11 @@
-#include "daemon/live/cluster/nats/nats_options.h"
+#include "daemon/live/cluster/nats/options.h"
 
 #include <algorithm>
 #include <utility>
 
 #include <nlohmann/json.hpp>
 
-namespace rayloc {
+namespace rayloc::nats {
 
 Error error_of(const std::string& what, natsStatus status) {
   const char* const details = nats_GetLastError(nullptr);
@@ -68,4 +68,4 @@ std::string trouble_in(natsMsg* acknowledgement) {
              : data;
 }
 
-}  // namespace rayloc
+}  // namespace rayloc::nats

@@ -11,10 +11,10 @@
 #include <string_view>
 
 #include "daemon/live/cluster/broker.h"
-#include "daemon/live/cluster/nats/nats_link.h"
+#include "daemon/live/cluster/nats/link.h"
 #include "engine/base/expected.h"
 
-namespace rayloc {
+namespace rayloc::nats {
 
 template <typename T, void (*kDestroy)(T*)>
 struct Destroy {
@@ -61,4 +61,4 @@ inline Expected<std::optional<BrokerMessage>> found(const std::string& stream,
   return stored(message.get());
 }
 
-}  // namespace rayloc
+}  // namespace rayloc::nats

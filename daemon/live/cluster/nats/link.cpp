@@ -1,8 +1,8 @@
-#include "daemon/live/cluster/nats/nats_link.h"
+#include "daemon/live/cluster/nats/link.h"
 
 #include <algorithm>
 
-namespace rayloc {
+namespace rayloc::nats {
 namespace {
 
 constexpr int kPingMs = 1000;  // a server that misses two replies is away
@@ -17,12 +17,12 @@ struct DestroyOptions {
 };
 
 void deliver(natsConnection*, natsSubscription*, natsMsg* message, void* slot) {
-  (*static_cast<std::shared_ptr<NatsSlot>*>(slot))->take(message);
+  (*static_cast<std::shared_ptr<Slot>*>(slot))->take(message);
   natsMsg_Destroy(message);
 }
 
 // Called by libnats after the last delivery to it.
-void forget(void* slot) { delete static_cast<std::shared_ptr<NatsSlot>*>(slot); }
+void forget(void* slot) { delete static_cast<std::shared_ptr<Slot>*>(slot); }
 
 bool is_configuration(natsStatus status) {
   return status == NATS_INVALID_ARG || status == NATS_ADDRESS_MISSING;
@@ -30,16 +30,16 @@ bool is_configuration(natsStatus status) {
 
 }  // namespace
 
-Expected<std::shared_ptr<NatsLink>> NatsLink::connect(const BrokerOptions& options,
-                                                      const NatsIdentity& identity,
-                                                      Callbacks callbacks) {
-  std::shared_ptr<NatsLink> link(new NatsLink(std::move(callbacks)));
+Expected<std::shared_ptr<Link>> Link::connect(const BrokerOptions& options,
+                                              const Identity& identity,
+                                              Callbacks callbacks) {
+  std::shared_ptr<Link> link(new Link(std::move(callbacks)));
   RAYLOC_TRY(link->open(options, identity));
   return link;
 }
 
 // libnats reports the end from another thread, and does not use this object after that.
-NatsLink::~NatsLink() {
+Link::~Link() {
   if (connection_ != nullptr) {
     natsConnection_Close(connection_);
     std::unique_lock lock(mutex_);
@@ -52,9 +52,9 @@ NatsLink::~NatsLink() {
   natsConnection_Destroy(connection_);
 }
 
-Expected<void> NatsLink::prepare(natsOptions* made,
-                                 const BrokerOptions& options,
-                                 const NatsIdentity& identity) {
+Expected<void> Link::prepare(natsOptions* made,
+                             const BrokerOptions& options,
+                             const Identity& identity) {
   std::vector<const char*> servers;
   servers.reserve(options.servers.size());
   for (const std::string& server : options.servers) {
@@ -89,7 +89,7 @@ Expected<void> NatsLink::prepare(natsOptions* made,
   return secure(made, options, identity.nkey);
 }
 
-Expected<void> NatsLink::open(const BrokerOptions& options, const NatsIdentity& identity) {
+Expected<void> Link::open(const BrokerOptions& options, const Identity& identity) {
   nats_SetMessageDeliveryPoolSize(kDeliveryThreads);
   natsOptions* made = nullptr;
   if (const natsStatus status = natsOptions_Create(&made); status != NATS_OK) {
@@ -112,8 +112,8 @@ Expected<void> NatsLink::open(const BrokerOptions& options, const NatsIdentity& 
   return context == NATS_OK ? Expected<void>() : tl::make_unexpected(error_of("NATS", context));
 }
 
-Expected<void> NatsLink::listen(std::shared_ptr<NatsSlot> slot) {
-  auto* const held = new std::shared_ptr<NatsSlot>(slot);  // forget() deletes it
+Expected<void> Link::listen(std::shared_ptr<Slot> slot) {
+  auto* const held = new std::shared_ptr<Slot>(slot);  // forget() deletes it
   natsSubscription* made = nullptr;
   const natsStatus status =
       natsConnection_Subscribe(&made, connection_, slot->subject().c_str(), deliver, held);
@@ -130,7 +130,7 @@ Expected<void> NatsLink::listen(std::shared_ptr<NatsSlot> slot) {
   return {};
 }
 
-void NatsLink::ignore(const std::shared_ptr<NatsSlot>& slot) {
+void Link::ignore(const std::shared_ptr<Slot>& slot) {
   natsSubscription* subscription = nullptr;
   {
     const std::lock_guard lock(mutex_);
@@ -144,19 +144,19 @@ void NatsLink::ignore(const std::shared_ptr<NatsSlot>& slot) {
   }
 }
 
-void NatsLink::note_connected(natsConnection*, void* self) {
-  auto& link = *static_cast<NatsLink*>(self);
+void Link::note_connected(natsConnection*, void* self) {
+  auto& link = *static_cast<Link*>(self);
   link.callbacks_
       .connected();  // first: a caller that observes the connection must see the new count
   link.connected_ = true;
 }
 
-void NatsLink::note_disconnected(natsConnection*, void* self) {
-  static_cast<NatsLink*>(self)->connected_ = false;
+void Link::note_disconnected(natsConnection*, void* self) {
+  static_cast<Link*>(self)->connected_ = false;
 }
 
-void NatsLink::note_closed(natsConnection*, void* self) {
-  auto& link = *static_cast<NatsLink*>(self);
+void Link::note_closed(natsConnection*, void* self) {
+  auto& link = *static_cast<Link*>(self);
   link.connected_ = false;
   link.callbacks_.ended();
   const std::lock_guard lock(link.mutex_);
@@ -165,17 +165,17 @@ void NatsLink::note_closed(natsConnection*, void* self) {
 }
 
 // Messages lost by a subscription with a slow reader are read from the stream (StreamReader).
-void NatsLink::note_error(natsConnection* connection,
-                          natsSubscription*,
-                          natsStatus status,
-                          void* self) {
+void Link::note_error(natsConnection* connection,
+                      natsSubscription*,
+                      natsStatus status,
+                      void* self) {
   if (status == NATS_SLOW_CONSUMER) {
     return;
   }
   const char* words = nullptr;
   natsConnection_GetLastError(connection, &words);
-  static_cast<NatsLink*>(self)->callbacks_.refused(
+  static_cast<Link*>(self)->callbacks_.refused(
       words != nullptr && *words != '\0' ? words : natsStatus_GetText(status));
 }
 
-}  // namespace rayloc
+}  // namespace rayloc::nats

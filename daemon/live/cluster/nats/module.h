@@ -7,17 +7,17 @@
 
 #include "daemon/live/cluster/broker.h"
 
-namespace rayloc {
+namespace rayloc::nats {
 
 // `nkey`: the public key for `options`; empty: none.
-using OpenNats = void (*)(const BrokerOptions& options,
-                          const std::string& nkey,
-                          Expected<std::shared_ptr<Broker>>& opened);
-inline constexpr const char* kOpenNats = "rayloc_open_nats";
+using Open = void (*)(const BrokerOptions& options,
+                      const std::string& nkey,
+                      Expected<std::shared_ptr<Broker>>& opened);
+inline constexpr const char* kOpen = "rayloc_open_nats";
 // Relative to the folder of the program: /usr/sbin/raylocd has /usr/lib/rayloc/nats.so.
-inline constexpr const char* kNatsModule = "../lib/rayloc/nats.so";
+inline constexpr const char* kModule = "../lib/rayloc/nats.so";
 
-}  // namespace rayloc
+}  // namespace rayloc::nats
 
 extern "C" __attribute__((visibility("default"))) void rayloc_open_nats(
     const rayloc::BrokerOptions& options,
