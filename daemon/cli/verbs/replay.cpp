@@ -18,12 +18,12 @@
 namespace rayloc::cli {
 namespace {
 
-Expected<void> write_results(const ReplayArguments& arguments, PreparedReplay& replay) {
+Expected<void> write_results(const ReplayArguments& arguments, replay::Prepared& replay) {
   auto files = ReplayFiles::open(arguments.format,
                                  {arguments.out, arguments.zone_events, arguments.carried_out});
   RAYLOC_TRY(files);
   NoFixReasons reasons;
-  ReplayOutput output;
+  replay::Output output;
   output.on_location = [&](const Location& location) {
     reasons.count(location);
     files->write_location(location_message(location));
@@ -32,22 +32,22 @@ Expected<void> write_results(const ReplayArguments& arguments, PreparedReplay& r
   output.on_carried = [&](const Carried& carried) { files->write_carried(carried); };
   const Duration carry_every =
       arguments.carried_out.empty() ? Duration{} : from_seconds(arguments.carried_every);
-  const ReplaySummary summary = run_replay(replay, carry_every, output);
+  const replay::Summary summary = replay::run(replay, carry_every, output);
   RAYLOC_TRY(files->close());
   return report_replay(summary, reasons.text(), arguments.quiet);
 }
 
 Expected<void> replay_captures(const ReplayArguments& arguments,
                                const Site& site,
-                               const ReplayOptions& options) {
+                               const replay::Options& options) {
   const auto recordings = replay_recordings(arguments);
   RAYLOC_TRY(recordings);
-  auto replay = prepare_replay(
+  auto replay = replay::prepare(
       site, options, *recordings, warm_replay(arguments), terminal_notes(arguments.quiet));
   RAYLOC_TRY(replay);
   Expected<void> written = write_results(arguments, *replay);
   if (!arguments.quiet) {
-    print_replay_notices(replay_notices(*replay));
+    print_replay_notices(replay::take_notices(*replay));
   }
   return written;
 }

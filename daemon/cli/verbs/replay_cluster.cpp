@@ -77,7 +77,7 @@ Expected<void> compare_with_published(const BrokerOptions& server,
 
 Expected<void> replay_cluster(const ReplayArguments& arguments,
                               const Site& site,
-                              const ReplayOptions& options) {
+                              const replay::Options& options) {
   auto files = ReplayFiles::open(arguments.format, {arguments.out, arguments.zone_events});
   RAYLOC_TRY(files);
   StreamReplay replay;
@@ -94,11 +94,11 @@ Expected<void> replay_cluster(const ReplayArguments& arguments,
   replay.run = [&](const SiteStart& start,
                    std::vector<std::unique_ptr<DatagramSource>> sources,
                    LocationSink& sink) {
-    return replay_streams(site,
-                          options,
-                          {std::move(sources), start.from, start.carried},
-                          sink,
-                          terminal_notes(arguments.quiet));
+    return replay::run_streams(site,
+                               options,
+                               {std::move(sources), start.from, start.carried},
+                               sink,
+                               terminal_notes(arguments.quiet));
   };
   BrokerOptions broker = arguments.broker;
   broker.servers = {arguments.stream};

@@ -11,6 +11,6 @@ namespace rayloc::cli {
 // kept from the stream.
 Expected<void> replay_cluster(const ReplayArguments& arguments,
                               const Site& site,
-                              const ReplayOptions& options);
+                              const replay::Options& options);
 
 }  // namespace rayloc::cli

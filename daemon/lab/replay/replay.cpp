@@ -8,7 +8,7 @@
 #include "daemon/pipeline/zones/zone_estimator.h"
 #include "daemon/site/model/site_lacks.h"
 
-namespace rayloc {
+namespace rayloc::replay {
 namespace {
 
 // Frame limit of a burst at an access point: above the number that any access point sends in it.
@@ -17,7 +17,7 @@ constexpr std::size_t kEveryFrame = 4096;
 // Passes carried records on beside ordered locations.
 class ReplaySink : public OrderedSink {
  public:
-  ReplaySink(const ReplayOutput& output, Duration lag)
+  ReplaySink(const Output& output, Duration lag)
       : OrderedSink(output.on_location, output.on_zone_event, lag),
         on_carried_(output.on_carried) {}
   void carried(Carried&& carried) override {
@@ -30,7 +30,7 @@ class ReplaySink : public OrderedSink {
   std::function<void(const Carried&)> on_carried_;
 };
 
-PipelineOptions pipeline_options(const ReplayOptions& replay) {
+PipelineOptions pipeline_options(const Options& replay) {
   PipelineOptions options;
   options.burst.length = replay.burst;
   options.overflow = Overflow::kWait;
@@ -42,23 +42,21 @@ PipelineOptions pipeline_options(const ReplayOptions& replay) {
 
 }  // namespace
 
-Expected<PreparedReplay> prepare_replay(const Site& site,
-                                        const ReplayOptions& options,
-                                        const ReplayRecordings& recordings,
-                                        const WarmReplay& warm,
-                                        const Observer& observer) {
+Expected<Prepared> prepare(const Site& site,
+                           const Options& options,
+                           const Recordings& recordings,
+                           const WarmOptions& warm,
+                           const Observer& observer) {
   auto start = warm_start_of(warm);
   RAYLOC_TRY(start);
-  auto inputs =
-      open_replay_inputs(recordings, site, *options.estimators.method, start->listen_from);
+  auto inputs = open_inputs(recordings, site, *options.estimators.method, start->listen_from);
   RAYLOC_TRY(inputs);
-  auto estimators = make_replay_estimators(options.estimators, site, start->carried, observer);
+  auto estimators = make_estimators(options.estimators, site, start->carried, observer);
   RAYLOC_TRY(estimators);
-  return PreparedReplay{
-      site, options, *std::move(start), *std::move(inputs), *std::move(estimators)};
+  return Prepared{site, options, *std::move(start), *std::move(inputs), *std::move(estimators)};
 }
 
-ReplaySummary run_replay(PreparedReplay& replay, Duration carry_every, const ReplayOutput& output) {
+Summary run(Prepared& replay, Duration carry_every, const Output& output) {
   PipelineOptions options = pipeline_options(replay.options);
   options.open = replay.start.open;
   options.from = replay.start.from;
@@ -71,11 +69,11 @@ ReplaySummary run_replay(PreparedReplay& replay, Duration carry_every, const Rep
   sink.finish();
   const auto sources = std::move(replay.inputs.sources);  // they point into the pipeline
   replay.inputs.sources.clear();
-  return replay_summary(pipeline, sources);
+  return summarize(pipeline, sources);
 }
 
-ReplayNotices replay_notices(PreparedReplay& replay) {
-  ReplayNotices notices;
+Notices take_notices(Prepared& replay) {
+  Notices notices;
   if (!replay.estimators.devices) {  // with people only, each estimate reports what is missing
     return notices;
   }
@@ -83,17 +81,16 @@ ReplayNotices replay_notices(PreparedReplay& replay) {
   notices.chains = devices.chain_notices();
   notices.chain_progress = devices.chain_progress();
   const SiteLacks lacks = site_lacks(replay.site, devices.room(), replay.inputs.access_points);
-  notices.lacks =
-      replay.options.estimators.kind == ReplayKind::kAll ? lacks.all() : lacks.obstacles;
+  notices.lacks = replay.options.estimators.kind == Kind::kAll ? lacks.all() : lacks.obstacles;
   return notices;
 }
 
-Expected<void> replay_streams(const Site& site,
-                              const ReplayOptions& options,
-                              ReplayStreams streams,
-                              LocationSink& sink,
-                              const Observer& observer) {
-  auto estimators = make_replay_estimators(options.estimators, site, streams.carried, observer);
+Expected<void> run_streams(const Site& site,
+                           const Options& options,
+                           Streams streams,
+                           LocationSink& sink,
+                           const Observer& observer) {
+  auto estimators = make_estimators(options.estimators, site, streams.carried, observer);
   RAYLOC_TRY(estimators);
   std::vector<SourceInput> inputs(streams.sources.size());
   for (std::size_t i = 0; i < inputs.size(); ++i) {
@@ -121,4 +118,4 @@ void assume_height_sigma(double sigma, Site& site) {
   }
 }
 
-}  // namespace rayloc
+}  // namespace rayloc::replay

@@ -11,7 +11,7 @@
 #include "daemon/messages/proto_time.h"
 #include "daemon/pipeline/output/carried_message.h"
 
-namespace rayloc {
+namespace rayloc::replay {
 namespace {
 
 Expected<std::optional<Timestamp>> parse_from(const std::string& text) {
@@ -53,7 +53,7 @@ Expected<std::vector<Carried>> read_records(const std::string& file) {
 
 }  // namespace
 
-Expected<WarmStart> warm_start_of(const WarmReplay& replay) {
+Expected<WarmStart> warm_start_of(const WarmOptions& replay) {
   const auto from = parse_from(replay.from);
   RAYLOC_TRY(from);
   std::vector<Carried> records;
@@ -73,4 +73,4 @@ std::string carried_line(const Carried& carried) {
   return to_json(carried_message(carried)).value() + "\n";
 }
 
-}  // namespace rayloc
+}  // namespace rayloc::replay

@@ -9,9 +9,9 @@
 #include "engine/base/expected.h"
 #include "engine/base/timestamp.h"
 
-namespace rayloc {
+namespace rayloc::replay {
 
-struct WarmReplay {
+struct WarmOptions {
   // Time as in locations, "2024-06-10T06:13:35.5Z"; empty: the beginning, or the end of the
   // records.
   std::string from;
@@ -21,9 +21,9 @@ struct WarmReplay {
 
 // Returns a default start if the replay covers the whole recording. Errors: a time that cannot be
 // parsed (kUsage); a file that cannot be read, with the line; records that begin after `from`.
-Expected<WarmStart> warm_start_of(const WarmReplay& replay);
+Expected<WarmStart> warm_start_of(const WarmOptions& replay);
 
 // A record as a line of the file, with its newline.
 std::string carried_line(const Carried& carried);
 
-}  // namespace rayloc
+}  // namespace rayloc::replay

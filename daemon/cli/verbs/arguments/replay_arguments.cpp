@@ -11,10 +11,10 @@
 namespace rayloc::cli {
 namespace {
 
-ReplayKind replay_kind(const std::string& kind) {
-  return kind == "device"   ? ReplayKind::kDevice
-         : kind == "person" ? ReplayKind::kPerson
-                            : ReplayKind::kAll;
+replay::Kind replay_kind(const std::string& kind) {
+  return kind == "device"   ? replay::Kind::kDevice
+         : kind == "person" ? replay::Kind::kPerson
+                            : replay::Kind::kAll;
 }
 
 // Returns nullptr if grids are not to be kept, or if there is no folder for them.
@@ -154,13 +154,13 @@ void add_replay_options(OptionParser& app, ReplayArguments& arguments) {
   app.add_flag("--quiet", arguments.quiet, "no summary on standard error");
 }
 
-Expected<ReplayOptions> replay_options(const ReplayArguments& arguments) {
+Expected<replay::Options> replay_options(const ReplayArguments& arguments) {
   RAYLOC_TRY(check_replay_inputs(arguments));
-  ReplayOptions options;
-  ReplayEstimatorOptions& estimators = options.estimators;
+  replay::Options options;
+  replay::EstimatorOptions& estimators = options.estimators;
   estimators.kind = replay_kind(arguments.kind);
   estimators.method = find_method(arguments.method.name);
-  RAYLOC_TRY(check_replay_kind(*estimators.method, estimators.kind));
+  RAYLOC_TRY(replay::check_kind(*estimators.method, estimators.kind));
   auto settings = method_options(arguments.method);
   RAYLOC_TRY(settings);
   const Expected<Duration> burst = parse_burst_argument(arguments.burst);
@@ -176,13 +176,13 @@ Expected<ReplayOptions> replay_options(const ReplayArguments& arguments) {
   return options;
 }
 
-Expected<ReplayRecordings> replay_recordings(const ReplayArguments& arguments) {
+Expected<replay::Recordings> replay_recordings(const ReplayArguments& arguments) {
   const auto speed = parse_speed_argument(arguments.speed);
   RAYLOC_TRY(speed);
-  return ReplayRecordings{arguments.captures, *speed, from_seconds(arguments.max_gap)};
+  return replay::Recordings{arguments.captures, *speed, from_seconds(arguments.max_gap)};
 }
 
-WarmReplay warm_replay(const ReplayArguments& arguments) {
+replay::WarmOptions warm_replay(const ReplayArguments& arguments) {
   return {arguments.from, from_seconds(arguments.warm_up), arguments.carried};
 }
 
@@ -192,7 +192,7 @@ Expected<Site> replay_site(const ReplayArguments& arguments) {
     site->name = arguments.stream_site;
   }
   if (site && arguments.height_sigma) {
-    assume_height_sigma(*arguments.height_sigma, *site);
+    replay::assume_height_sigma(*arguments.height_sigma, *site);
   }
   return site;
 }

@@ -50,12 +50,12 @@ struct ReplayArguments {
 void add_replay_options(OptionParser& app, ReplayArguments& arguments);
 
 // Options that contradict each other or the method are refused (kUsage).
-Expected<ReplayOptions> replay_options(const ReplayArguments& arguments);
+Expected<replay::Options> replay_options(const ReplayArguments& arguments);
 
 // An Error (kUsage) for a speed that cannot be parsed.
-Expected<ReplayRecordings> replay_recordings(const ReplayArguments& arguments);
+Expected<replay::Recordings> replay_recordings(const ReplayArguments& arguments);
 
-WarmReplay warm_replay(const ReplayArguments& arguments);
+replay::WarmOptions warm_replay(const ReplayArguments& arguments);
 
 // The site under its name in the cluster, with the heights of the command line.
 Expected<Site> replay_site(const ReplayArguments& arguments);

@@ -68,7 +68,7 @@ void ReplayFiles::write_event(const google::protobuf::Message& event) {
 
 void ReplayFiles::write_carried(const Carried& carried) {
   if (carried_) {
-    carried_->write(carried_line(carried));
+    carried_->write(replay::carried_line(carried));
   }
 }
 

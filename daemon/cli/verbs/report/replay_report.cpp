@@ -5,7 +5,7 @@
 namespace rayloc::cli {
 namespace {
 
-void print_replayed_source(const ReplayedSource& source) {
+void print_replayed_source(const replay::ReplayedSource& source) {
   std::fprintf(stderr,
                "%s: %s: %llu packets, %llu rejected, %llu frames (%llu partial)\n",
                source.access_point.c_str(),
@@ -28,10 +28,10 @@ void print_replay_counters(const EstimationCounters& counters) {
                static_cast<unsigned long long>(counters.filtered));
 }
 
-Expected<void> report_sources(const ReplaySummary& summary, bool quiet) {
+Expected<void> report_sources(const replay::Summary& summary, bool quiet) {
   std::string failed;
   std::string unprinted;
-  for (const ReplayedSource& source : summary.sources) {
+  for (const replay::ReplayedSource& source : summary.sources) {
     if (!quiet) {
       print_replayed_source(source);
     }
@@ -56,7 +56,9 @@ Expected<void> report_sources(const ReplaySummary& summary, bool quiet) {
 
 }  // namespace
 
-Expected<void> report_replay(const ReplaySummary& summary, const std::string& no_fix, bool quiet) {
+Expected<void> report_replay(const replay::Summary& summary,
+                             const std::string& no_fix,
+                             bool quiet) {
   Expected<void> reported = report_sources(summary, quiet);
   if (!no_fix.empty() && !quiet) {
     std::fprintf(stderr, "%s\n", no_fix.c_str());
@@ -64,7 +66,7 @@ Expected<void> report_replay(const ReplaySummary& summary, const std::string& no
   return reported;
 }
 
-void print_replay_notices(const ReplayNotices& notices) {
+void print_replay_notices(const replay::Notices& notices) {
   for (const std::string& line : notices.chains) {
     std::fprintf(stderr, "rayloc replay: %s\n", line.c_str());
   }

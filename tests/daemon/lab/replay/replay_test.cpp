@@ -6,7 +6,7 @@
 
 #include "tests/support/test_paths.h"
 
-namespace rayloc::lab_replay_test {
+namespace rayloc::replay::lab_replay_test {
 namespace {
 
 using ::testing::Contains;
@@ -15,24 +15,24 @@ using ::testing::HasSubstr;
 const std::string kSite = test::data_path("/sites/meeting_room");
 const std::string kRecording = kSite + "/device_los-ap1.pcap.gz";
 
-Expected<PreparedReplay> prepared(const std::string& capture, const ReplayOptions& options = {}) {
+Expected<Prepared> prepared(const std::string& capture, const Options& options = {}) {
   const auto site = load_site(kSite);
   RAYLOC_TRY(site);
-  ReplayRecordings recordings;
+  Recordings recordings;
   recordings.captures = {capture};
-  return prepare_replay(*site, options, recordings, {}, {});
+  return prepare(*site, options, recordings, {}, {});
 }
 
 // The site has no calibration: there are snapshots, and none has a position.
 TEST(LabReplay, ReturnsTheSummaryOfItsRecordings) {
-  ReplayOptions options;
+  Options options;
   options.burst = std::chrono::seconds(2);
   auto replay = prepared("ap1=" + kRecording, options);
   ASSERT_TRUE(replay) << replay.error().message;
   std::size_t locations = 0;
-  ReplayOutput output;
+  Output output;
   output.on_location = [&](const Location& /*location*/) { ++locations; };
-  const ReplaySummary summary = run_replay(*replay, {}, output);
+  const Summary summary = run(*replay, {}, output);
   EXPECT_GT(locations, 0U);
   EXPECT_GT(summary.counters.snapshots, 0U);
   EXPECT_EQ(summary.counters.no_fix, summary.counters.snapshots);
@@ -41,7 +41,7 @@ TEST(LabReplay, ReturnsTheSummaryOfItsRecordings) {
   EXPECT_GT(summary.sources.front().frames, 0U);
   EXPECT_EQ(summary.sources.front().error, "");
   EXPECT_EQ(summary.no_frames, "");
-  EXPECT_THAT(replay_notices(*replay).lacks,
+  EXPECT_THAT(take_notices(*replay).lacks,
               Contains(HasSubstr("nothing can be located: the access points in use are not "
                                  "calibrated (ap1)")));
 }
@@ -59,21 +59,19 @@ TEST(LabReplay, NamesTheFileThatCannotBeRead) {
   EXPECT_EQ(missing.error().kind, ErrorKind::kUnavailable);
   auto foreign = prepared("ap1=" + kSite + "/site.toml");
   ASSERT_TRUE(foreign) << foreign.error().message;
-  const ReplaySummary summary = run_replay(*foreign, {}, {});
+  const Summary summary = run(*foreign, {}, {});
   ASSERT_EQ(summary.sources.size(), 1U);
   EXPECT_THAT(summary.sources.front().error, HasSubstr("site.toml"));
 }
 
 TEST(LabReplay, RefusesAKindThatTheMethodCannotLocate) {
   for (const Method* method : methods()) {
-    EXPECT_EQ(check_replay_kind(*method, ReplayKind::kDevice).has_value(),
-              method->create_device != nullptr)
+    EXPECT_EQ(check_kind(*method, Kind::kDevice).has_value(), method->create_device != nullptr)
         << method->name;
-    EXPECT_EQ(check_replay_kind(*method, ReplayKind::kPerson).has_value(),
-              method->create_person != nullptr)
+    EXPECT_EQ(check_kind(*method, Kind::kPerson).has_value(), method->create_person != nullptr)
         << method->name;
   }
 }
 
 }  // namespace
-}  // namespace rayloc::lab_replay_test
+}  // namespace rayloc::replay::lab_replay_test

@@ -6,7 +6,7 @@
 
 #include "tests/support/test_paths.h"
 
-namespace rayloc::warm_replay_test {
+namespace rayloc::replay::warm_replay_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -20,7 +20,7 @@ TEST(WarmReplay, StartsAtTheBeginningWithoutOptions) {
 }
 
 TEST(WarmReplay, RefusesATimeThatIsNone) {
-  WarmReplay replay;
+  WarmOptions replay;
   replay.from = "yesterday";
   const auto start = warm_start_of(replay);
   ASSERT_FALSE(start);
@@ -29,7 +29,7 @@ TEST(WarmReplay, RefusesATimeThatIsNone) {
 }
 
 TEST(WarmReplay, RefusesWhatItCannotGoOnWith) {
-  WarmReplay replay;
+  WarmOptions replay;
   replay.carried = "missing.jsonl";
   const auto missing = warm_start_of(replay);
   ASSERT_FALSE(missing);
@@ -42,4 +42,4 @@ TEST(WarmReplay, RefusesWhatItCannotGoOnWith) {
 }
 
 }  // namespace
-}  // namespace rayloc::warm_replay_test
+}  // namespace rayloc::replay::warm_replay_test

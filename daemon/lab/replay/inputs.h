@@ -13,16 +13,16 @@
 #include "engine/base/expected.h"
 #include "engine/base/timestamp.h"
 
-namespace rayloc {
+namespace rayloc::replay {
 
-struct ReplayRecordings {
+struct Recordings {
   std::vector<std::string> captures;  // "[AP=]FILE"; several of one AP are a sequence
   std::optional<double> speed;        // recorded seconds per second; empty: as fast as possible
   Duration max_gap = kMaxGap;         // a paced replay waits no longer than that
 };
 
 // With pointers for the final summary: the pipeline owns the sources.
-struct ReplayInputs {
+struct Inputs {
   std::vector<SourceInput> inputs;
   std::vector<const RecordedSource*> sources;  // in the order of the inputs
   std::vector<std::size_t> access_points;      // by input, index in the site
@@ -30,9 +30,9 @@ struct ReplayInputs {
 
 // Datagrams before `listen_from` are left out. Errors: a capture of no access point of the site; a
 // file that cannot be read as a capture.
-Expected<ReplayInputs> open_replay_inputs(const ReplayRecordings& recordings,
-                                          const Site& site,
-                                          const Method& method,
-                                          Timestamp listen_from);
+Expected<Inputs> open_inputs(const Recordings& recordings,
+                             const Site& site,
+                             const Method& method,
+                             Timestamp listen_from);
 
-}  // namespace rayloc
+}  // namespace rayloc::replay

@@ -1,4 +1,4 @@
-#include "daemon/lab/replay/replay_estimators.h"
+#include "daemon/lab/replay/estimators.h"
 
 #include <utility>
 
@@ -6,10 +6,10 @@
 #include "daemon/site/scene/scene_notes.h"
 #include "engine/scene/scene.h"
 
-namespace rayloc {
+namespace rayloc::replay {
 namespace {
 
-Expected<std::shared_ptr<TargetNames>> target_names(const ReplayEstimatorOptions& options) {
+Expected<std::shared_ptr<TargetNames>> target_names(const EstimatorOptions& options) {
   TargetNames::Options names;
   if (!options.target_key.empty()) {
     Expected<std::string> key = TargetNames::read_key(options.target_key);
@@ -22,7 +22,7 @@ Expected<std::shared_ptr<TargetNames>> target_names(const ReplayEstimatorOptions
 }
 
 Expected<std::unique_ptr<DeviceEstimator>> make_device_estimator(
-    const ReplayEstimatorOptions& options,
+    const EstimatorOptions& options,
     const Site& site,
     const std::shared_ptr<const Carried>& carried) {
   DeviceEstimator::Options estimation;
@@ -39,7 +39,7 @@ Expected<std::unique_ptr<DeviceEstimator>> make_device_estimator(
 }
 
 Expected<std::unique_ptr<PersonEstimator>> make_person_estimator(
-    const ReplayEstimatorOptions& options,
+    const EstimatorOptions& options,
     const Site& site,
     const std::shared_ptr<const Carried>& carried) {
   PersonEstimator::Options estimation;
@@ -51,35 +51,34 @@ Expected<std::unique_ptr<PersonEstimator>> make_person_estimator(
 
 }  // namespace
 
-Expected<void> check_replay_kind(const Method& method, ReplayKind kind) {
+Expected<void> check_kind(const Method& method, Kind kind) {
   const std::string name(method.name);
-  if (kind == ReplayKind::kDevice && method.create_device == nullptr) {
+  if (kind == Kind::kDevice && method.create_device == nullptr) {
     return make_error(ErrorKind::kUsage, "--method " + name + " locates people; use --kind person");
   }
-  if (kind == ReplayKind::kPerson && method.create_person == nullptr) {
+  if (kind == Kind::kPerson && method.create_person == nullptr) {
     return make_error(ErrorKind::kUsage,
                       "--method " + name + " locates devices; use --kind device");
   }
   return {};
 }
 
-Expected<ReplayEstimators> make_replay_estimators(const ReplayEstimatorOptions& options,
-                                                  const Site& site,
-                                                  const std::shared_ptr<const Carried>& carried,
-                                                  const Observer& observer) {
+Expected<Estimators> make_estimators(const EstimatorOptions& options,
+                                     const Site& site,
+                                     const std::shared_ptr<const Carried>& carried,
+                                     const Observer& observer) {
   const Method& method = *options.method;
-  RAYLOC_TRY(check_replay_kind(method, options.kind));
-  ReplayEstimators estimators;
-  if (options.kind != ReplayKind::kPerson && method.create_device != nullptr) {
+  RAYLOC_TRY(check_kind(method, options.kind));
+  Estimators estimators;
+  if (options.kind != Kind::kPerson && method.create_device != nullptr) {
     auto devices = make_device_estimator(options, site, carried);
     RAYLOC_TRY(devices);
     estimators.devices = *std::move(devices);
     estimators.all.add(*estimators.devices);
   }
   // Without a reference no person can be located; a request for people alone gets that error.
-  if (options.kind == ReplayKind::kPerson || estimators.devices == nullptr ||
-      (options.kind == ReplayKind::kAll && method.create_person != nullptr &&
-       site.reference_file)) {
+  if (options.kind == Kind::kPerson || estimators.devices == nullptr ||
+      (options.kind == Kind::kAll && method.create_person != nullptr && site.reference_file)) {
     auto people = make_person_estimator(options, site, carried);
     RAYLOC_TRY(people);
     estimators.people = *std::move(people);
@@ -91,4 +90,4 @@ Expected<ReplayEstimators> make_replay_estimators(const ReplayEstimatorOptions& 
   return estimators;
 }
 
-}  // namespace rayloc
+}  // namespace rayloc::replay

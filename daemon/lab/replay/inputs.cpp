@@ -1,4 +1,4 @@
-#include "daemon/lab/replay/replay_inputs.h"
+#include "daemon/lab/replay/inputs.h"
 
 #include <memory>
 #include <utility>
@@ -8,12 +8,12 @@
 #include "daemon/pipeline/playback/later_source.h"
 #include "daemon/pipeline/playback/paced_source.h"
 
-namespace rayloc {
+namespace rayloc::replay {
 
-Expected<ReplayInputs> open_replay_inputs(const ReplayRecordings& recordings,
-                                          const Site& site,
-                                          const Method& method,
-                                          Timestamp listen_from) {
+Expected<Inputs> open_inputs(const Recordings& recordings,
+                             const Site& site,
+                             const Method& method,
+                             Timestamp listen_from) {
   const auto captures =
       resolve_captures(recordings.captures, access_point_ids(site), PerAccessPoint::kSeveral);
   RAYLOC_TRY(captures);
@@ -21,7 +21,7 @@ Expected<ReplayInputs> open_replay_inputs(const ReplayRecordings& recordings,
   file_options.max_gap = recordings.max_gap;
   const auto pace =
       recordings.speed ? std::make_shared<Pace>(*recordings.speed, recordings.max_gap) : nullptr;
-  ReplayInputs all;
+  Inputs all;
   for (const RecordingArgument& recording : recordings_of(*captures)) {
     auto source = RecordedSource::open(recording.files, file_options);
     RAYLOC_TRY(source);
@@ -43,4 +43,4 @@ Expected<ReplayInputs> open_replay_inputs(const ReplayRecordings& recordings,
   return all;
 }
 
-}  // namespace rayloc
+}  // namespace rayloc::replay

@@ -8,7 +8,7 @@
 #include "capture/source/recorded_source.h"
 #include "daemon/pipeline/pipeline.h"
 
-namespace rayloc {
+namespace rayloc::replay {
 
 struct ReplayedSource {
   std::string access_point;
@@ -21,7 +21,7 @@ struct ReplayedSource {
   std::string error;               // the reason for a premature end; empty: it was read completely
 };
 
-struct ReplaySummary {
+struct Summary {
   std::vector<ReplayedSource> sources;
   EstimationCounters counters;
   // The reason why there are packets, all readable, and no frame; empty otherwise.
@@ -29,7 +29,6 @@ struct ReplaySummary {
 };
 
 // `recordings`: the pipeline's inputs, in their order. REQUIRES: the pipeline has ended.
-ReplaySummary replay_summary(const Pipeline& pipeline,
-                             const std::vector<const RecordedSource*>& recordings);
+Summary summarize(const Pipeline& pipeline, const std::vector<const RecordedSource*>& recordings);
 
-}  // namespace rayloc
+}  // namespace rayloc::replay

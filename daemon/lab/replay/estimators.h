@@ -15,16 +15,16 @@
 #include "engine/base/expected.h"
 #include "engine/localize/path_grid.h"
 
-namespace rayloc {
+namespace rayloc::replay {
 
-enum class ReplayKind : std::uint8_t {
+enum class Kind : std::uint8_t {
   kDevice,
   kPerson,  // needs a reference of the empty room
   kAll,     // that the site and the method can locate
 };
 
-struct ReplayEstimatorOptions {
-  ReplayKind kind = ReplayKind::kAll;
+struct EstimatorOptions {
+  Kind kind = Kind::kAll;
   const Method* method = &default_method();
   MethodOptions settings;
   std::shared_ptr<PathGridStore> path_grids;  // for devices; null: no grid is kept
@@ -35,21 +35,21 @@ struct ReplayEstimatorOptions {
 };
 
 // Refers to itself by heap addresses only: it can be moved.
-struct ReplayEstimators {
+struct Estimators {
   std::unique_ptr<DeviceEstimator> devices;  // null: only people are located
   std::unique_ptr<PersonEstimator> people;   // null: only devices are located
   EstimatorList all;
 };
 
 // An Error (kUsage) where the method does not locate the requested kind.
-Expected<void> check_replay_kind(const Method& method, ReplayKind kind);
+Expected<void> check_kind(const Method& method, Kind kind);
 
 // Reads the scene and prepares the room: up to a minute. `carried`: state of a predecessor; null:
-// none. Reports the notes on the scene to `observer`. Errors: see check_replay_kind(); a key file
+// none. Reports the notes on the scene to `observer`. Errors: see check_kind(); a key file
 // or a room that cannot be read; people alone in a site without a reference.
-Expected<ReplayEstimators> make_replay_estimators(const ReplayEstimatorOptions& options,
-                                                  const Site& site,
-                                                  const std::shared_ptr<const Carried>& carried,
-                                                  const Observer& observer);
+Expected<Estimators> make_estimators(const EstimatorOptions& options,
+                                     const Site& site,
+                                     const std::shared_ptr<const Carried>& carried,
+                                     const Observer& observer);
 
-}  // namespace rayloc
+}  // namespace rayloc::replay

@@ -1,10 +1,10 @@
-#include "daemon/lab/replay/replay_summary.h"
+#include "daemon/lab/replay/summary.h"
 
 #include <map>
 
 #include "daemon/lab/recordings/recorded_frames.h"
 
-namespace rayloc {
+namespace rayloc::replay {
 namespace {
 
 std::uint64_t sum_of(const std::map<std::string, std::uint64_t>& counts) {
@@ -56,9 +56,8 @@ std::string reason_of_no_frames(const std::vector<SourceReport>& sources) {
 
 }  // namespace
 
-ReplaySummary replay_summary(const Pipeline& pipeline,
-                             const std::vector<const RecordedSource*>& recordings) {
-  ReplaySummary summary;
+Summary summarize(const Pipeline& pipeline, const std::vector<const RecordedSource*>& recordings) {
+  Summary summary;
   const std::vector<SourceReport> reports = pipeline.source_reports();
   for (std::size_t i = 0; i < reports.size(); ++i) {
     summary.sources.push_back(replayed_source(reports[i], *recordings[i]));
@@ -68,4 +67,4 @@ ReplaySummary replay_summary(const Pipeline& pipeline,
   return summary;
 }
 
-}  // namespace rayloc
+}  // namespace rayloc::replay
