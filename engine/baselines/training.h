@@ -12,7 +12,7 @@
 
 #include "engine/base/vec3.h"
 #include "engine/baselines/network/train_network.h"
-#include "engine/baselines/paths/level_law.h"
+#include "engine/baselines/paths/path_loss_law.h"
 #include "engine/baselines/settings.h"
 #include "engine/channel/csi_frame.h"
 #include "engine/channel/mac_address.h"
@@ -25,8 +25,8 @@ struct AccessPointTraining {
   std::size_t points = 0;  // number of surveyed points used
   // [rad], standard deviation of a direct path's phase between antennas; 0: not learned
   double sigma_psi = 0.0;
-  double outliers = 0.0;          // share of bursts with a wrong direct path
-  std::optional<LevelLaw> level;  // of the transmitters of constant power
+  double outliers = 0.0;                 // share of bursts with a wrong direct path
+  std::optional<PathLossLaw> path_loss;  // of the transmitters of constant power
 };
 
 // A network that classifies places by their images.

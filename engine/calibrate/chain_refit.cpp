@@ -80,7 +80,7 @@ class FactorFit {
       angular_.push_back(2.0 * std::numbers::pi * grid.spacing_hz * (tone - middle));
     }
     delay_.resize(rows());
-    level_.resize(rows());
+    log_gain_.resize(rows());
     for (ArrayPair& pair : pairs_) {
       scale_to_unit(pair.measured);
       scale_to_unit(pair.expected);
@@ -89,7 +89,7 @@ class FactorFit {
 
   void run() {
     align_by_one_chain();
-    take_common_level();
+    take_common_gain();
     for (int iteration = 0; iteration < kRefitIterations; ++iteration) {
       for (std::size_t row = 0; row < rows(); ++row) {
         improve(row);
@@ -146,7 +146,7 @@ class FactorFit {
 
   // A change common to all chains contains no information on them: their common amplitude,
   // estimated from the chains that are explained best, is set to the earlier one.
-  void take_common_level() {
+  void take_common_gain() {
     double weights = 0.0;
     double sum = 0.0;
     for (std::size_t row = 0; row < rows(); ++row) {
@@ -211,10 +211,10 @@ class FactorFit {
         (weight * slope - prior * delay_[row]) / std::max(weight * curvature + prior, 1e-300);
     delay_[row] += step;
     // ln |factor| is as accurate as its phase.
-    const double stiffness = 1.0 / (kChainLevelSigma * kChainLevelSigma);
+    const double stiffness = 1.0 / (kChainGainSigma * kChainGainSigma);
     const double rise =
-        (sharp * std::log(std::abs(sum) / own) - stiffness * level_[row]) / (sharp + stiffness);
-    level_[row] += rise;
+        (sharp * std::log(std::abs(sum) / own) - stiffness * log_gain_[row]) / (sharp + stiffness);
+    log_gain_[row] += rise;
     for (std::size_t k = 0; k < tones_; ++k) {
       gain_[row * tones_ + k] *=
           sum / std::abs(sum) * std::polar(std::exp(rise), angular_[k] * step);
@@ -226,8 +226,8 @@ class FactorFit {
   std::vector<double> angular_;  // [rad/s], of each tone relative to the middle
   std::vector<ArrayPair> pairs_;
   std::vector<Value> gain_;
-  std::vector<double> delay_;  // [s], advance added to each chain
-  std::vector<double> level_;  // ln of the factor's magnitude, of each chain
+  std::vector<double> delay_;     // [s], advance added to each chain
+  std::vector<double> log_gain_;  // ln of the factor's magnitude, of each chain
 };
 
 // A refit under one assumption on the accuracy of the surfaces.

@@ -3,7 +3,7 @@
 // 1, alone).
 //
 // A power cycle changes the phases of the chains; their ripple over the band is due to filters and
-// stays, and so does their amplitude approximately (kChainLevelSigma). From fewer than kRippleSpots
+// stays, and so does their amplitude approximately (kChainGainSigma). From fewer than kRippleSpots
 // spots a complex factor and a delay of each chain are therefore fitted on top of the old gains;
 // from more, the gains of every tone (chain_ripple()).
 //

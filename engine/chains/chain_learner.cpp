@@ -46,9 +46,9 @@ bool has_all_antennas(const ArrayObservation& received) {
 }
 
 // The burst with the amplitudes of the best state removed: the grid has no amplitudes.
-ObservedBurst level_undone(const ArrayObservation& received, const ChainMemory& ap) {
+ObservedBurst gain_undone(const ArrayObservation& received, const ChainMemory& ap) {
   std::vector<Value> h = received.h;
-  multiply(inverses(ap.level), h);
+  multiply(inverses(ap.gain), h);
   return received.map->observe(h, received.observed.array.noise);
 }
 
@@ -209,7 +209,7 @@ ChainLearner::CellsOfEach ChainLearner::for_any_rotation(const NewArrays& fresh)
       continue;
     }
     unknown[a] = places_for_any_rotation(*received.map,
-                                         level_undone(received, of(a)),
+                                         gain_undone(received, of(a)),
                                          of(a).belief.grid(),
                                          localizer_->room().likelihood_exponent,
                                          of(a).belief.probability());
@@ -248,7 +248,7 @@ void ChainLearner::weigh(const ArrayObservation& received,
                          ChainMemory& ap) {
   RememberedBurst burst;
   burst.evidence = turn_evidence(*received.map,
-                                 level_undone(received, ap),
+                                 gain_undone(received, ap),
                                  ap.belief.grid(),
                                  localizer_->room().likelihood_exponent,
                                  log_weight);
@@ -267,7 +267,7 @@ void ChainLearner::weigh_known(const ArrayObservation& received,
     return;
   }
   burst.evidence = turn_evidence_at(*burst.known_place,
-                                    level_undone(received, ap).array,
+                                    gain_undone(received, ap).array,
                                     ap.belief.grid(),
                                     localizer_->room().likelihood_exponent,
                                     received.map->null_model(received.observed));
@@ -294,7 +294,7 @@ void ChainLearner::remember(RememberedBurst burst,
   burst.floor =
       most + localizer_->room().likelihood_exponent * received.map->null_model(received.observed) -
       ChainBelief::kMaxOfBurst;
-  burst.since.assign(ap.level.size(), 1.0);
+  burst.since.assign(ap.gain.size(), 1.0);
   ap.remember(std::move(burst));
   decide(*received.map, time, ap);
 }
@@ -389,7 +389,7 @@ std::vector<ChainFactors> ChainLearner::compare(const AccessPointMap& map, Chain
     starts.push_back(ap.favourite);
   }
   for (const std::size_t state : ap.belief.modes(kModes)) {
-    std::vector<Value>& start = starts.emplace_back(ap.level);
+    std::vector<Value>& start = starts.emplace_back(ap.gain);
     for (std::size_t m = 0; m < start.size(); ++m) {
       start[m] *= std::polar(1.0, ap.belief.grid().phase(state, m));
     }
@@ -397,8 +397,8 @@ std::vector<ChainFactors> ChainLearner::compare(const AccessPointMap& map, Chain
   std::vector<ChainFactors> different =
       compare_states(map, ap.received, starts, localizer_->room().likelihood_exponent);
   ap.favourite = different.front().factor;
-  for (std::size_t m = 0; m < ap.level.size(); ++m) {
-    ap.level[m] = std::abs(ap.favourite[m]);
+  for (std::size_t m = 0; m < ap.gain.size(); ++m) {
+    ap.gain[m] = std::abs(ap.favourite[m]);
   }
   return different;
 }

@@ -13,7 +13,7 @@ constexpr double kFineSigma = 0.035;  // [rad], 2 degrees: accurate enough for i
 }  // namespace
 
 ChainMemory::ChainMemory(std::size_t chains, double rotated)
-    : belief(chains, rotated), level(chains, 1.0) {
+    : belief(chains, rotated), gain(chains, 1.0) {
   state.factors = ChainFactors::unity(chains);
 }
 
@@ -61,13 +61,13 @@ void ChainMemory::correct(const ChainFactors& refined) {
       one.since[m] *= refined.factor[m];
     }
   }
-  for (std::size_t m = 0; m < level.size(); ++m) {
+  for (std::size_t m = 0; m < gain.size(); ++m) {
     state.factors.factor[m] *= refined.factor[m];
   }
   state.factors.sigma = refined.sigma;
-  state.factors.level_sigma = refined.level_sigma;
+  state.factors.log_gain_sigma = refined.log_gain_sigma;
   state.factors.log_evidence = refined.log_evidence;
-  std::fill(level.begin(), level.end(), 1.0);
+  std::fill(gain.begin(), gain.end(), 1.0);
   favourite.clear();
 }
 

@@ -25,7 +25,7 @@ struct ChainMemory {
   ChainState state;
   ChainBelief belief;
   std::vector<RememberedBurst> received;        // oldest first
-  std::vector<std::complex<double>> level;      // of the best state, relative to factors
+  std::vector<std::complex<double>> gain;       // of the best state, relative to factors
   std::vector<std::complex<double>> favourite;  // factors of that state
   std::size_t unrefined = 0;                    // bursts since factors were refined or compared
   Timestamp last;                               // last evaluation for a device ...

@@ -42,8 +42,8 @@ class Objective {
       sum += burst.places.empty() ? burst.floor : log_add(log_sum(burst, z), burst.floor);
     }
     for (Index m = 0; m < chains(); ++m) {
-      const double level = at(chains() - 1 + m) / kChainLevelSigma;
-      sum -= 0.5 * level * level;
+      const double log_gain = at(chains() - 1 + m) / kChainGainSigma;
+      sum -= 0.5 * log_gain * log_gain;
     }
     return sum;
   }
@@ -153,15 +153,15 @@ ChainFactors refine_chains(std::span<const PlacedBurst> bursts,
   ChainFactors result;
   // The volume of the refined maximum counts, not its height alone.
   result.log_evidence = value + 0.5 * std::log(covariance.determinant());
-  double level = 0.0;
+  double log_gain = 0.0;
   for (Index m = 0; m < f.chains(); ++m) {
     result.factor.push_back(f.factor(at, m));
-    level += std::log(std::abs(result.factor.back())) / static_cast<double>(f.chains());
+    log_gain += std::log(std::abs(result.factor.back())) / static_cast<double>(f.chains());
     result.sigma.push_back(m == 0 ? 0.0 : std::sqrt(covariance(m - 1, m - 1)));
     const Index l = f.chains() - 1 + m;
-    result.level_sigma.push_back(std::sqrt(covariance(l, l)));
+    result.log_gain_sigma.push_back(std::sqrt(covariance(l, l)));
   }
-  const Value common = std::polar(std::exp(-level), -std::arg(result.factor[0]));
+  const Value common = std::polar(std::exp(-log_gain), -std::arg(result.factor[0]));
   for (Value& factor : result.factor) {
     factor *= common;
   }

@@ -24,11 +24,10 @@ struct PlacedBurst {
 
 // Complex gains of the chains relative to the calibration.
 struct ChainFactors {
-  std::vector<std::complex<double>>
-      factor;                       // [chain]; the first has phase 0, mean ln |factor| is 0
-  std::vector<double> sigma;        // [rad], of each phase relative to the first
-  std::vector<double> level_sigma;  // of ln |factor|
-  double log_evidence = 0.0;        // of the bursts, refined; to compare starts
+  std::vector<std::complex<double>> factor;  // [chain]; first phase 0, mean ln |factor| 0
+  std::vector<double> sigma;                 // [rad], of each phase relative to the first
+  std::vector<double> log_gain_sigma;        // of ln |factor|
+  double log_evidence = 0.0;                 // of the bursts, refined; to compare starts
 
   static ChainFactors unity(std::size_t chains);
 };

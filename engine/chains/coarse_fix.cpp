@@ -22,8 +22,9 @@ std::vector<double> cells_of(const ArrayObservation& received, double likelihood
   const std::vector<double> any(grid.size(), 1.0 / static_cast<double>(grid.size()));
   std::vector<double> cells =
       places_for_any_rotation(*received.map, received.observed, grid, likelihood_exponent, any);
-  for (std::size_t cell = 0; cell < cells.size() && !received.level.empty(); ++cell) {
-    cells[cell] += received.level[cell];
+  for (std::size_t cell = 0; cell < cells.size() && !received.power_log_likelihood.empty();
+       ++cell) {
+    cells[cell] += received.power_log_likelihood[cell];
   }
   return cells;
 }

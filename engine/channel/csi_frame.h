@@ -4,7 +4,7 @@
 // The CSI is in the convention of the engine: time factor exp(+j w t), h(f) = sum a exp(-j 2 pi f
 // tau), tones ascending, the 802.11 rotation undone, unusable tones (null, DC, guard) left out.
 // Its scale is the extractor's own (after the receiver's gain control) and is not comparable
-// between frames; `power_dbm` carries the level.
+// between frames; `power_dbm` carries the power.
 #pragma once
 
 #include <cstddef>

@@ -13,7 +13,7 @@
 //   ll = -N / 2 ln(e^2 + floor),   N: real numbers that the delay basis leaves independent.
 //
 // The received power enters none of them, because transmitters change their power. For a
-// transmitter with constant power it has a likelihood of its own (level.h).
+// transmitter with constant power it has a likelihood of its own (received_power.h).
 //
 // Thread safety: const members may be used from many threads.
 #pragma once

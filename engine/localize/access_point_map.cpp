@@ -151,10 +151,10 @@ double AccessPointMap::cell_size() const {
 void AccessPointMap::build_cells() {
   const ModelError& error = access_point().error;
   cells_.resize(source_.grid.size());
-  level_db_.resize(cells_.size());
+  traced_power_db_.resize(cells_.size());
   parallel_for(cells_.size(), 16, [&](std::size_t cell) {
     if (!tracing_->rays[cell].empty()) {
-      level_db_[cell] = traced_level_db(tracing_->rays[cell], error);
+      traced_power_db_[cell] = traced_power_db(tracing_->rays[cell], error);
     }
     if (source_.grid.layers.is_known() || tracing_->rays[cell].empty()) {
       cells_[cell] = likelihood_->place({tracing_->rays[cell], offsets_, cell_size()}, error);
@@ -218,12 +218,12 @@ double AccessPointMap::log_likelihood(std::size_t cell,
   return likelihood_->log_likelihood(cells_[cell], observed, windows);
 }
 
-std::vector<double> AccessPointMap::level_log_likelihood(const ReceivedLevel& received) const {
+std::vector<double> AccessPointMap::power_log_likelihood(const ReceivedPower& received) const {
   std::vector<double> result(cells_.size());
   std::vector<double> reachable;
   for (std::size_t cell = 0; cell < cells_.size(); ++cell) {
     if (is_reachable(cell)) {
-      result[cell] = received.log_likelihood(level_db_[cell]);
+      result[cell] = received.log_likelihood(traced_power_db_[cell]);
       reachable.push_back(result[cell]);
     }
   }

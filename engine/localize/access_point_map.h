@@ -18,11 +18,11 @@
 #include "engine/grid/grid.h"
 #include "engine/grid/height_layers.h"
 #include "engine/grid/lattice.h"
-#include "engine/likelihood/level.h"
 #include "engine/likelihood/likelihood.h"
 #include "engine/likelihood/nearby_likelihood.h"
 #include "engine/likelihood/observation_model.h"
 #include "engine/likelihood/ray_field.h"
+#include "engine/likelihood/received_power.h"
 #include "engine/localize/path_grid.h"
 #include "engine/room/room_model.h"
 
@@ -94,7 +94,7 @@ class AccessPointMap {
                         std::uint8_t windows) const;
   // Log-likelihood of the received power in every cell, relative to its mean over the reachable
   // cells: it carries no information on a device that may be anywhere. 0 in unreachable cells.
-  std::vector<double> level_log_likelihood(const ReceivedLevel& received) const;
+  std::vector<double> power_log_likelihood(const ReceivedPower& received) const;
   // Log-likelihood of the null model (device anywhere): the reference for every place.
   double null_model(const ObservedBurst& observed) const;
   // For a cell and one of its layers of heights. REQUIRES: is_reachable(cell).
@@ -156,7 +156,7 @@ class AccessPointMap {
   FieldLattice field_lattice_;
   std::unique_ptr<Kept<FieldCovariance>> covariances_;          // of a cell and a band of layers
   std::unique_ptr<Kept<RayField>> fields_;                      // of a box
-  std::vector<double> level_db_;                                // of each cell with a ray
+  std::vector<double> traced_power_db_;                         // of each cell with a ray
   std::vector<std::unique_ptr<Lazy<AccessPointMap>>> without_;  // [antenna]
 };
 

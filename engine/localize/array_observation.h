@@ -17,12 +17,14 @@ struct ArrayObservation {
   const AccessPointMap* map = nullptr;  // map for the working antennas; owned by the localizer
   ObservedBurst observed;
   std::vector<std::complex<double>> h;  // [antenna][tone], up to one complex factor and one delay
-  std::vector<double> level;  // [cell], AccessPointMap::level_log_likelihood(); empty: none
+  std::vector<double> power_log_likelihood;  // [cell], of AccessPointMap; empty: none
 
   // To be added to the log-likelihood before tempering by `likelihood_exponent`: the exponent
   // describes the model error of h, while the spread of received powers was measured.
-  double level_at(std::size_t cell, double likelihood_exponent) const {
-    return level.empty() || likelihood_exponent <= 0.0 ? 0.0 : level[cell] / likelihood_exponent;
+  double power_log_likelihood_at(std::size_t cell, double likelihood_exponent) const {
+    return power_log_likelihood.empty() || likelihood_exponent <= 0.0
+               ? 0.0
+               : power_log_likelihood[cell] / likelihood_exponent;
   }
 };
 

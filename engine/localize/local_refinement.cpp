@@ -80,7 +80,7 @@ class Searcher {
   }
   double above(std::size_t i, std::size_t cell, double log_likelihood) const {
     return log_likelihood - search_.null_model[i] +
-           search_.received[i].level_at(cell, search_.likelihood_exponent);
+           search_.received[i].power_log_likelihood_at(cell, search_.likelihood_exponent);
   }
   // Log-likelihoods at the places of a lattice at each of the heights.
   Places on(std::size_t cell,

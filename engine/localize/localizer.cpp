@@ -12,8 +12,8 @@
 #include "engine/base/constants.h"
 #include "engine/base/parallel.h"
 #include "engine/grid/height_layers.h"
-#include "engine/likelihood/level.h"
 #include "engine/likelihood/likelihood.h"
+#include "engine/likelihood/received_power.h"
 #include "engine/localize/access_point_map.h"
 #include "engine/localize/fix_warnings.h"
 #include "engine/localize/search_area.h"
@@ -149,8 +149,8 @@ std::optional<ArrayObservation> Localizer::Impl::received_by(std::size_t number,
                                 ": its CSI does not match any channel this room can produce");
     return std::nullopt;
   }
-  if (const auto level = received_level(ap, burst)) {
-    received.level = map->level_log_likelihood(*level);
+  if (const auto power = received_power(ap, burst)) {
+    received.power_log_likelihood = map->power_log_likelihood(*power);
   }
   return received;
 }
@@ -187,7 +187,8 @@ AccessPointMaps Localizer::Impl::maps_of(const std::vector<ArrayObservation>& re
   std::vector<std::vector<std::uint8_t>> windows(received.size(), std::vector<std::uint8_t>(count));
   std::vector<double> sum(count);
   const auto above = [&](std::size_t i, std::size_t cell, double log_likelihood) {
-    return log_likelihood - maps.null_model[i] + received[i].level_at(cell, likelihood_exponent);
+    return log_likelihood - maps.null_model[i] +
+           received[i].power_log_likelihood_at(cell, likelihood_exponent);
   };
   parallel_for(count, 64, [&](std::size_t n) {
     const std::size_t cell = compared.cell(n);

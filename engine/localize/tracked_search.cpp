@@ -104,7 +104,7 @@ void TrackedSearch::choose_rows() {
 }
 
 double TrackedSearch::above(std::size_t array, std::size_t cell, double null_model) const {
-  return received_[array].level_at(cell, room_.likelihood_exponent) - null_model;
+  return received_[array].power_log_likelihood_at(cell, room_.likelihood_exponent) - null_model;
 }
 
 // Evaluates the boxes of one cell: groups of a few layers share their covariance.

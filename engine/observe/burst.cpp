@@ -18,7 +18,7 @@ using Value = std::complex<double>;
 struct Reading {
   Timestamp time;
   std::vector<Value> values;  // [rx_chain][tone] in the order of the request
-  std::optional<double> level_dbm;
+  std::optional<double> power_dbm;
 };
 
 // Position in `frame.tone_index` of every tone of the grid; nothing when one is missing.
@@ -37,7 +37,7 @@ std::optional<std::vector<std::size_t>> tone_positions(const CsiFrame& frame,
 }
 
 // Mean power of the cores; nothing where it is not stated for all of them.
-std::optional<double> level_of(const CsiFrame& frame, std::span<const std::uint8_t> rx_chains) {
+std::optional<double> power_dbm_of(const CsiFrame& frame, std::span<const std::uint8_t> rx_chains) {
   double power = 0.0;  // [mW]
   for (const std::uint8_t rx_chain : rx_chains) {
     const auto at = static_cast<std::size_t>(
@@ -51,14 +51,14 @@ std::optional<double> level_of(const CsiFrame& frame, std::span<const std::uint8
   return 10.0 * std::log10(power / static_cast<double>(rx_chains.size()));
 }
 
-std::optional<double> level_of(const std::vector<Reading>& readings) {
-  std::vector<double> levels;
+std::optional<double> power_dbm_of(const std::vector<Reading>& readings) {
+  std::vector<double> powers;
   for (const Reading& reading : readings) {
-    if (reading.level_dbm) {
-      levels.push_back(*reading.level_dbm);
+    if (reading.power_dbm) {
+      powers.push_back(*reading.power_dbm);
     }
   }
-  return levels.empty() ? std::nullopt : std::optional(median(std::move(levels)));
+  return powers.empty() ? std::nullopt : std::optional(median(std::move(powers)));
 }
 
 // The values of a frame, or the name of the reason for refusing it.
@@ -73,7 +73,7 @@ Expected<Reading> read_frame(const CsiFrame& frame, const BurstRequest& request)
   if (!tones) {
     return bad_input("wrong_grid");
   }
-  Reading reading{frame.time, {}, level_of(frame, request.rx_chains)};
+  Reading reading{frame.time, {}, power_dbm_of(frame, request.rx_chains)};
   reading.values.reserve(request.rx_chains.size() * tones->size());
   for (const std::uint8_t rx_chain : request.rx_chains) {
     const auto found = std::find(frame.rx_chains.begin(), frame.rx_chains.end(), rx_chain);
@@ -277,7 +277,7 @@ Expected<BurstObservation> without_absent(std::span<const CsiFrame> frames,
     const auto tones = request.grid.size();
     burst->h.insert(burst->h.begin() + at * static_cast<std::ptrdiff_t>(tones), tones, Value());
     burst->rx_chains.insert(burst->rx_chains.begin() + at, rx_chain);
-    burst->level_dbm.reset();
+    burst->power_dbm.reset();
     burst->absent = absent;
   }
   return burst;
@@ -335,10 +335,10 @@ Expected<BurstObservation> combine_burst(std::span<const CsiFrame> frames,
   scale_to_unit(result.h);
   const auto count = static_cast<double>(readings.size());
   result.noise_variance = frame_noise / (count * power);
-  constexpr double kMinNoise = 1e-12;  // a noiseless simulation has a finite level as well
+  constexpr double kMinNoise = 1e-12;  // a noiseless simulation has a finite SNR as well
   result.snr_db = 10.0 * std::log10(power / std::max(frame_noise, kMinNoise));
   result.transmitter = chosen.front()->transmitter;
-  result.level_dbm = level_of(readings);
+  result.power_dbm = power_dbm_of(readings);
   result.first = readings.front().time;
   result.last = readings.back().time;
   result.frames_used = readings.size();

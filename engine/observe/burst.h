@@ -3,9 +3,9 @@
 //
 // One frame is H[m,k] = g exp(j phi) exp(-j 2 pi f_k T) G[m,k] h[m,k] + noise, where the gain g,
 // the phase phi and the timing offset T are new in every frame and the chain gains G are constant
-// for a power cycle. Absolute level, phase and delay are therefore lost; every frame is aligned by
+// for a power cycle. Absolute power, phase and delay are therefore lost; every frame is aligned by
 // its own (g, phi, T) to the running average and averaged. The result is G h up to one complex
-// factor and one delay. G is not removed here (ChainGains). The level that the receiver reports
+// factor and one delay. G is not removed here (ChainGains). The power that the receiver reports
 // beside its CSI (CsiFrame::power_dbm) is kept separately.
 //
 // The cost is bounded: at most BurstOptions::max_frames frames are read, spread evenly over the
@@ -62,9 +62,9 @@ struct BurstObservation {
   // excludes `absent`.
   double noise_variance = 0.0;
   double snr_db = 0.0;  // of one frame
-  // Level as the receiver reports it [dBm]: mean power of the requested cores, median of the frames
+  // Power as the receiver reports it [dBm]: mean power of the requested cores, median of the frames
   // used; nothing where no frame states it for all of these cores.
-  std::optional<double> level_dbm;
+  std::optional<double> power_dbm;
   // Difference between successive frames beyond the noise: the share of the power that is not in
   // the principal component when early and late frames are compared; about 0 without motion.
   double motion_residual = 0.0;

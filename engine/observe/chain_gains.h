@@ -15,7 +15,7 @@
 namespace rayloc {
 
 // Standard deviation of the change of a chain's ln |gain| in a power cycle.
-inline constexpr double kChainLevelSigma = 0.17;  // of ln, 1.5 dB
+inline constexpr double kChainGainSigma = 0.17;  // of ln, 1.5 dB
 
 struct ChainGains {
   OfdmGrid grid;

@@ -1,4 +1,4 @@
-// Scaling of arrays without an absolute level to mean square 1.
+// Scaling of arrays without an absolute power to mean square 1.
 #pragma once
 
 #include <cmath>

@@ -97,11 +97,11 @@ std::optional<DeadChain> dead_chain(const BurstObservation& burst) {
   const auto weakest = std::min_element(power.begin(), power.end());
   const double others = std::accumulate(power.begin(), power.end(), -*weakest);
   const double share = *weakest * static_cast<double>(rows - 1) / others;
-  const double level_db = 10.0 * std::log10(std::max(share, kMinShare));
-  if (!(level_db < kDeadChain)) {
+  const double power_db = 10.0 * std::log10(std::max(share, kMinShare));
+  if (!(power_db < kDeadChain)) {
     return std::nullopt;
   }
-  return DeadChain{static_cast<std::size_t>(weakest - power.begin()), level_db, {}};
+  return DeadChain{static_cast<std::size_t>(weakest - power.begin()), power_db, {}};
 }
 
 std::string dead_chain_text(const RoomAccessPoint& access_point,
@@ -114,7 +114,7 @@ std::string dead_chain_text(const RoomAccessPoint& access_point,
   }
   const std::string how = dead.absent
                               ? "it has no CSI"
-                              : std::to_string(std::lround(dead.level_db)) + " dB of the others";
+                              : std::to_string(std::lround(dead.power_db)) + " dB of the others";
   return begin + "the chain of core " + rx_chain + " is dead (" + how +
          "; check its antenna and pigtail)";
 }
@@ -124,7 +124,7 @@ BurstObservation without_row(BurstObservation burst, std::size_t row) {
   const auto at = static_cast<std::ptrdiff_t>(row);
   burst.h.erase(burst.h.begin() + at * tones, burst.h.begin() + (at + 1) * tones);
   burst.rx_chains.erase(burst.rx_chains.begin() + at);
-  burst.level_dbm.reset();  // the level of the remaining chains was not calibrated
+  burst.power_dbm.reset();  // the power of the remaining chains was not calibrated
   burst.absent.reset();
   return burst;
 }

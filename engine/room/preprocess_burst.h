@@ -44,7 +44,7 @@ std::optional<BurstObservation> preprocess_burst(const RoomModel& room,
 // its chain gains have been removed.
 struct DeadChain {
   std::size_t row = 0;
-  double level_db = 0.0;  // level relative to the others
+  double power_db = 0.0;  // power relative to the others
   std::optional<AbsentRxChain> absent;
 };
 std::optional<DeadChain> dead_chain(const BurstObservation& burst);

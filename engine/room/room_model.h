@@ -36,9 +36,9 @@ struct ModelError {
   double strength = 1.0;  // scales the nominal uncertainty of a ray's power; 0: exact
 };
 
-// Level that an access point reports for a transmitter of constant power, minus the traced power
-// (traced_level_db()).
-struct TransmitterLevel {
+// Power that an access point reports for a transmitter of constant power, minus the traced power
+// (traced_power_db()).
+struct TransmitterPower {
   MacAddress transmitter;
   double offset_db = 0.0;
   double sigma_db = 0.0;  // standard deviation between positions
@@ -50,8 +50,8 @@ struct RoomAccessPoint {
   std::vector<std::uint8_t> rx_chains;  // receive chain of each element of `array`
   ChainGains gains;                     // empty: not calibrated
   ModelError error;
-  // Transmitters of constant power; the level of others carries no information.
-  std::vector<TransmitterLevel> levels = {};
+  // Transmitters of constant power; the received power of others carries no information.
+  std::vector<TransmitterPower> powers = {};
   bool are_chains_known = true;  // false: any relative phase of a chain is equally likely
 };
 

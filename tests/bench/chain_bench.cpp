@@ -39,7 +39,7 @@ using Frames = std::vector<CsiFrame>;
 constexpr auto kBurst = std::chrono::milliseconds(200);
 constexpr auto kOff = std::chrono::minutes(1);
 constexpr double kDegrees = 180.0 / std::numbers::pi;
-constexpr double kLevelSigma = 0.17;  // of ln, 1.5 dB
+constexpr double kLogGainSigma = 0.17;  // of ln, 1.5 dB
 
 std::vector<Frames> bursts_of(Frames frames) {
   std::stable_sort(frames.begin(), frames.end(), [](const CsiFrame& a, const CsiFrame& b) {
@@ -73,7 +73,7 @@ void turn(const RoomModel& room, const std::vector<std::vector<Value>>& turns, F
   }
 }
 
-// Phase and level of each chain relative to the first, with the turns that were made taken out.
+// Phase and gain of each chain relative to the first, with the turns that were made taken out.
 std::string phases(const std::vector<Value>& factor, const std::vector<Value>& made) {
   std::string text;
   for (std::size_t m = 1; m < factor.size(); ++m) {
@@ -94,11 +94,11 @@ using Turns = std::vector<std::vector<Value>>;  // [access point][chain]
 // The turns of a power cycle; the first, number 0, has none.
 Turns turns_of(const RoomModel& room, int number, std::mt19937& random) {
   std::uniform_real_distribution<double> around(-std::numbers::pi, std::numbers::pi);
-  std::normal_distribution<double> level(0.0, number == 0 ? 0.0 : kLevelSigma);
+  std::normal_distribution<double> log_gain(0.0, number == 0 ? 0.0 : kLogGainSigma);
   Turns made(room.access_points.size());
   for (std::size_t a = 0; a < made.size(); ++a) {
     for (std::size_t m = 0; m < room.access_points[a].rx_chains.size(); ++m) {
-      made[a].push_back(std::polar(std::exp(level(random)), number == 0 ? 0.0 : around(random)));
+      made[a].push_back(std::polar(std::exp(log_gain(random)), number == 0 ? 0.0 : around(random)));
     }
   }
   return made;

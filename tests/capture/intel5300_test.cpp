@@ -195,7 +195,7 @@ TEST(Intel5300, GivesEveryValueOfARecord) {
   }
 }
 
-TEST(Intel5300, NamesTonesCoresAndLevels) {
+TEST(Intel5300, NamesTonesCoresAndPowers) {
   Card card;
   card.wide = false;
   const auto narrow = Intel5300Decoder().decode(view(record_of(card)));

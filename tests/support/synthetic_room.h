@@ -18,7 +18,7 @@ namespace rayloc::test {
 // gains are those that frames_at() applies, so the room counts as calibrated.
 RoomModel make_room();
 
-// The gains of each chain and tone of an access point: different levels, phases and a slope.
+// The gains of each chain and tone of an access point: different magnitudes, phases and a slope.
 ChainGains make_gains(const RoomModel& room, std::size_t access_point);
 
 struct FrameOptions {

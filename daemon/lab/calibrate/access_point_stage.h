@@ -18,7 +18,7 @@ struct AccessPointResult {
   AccessPointFit fit;          // fit to all points
   AccessPointFit train;        // fit without the held-out points
   std::vector<PointFit> fits;  // all points, by `train`; before: equal gains, surveyed yaw
-  std::vector<TransmitterLevel> levels = {};
+  std::vector<TransmitterPower> powers = {};
 };
 
 // A floor plan is centimetres off; survey errors are negligible beside that.

@@ -79,7 +79,7 @@ std::vector<CalibratedAccessPoint> calibrated_access_points(
     ap.gains = result.fit.gains;
     ap.gain_sigma = result.fit.gain_sigma;
     state_chains(calibrated.parameters, ap);
-    ap.levels = result.levels;
+    ap.powers = result.powers;
     for (std::size_t e = 0; e < after.array.element_offset.size(); ++e) {
       ap.element_y.push_back(after.array.element_offset[e].y - before.array.element_offset[e].y);
     }

@@ -11,7 +11,7 @@
 #include "daemon/lab/calibrate/dead_chain_check.h"
 #include "daemon/lab/calibrate/holdout.h"
 #include "daemon/lab/calibrate/inputs_hash.h"
-#include "daemon/lab/calibrate/level_stage.h"
+#include "daemon/lab/calibrate/power_offset_stage.h"
 #include "daemon/site/model/room_match.h"
 #include "daemon/site/model/room_model.h"
 #include "daemon/site/model/site_copy.h"
@@ -247,9 +247,9 @@ std::vector<HeldOutSpot> Calibration::spots(bool all) const {
 Expected<void> Calibration::fit_certainty(const RoomModel& room) {
   auto trained = std::make_shared<RoomModel>(room);
   for (AccessPointResult& result : results_) {
-    result.levels = fit_levels(site_, room, result, spots(true), inputs_.refused);
+    result.powers = fit_power_offsets(site_, room, result, spots(true), inputs_.refused);
     apply(result.train, trained->access_points[result.index]);
-    trained->access_points[result.index].levels = result.levels;
+    trained->access_points[result.index].powers = result.powers;
   }
   auto fixes = fit_certainty_of(std::move(trained), spots(false), survey_error_);
   RAYLOC_TRY(fixes);

@@ -75,10 +75,10 @@ TrainingInput survey_of(std::shared_ptr<const RoomModel> room,
 }
 
 // SpotFi with all bearings treated as outliers.
-Expected<Locate> level(std::shared_ptr<const RoomModel> room,
-                       const StudyLayout& layout,
-                       bool constant_power,
-                       std::uint64_t seed) {
+Expected<Locate> power_only(std::shared_ptr<const RoomModel> room,
+                            const StudyLayout& layout,
+                            bool constant_power,
+                            std::uint64_t seed) {
   if (layout.transmitter) {
     return refuse("received powers alone do not locate people");
   }
@@ -151,7 +151,7 @@ Expected<Locate> make_control(std::string_view name,
     return nearest(*room, layout);
   }
   if (name == "level") {
-    return level(std::move(room), layout, constant_power, seed);
+    return power_only(std::move(room), layout, constant_power, seed);
   }
   if (name == "oracle") {
     return oracle(std::move(room), layout, seed);

@@ -110,7 +110,7 @@ Expected<RoomModel> planned_room(const Site& site, const PlannedRoomOptions& pla
     if (ap.gains.empty() || other_tones) {
       ap.gains = without_gains(ap, room->grid);
     }
-    ap.levels.clear();
+    ap.powers.clear();
   }
   if (plan.spacing) {
     RAYLOC_TRY(set_spacing(*plan.spacing, *room));

@@ -217,13 +217,13 @@ RadioFrame SimulatedRadio::on_channel(const std::vector<Value>& signal) {
       Value& tone = row[static_cast<std::size_t>(plan.active[k] + middle)];
       tone = kQuarterTurns.at(plan.quarter_turns[k]) * (tone + signal[m * tones + k]);
     }
-    const double level = mean_power(std::span(signal).subspan(m * tones, tones));
-    const Value garbage = std::sqrt(level) * normal();
+    const double power = mean_power(std::span(signal).subspan(m * tones, tones));
+    const Value garbage = std::sqrt(power) * normal();
     if (impairments_.dc_garbage) {
       row[total / 2] = garbage;
     }
     const double dbm = impairments_.transmit_power_dbm +
-                       10.0 * std::log10(std::max(level + noise_power_, 1e-30)) +
+                       10.0 * std::log10(std::max(power + noise_power_, 1e-30)) +
                        impairments_.power_error_db * (2.0 * uniform_(random_) - 1.0);
     frame.power_dbm.at(chains_.rx_chains[m]) =
         static_cast<std::int8_t>(std::clamp(std::round(dbm), -128.0, -1.0));
@@ -235,9 +235,9 @@ RadioFrame SimulatedRadio::on_channel(const std::vector<Value>& signal) {
 void SimulatedRadio::set_level(RadioFrame& frame) {
   const double chance = uniform_(random_);
   double scale = kFixedScale;
-  const double level = mean_power(frame.tones);
-  if (impairments_.gain_step_db > 0.0 && level > 0.0) {
-    const double wanted = (kLevelDb - 10.0 * std::log10(level)) / impairments_.gain_step_db;
+  const double power = mean_power(frame.tones);
+  if (impairments_.gain_step_db > 0.0 && power > 0.0) {
+    const double wanted = (kLevelDb - 10.0 * std::log10(power)) / impairments_.gain_step_db;
     scale = amplitude(impairments_.gain_step_db * std::floor(wanted + chance));
   }
   for (Value& tone : frame.tones) {

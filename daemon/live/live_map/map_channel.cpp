@@ -43,8 +43,8 @@ Json paths_json(const Paths& paths, const Vec3d& device, const Vec3d& access_poi
   });
   Json list = Json::array();
   for (const Path* path : strongest_first) {
-    const double level = 10.0 * std::log10(abs2(path->a) / abs2(strongest_first.front()->a));
-    if (list.size() >= kMaxPaths || !(level >= kWeakestPath)) {
+    const double power_db = 10.0 * std::log10(abs2(path->a) / abs2(strongest_first.front()->a));
+    if (list.size() >= kMaxPaths || !(power_db >= kWeakestPath)) {
       break;
     }
     Json points = Json::array({{device.x, device.y, device.z}});
@@ -52,7 +52,8 @@ Json paths_json(const Paths& paths, const Vec3d& device, const Vec3d& access_poi
       points.push_back({one.position.x, one.position.y, one.position.z});
     }
     points.push_back({access_point.x, access_point.y, access_point.z});
-    list.push_back({{"points", std::move(points)}, {"level_db", std::round(10.0 * level) / 10.0}});
+    list.push_back(
+        {{"points", std::move(points)}, {"level_db", std::round(10.0 * power_db) / 10.0}});
   }
   return list;
 }

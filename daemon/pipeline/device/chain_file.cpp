@@ -30,7 +30,7 @@ Json to_json(const ChainState& state, const RoomAccessPoint& ap) {
           {"cores", ap.rx_chains},
           {"factor", std::move(factors)},
           {"phase_sigma_rad", state.factors.sigma},
-          {"level_sigma", state.factors.level_sigma},
+          {"level_sigma", state.factors.log_gain_sigma},
           {"since_ns", state.since.time_since_epoch().count()},
           {"bursts", state.bursts}};
 }
@@ -44,7 +44,7 @@ ChainState from_json(const Json& json, std::size_t access_point) {
     state.factors.factor.emplace_back(factor.at(0).get<double>(), factor.at(1).get<double>());
   }
   state.factors.sigma = json.at("phase_sigma_rad").get<std::vector<double>>();
-  state.factors.level_sigma = json.at("level_sigma").get<std::vector<double>>();
+  state.factors.log_gain_sigma = json.at("level_sigma").get<std::vector<double>>();
   state.since = Timestamp(Duration(json.at("since_ns").get<std::int64_t>()));
   state.bursts = json.at("bursts").get<std::size_t>();
   return state;
@@ -53,7 +53,7 @@ ChainState from_json(const Json& json, std::size_t access_point) {
 bool is_usable(const ChainState& state, std::size_t chains) {
   const auto& factor = state.factors.factor;
   return factor.size() == chains && state.factors.sigma.size() == chains &&
-         state.factors.level_sigma.size() == chains &&
+         state.factors.log_gain_sigma.size() == chains &&
          std::all_of(factor.begin(), factor.end(), [](const auto& value) {
            return std::isfinite(std::abs(value)) && std::abs(value) > 0.0;
          });

@@ -133,8 +133,8 @@ void set_chains(const ChainState& state, v1::CarriedChains* message) {
     message->add_factors(factor.imag());
   }
   message->mutable_phase_sigma()->Add(state.factors.sigma.begin(), state.factors.sigma.end());
-  message->mutable_level_sigma()->Add(state.factors.level_sigma.begin(),
-                                      state.factors.level_sigma.end());
+  message->mutable_level_sigma()->Add(state.factors.log_gain_sigma.begin(),
+                                      state.factors.log_gain_sigma.end());
   *message->mutable_since() = to_proto(state.since);
   message->set_bursts(state.bursts);
   message->set_bursts_needed(state.bursts_needed);
@@ -154,7 +154,7 @@ Expected<ChainState> chains_of(const v1::CarriedChains& message) {
     state.factors.factor.emplace_back(message.factors(2 * m), message.factors(2 * m + 1));
   }
   state.factors.sigma.assign(message.phase_sigma().begin(), message.phase_sigma().end());
-  state.factors.level_sigma.assign(message.level_sigma().begin(), message.level_sigma().end());
+  state.factors.log_gain_sigma.assign(message.level_sigma().begin(), message.level_sigma().end());
   state.since = from_proto(message.since());
   state.bursts = message.bursts();
   state.bursts_needed = message.bursts_needed();

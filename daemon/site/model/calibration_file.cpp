@@ -48,9 +48,9 @@ std::string chain_text(const CalibratedAccessPoint& ap, std::size_t rx_chain) {
   return text + "\n]\n";
 }
 
-std::string level_text(const TransmitterLevel& level) {
-  return "[[access_point.level]]\ntransmitter = \"" + to_string(level.transmitter) +
-         "\"\noffset_db = " + to_text(level.offset_db) + "\nsigma_db = " + to_text(level.sigma_db) +
+std::string power_text(const TransmitterPower& power) {
+  return "[[access_point.level]]\ntransmitter = \"" + to_string(power.transmitter) +
+         "\"\noffset_db = " + to_text(power.offset_db) + "\nsigma_db = " + to_text(power.sigma_db) +
          "\n";
 }
 
@@ -124,21 +124,21 @@ void read_chains(const TomlTable& table, CalibratedAccessPoint& ap) {
   }
 }
 
-void read_levels(const TomlTable& table, CalibratedAccessPoint& ap) {
-  for (const TomlTable& level : table.tables("level")) {
-    level.require({{"transmitter", "transmitter = \"02:52:4c:00:00:01\""},
+void read_powers(const TomlTable& table, CalibratedAccessPoint& ap) {
+  for (const TomlTable& power : table.tables("level")) {
+    power.require({{"transmitter", "transmitter = \"02:52:4c:00:00:01\""},
                    {"offset_db", "offset_db = -12.5"},
                    {"sigma_db", "sigma_db = 2.0"}});
-    const auto text = level.string("transmitter");
-    const auto offset = level.number("offset_db", {});
-    const auto sigma = level.number("sigma_db", {1e-3, 1e3, "dB"});
+    const auto text = power.string("transmitter");
+    const auto offset = power.number("offset_db", {});
+    const auto sigma = power.number("sigma_db", {1e-3, 1e3, "dB"});
     if (!text || !offset || !sigma) {
       continue;  // already reported
     }
     if (const auto mac = parse_mac_address(*text)) {
-      ap.levels.push_back({*mac, *offset, *sigma});
+      ap.powers.push_back({*mac, *offset, *sigma});
     } else {
-      level.error_at("transmitter", mac.error().message);
+      power.error_at("transmitter", mac.error().message);
     }
   }
 }
@@ -160,7 +160,7 @@ CalibratedAccessPoint read_calibrated_access_point(const TomlTable& table) {
   }
   read_tones(table, ap.gains.grid);
   read_chains(table, ap);
-  read_levels(table, ap);
+  read_powers(table, ap);
   return ap;
 }
 
@@ -292,8 +292,8 @@ std::string to_toml(const CalibrationFile& calibration) {
     for (std::size_t rx_chain = 0; rx_chain < ap.gains.rx_chains.size(); ++rx_chain) {
       text += chain_text(ap, rx_chain);
     }
-    for (const TransmitterLevel& level : ap.levels) {
-      text += level_text(level);
+    for (const TransmitterPower& power : ap.powers) {
+      text += power_text(power);
     }
   }
   for (const CalibratedSurface& surface : calibration.surfaces) {

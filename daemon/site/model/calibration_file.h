@@ -41,7 +41,7 @@ struct CalibratedAccessPoint {
   ChainGains gains;
   std::vector<double> gain_sigma;  // for each core [rad]
   std::vector<double> element_y;   // [m], for each core's antenna, added to its y in the array
-  std::vector<TransmitterLevel> levels = {};  // for transmitters of constant power
+  std::vector<TransmitterPower> powers = {};  // for transmitters of constant power
 };
 
 // Correction of all reflections by a surface, beyond its material (RoomModel::surface_correction).

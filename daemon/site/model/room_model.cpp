@@ -20,14 +20,14 @@ DeviceModel device_of(const Site& site) {
   return unlisted_device(site);
 }
 
-// Levels of the transmitters that the site still states to have constant power.
-std::vector<TransmitterLevel> constant_levels(std::vector<TransmitterLevel> levels,
+// Power offsets of the transmitters that the site still states to have constant power.
+std::vector<TransmitterPower> constant_powers(std::vector<TransmitterPower> powers,
                                               const Site& site) {
-  std::erase_if(levels, [&](const TransmitterLevel& level) {
-    const SiteTransmitter* stated = find_transmitter(site, level.transmitter);
+  std::erase_if(powers, [&](const TransmitterPower& power) {
+    const SiteTransmitter* stated = find_transmitter(site, power.transmitter);
     return stated == nullptr || !stated->constant_power;
   });
-  return levels;
+  return powers;
 }
 
 // [rad], chosen: a phase with this uncertainty is unknown; that of a uniform phase is 1.8.
@@ -52,7 +52,7 @@ void apply_to(RoomAccessPoint& ap, CalibratedAccessPoint&& found, const Site& si
   const auto& sigma = found.gain_sigma;
   ap.are_chains_known = sigma.empty() || *std::max_element(sigma.begin(), sigma.end()) < kUnknown;
   ap.gains = std::move(found.gains);
-  ap.levels = constant_levels(std::move(found.levels), site);
+  ap.powers = constant_powers(std::move(found.powers), site);
 }
 
 Expected<void> apply_calibration(const Site& site, RoomModel& room) {

@@ -38,10 +38,10 @@ std::string access_point_text(const AccessPointTraining& ap) {
             "  # [rad] of the phase from antenna to antenna\noutliers = " + to_text(ap.outliers) +
             "  # share of the bursts\n";
   }
-  if (ap.level) {
+  if (ap.path_loss) {
     text += "[access_point.level]  # at_1m_dbm - 10 exponent log10(distance / m)\nat_1m_dbm = " +
-            to_text(ap.level->at_1m_dbm) + "\nexponent = " + to_text(ap.level->exponent) +
-            "\nsigma_db = " + to_text(ap.level->sigma_db) + "\n";
+            to_text(ap.path_loss->at_1m_dbm) + "\nexponent = " + to_text(ap.path_loss->exponent) +
+            "\nsigma_db = " + to_text(ap.path_loss->sigma_db) + "\n";
   }
   return text;
 }
@@ -82,11 +82,11 @@ AccessPointTraining read_access_point_training(const TomlTable& table, bool is_o
   ap.points = static_cast<std::size_t>(table.integer("points", {0.0, 1e9, ""}).value_or(0));
   ap.sigma_psi = table.number("sigma_psi", {1e-3, 10.0, "rad"}).value_or(1.0);
   ap.outliers = table.number("outliers", {0.0, 1.0, ""}).value_or(0.0);
-  if (const auto level = table.table("level")) {
-    LevelLaw& law = ap.level.emplace();
-    law.at_1m_dbm = level->number("at_1m_dbm", {-300.0, 300.0, "dBm"}).value_or(0.0);
-    law.exponent = level->number("exponent", {-20.0, 20.0, ""}).value_or(kUsualExponent);
-    law.sigma_db = level->number("sigma_db", {1e-3, 100.0, "dB"}).value_or(kUsualLevelSigma);
+  if (const auto path_loss = table.table("level")) {
+    PathLossLaw& law = ap.path_loss.emplace();
+    law.at_1m_dbm = path_loss->number("at_1m_dbm", {-300.0, 300.0, "dBm"}).value_or(0.0);
+    law.exponent = path_loss->number("exponent", {-20.0, 20.0, ""}).value_or(kUsualExponent);
+    law.sigma_db = path_loss->number("sigma_db", {1e-3, 100.0, "dB"}).value_or(kUsualPowerSigma);
   }
   return ap;
 }

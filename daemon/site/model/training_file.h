@@ -19,8 +19,8 @@ std::string training_toml(const Training& training, const Site& site, const std:
 
 // Reads the file that the site names for the method; null if it names none. An Error
 // (kConfiguration) for a file that is damaged, of another method, calibration or radio, or whose
-// weights are. Laws of level are valid for the transmitters whose power the site still states to be
-// constant. `settings`: of the method.
+// weights are. Path-loss laws are valid for the transmitters whose power the site still states to
+// be constant. `settings`: of the method.
 Expected<std::shared_ptr<const Training>> load_training(const Site& site,
                                                         const std::string& method,
                                                         const RoomModel& room,

@@ -24,7 +24,7 @@ struct Spotfi::Received {
   DirectPath path;
   double sigma = 0.0;     // [rad]
   double outliers = 0.0;  // a share
-  LevelLaw law;
+  PathLossLaw law;
   bool is_power_constant = false;  // the path-loss law gives the distance
 };
 
@@ -59,7 +59,7 @@ Expected<Spotfi> Spotfi::create(std::shared_ptr<const RoomModel> room,
 
 std::string Spotfi::refusal(std::span<const Received> received) const {
   if (received.size() > 1 || options_.range == SpotfiRange::kRoom ||
-      (options_.range == SpotfiRange::kLevel && received.front().is_power_constant)) {
+      (options_.range == SpotfiRange::kPower && received.front().is_power_constant)) {
     return {};
   }
   return "one access point and no learned level: spotfi has a bearing and no range (add access "
@@ -67,17 +67,17 @@ std::string Spotfi::refusal(std::span<const Received> received) const {
 }
 
 // Uses the distances for a device with constant power; otherwise their differences.
-double Spotfi::level_log_likelihood(std::span<const Received> received, const Vec3d& place) const {
+double Spotfi::power_log_likelihood(std::span<const Received> received, const Vec3d& place) const {
   const bool is_constant = received.front().is_power_constant;
   double weights = 0.0;
   double mean = 0.0;
   double squares = 0.0;
   for (const Received& one : received) {
-    if (!one.path.burst.level_dbm || one.is_power_constant != is_constant) {
+    if (!one.path.burst.power_dbm || one.is_power_constant != is_constant) {
       continue;
     }
     const Vec3d& at = room_->access_points[one.access_point].array.pose.position;
-    const double off = *one.path.burst.level_dbm - one.law.at(norm(place - at));
+    const double off = *one.path.burst.power_dbm - one.law.at(norm(place - at));
     const double weight = 1.0 / (one.law.sigma_db * one.law.sigma_db);
     weights += weight;
     mean += weight * off;
@@ -91,7 +91,7 @@ double Spotfi::level_log_likelihood(std::span<const Received> received, const Ve
 
 double Spotfi::log_likelihood(std::span<const Received> received, const Vec3d& place) const {
   const double wavelength = kSpeedOfLight / room_->grid.centre_hz;
-  double sum = options_.range == SpotfiRange::kNone ? 0.0 : level_log_likelihood(received, place);
+  double sum = options_.range == SpotfiRange::kNone ? 0.0 : power_log_likelihood(received, place);
   for (const Received& one : received) {
     const AntennaArray& array = room_->access_points[one.access_point].array;
     const double off = wrapped(one.path.psi - psi_of(array, one.path.line, place, wavelength));
@@ -125,11 +125,11 @@ LocationEstimate Spotfi::locate(std::span<const CsiFrame> frames, std::uint64_t 
     if (const AccessPointTraining* learned = training_ ? training_->find(ap.id) : nullptr) {
       one.sigma = learned->sigma_psi;
       one.outliers = learned->outliers;
-      if (learned->level) {
+      if (learned->path_loss) {
         const auto& constant = training_->constant_power;
-        one.law = *learned->level;
+        one.law = *learned->path_loss;
         one.is_power_constant =
-            one.path.burst.level_dbm &&
+            one.path.burst.power_dbm &&
             std::find(constant.begin(), constant.end(), one.path.burst.transmitter) !=
                 constant.end();
       }

@@ -4,12 +4,12 @@
 // on the circle of phases, with a share of outliers, so that a region can be stated and aliases of
 // wide arrays are preserved:
 //
-//   ll(p) = sum over APs of ln[(1 - e) N(wrap(psi - psi(p)); s) + e / (2 pi)] + level
+//   ll(p) = sum over APs of ln[(1 - e) N(wrap(psi - psi(p)); s) + e / (2 pi)] + power
 //
-// with s^2 = s_0^2 max L / L_i, at most 9 s_0^2 (L: how likely the path is direct). The level is
-// -(level - law(r))^2 / (2 sigma^2) for transmitters of constant power with a learned law; for
-// others their unknown power is eliminated, and differences between access points remain. Level and
-// map are ours. RayLoc's traced level is not used: the method has no walls.
+// with s^2 = s_0^2 max L / L_i, at most 9 s_0^2 (L: how likely the path is direct). The power is
+// -(power - law(r))^2 / (2 sigma^2) for transmitters of constant power with a learned law; for
+// others their unknown power is eliminated, and differences between access points remain. Power and
+// map are ours. RayLoc's traced power is not used: the method has no walls.
 //
 // References: [SF] M. Kotaru et al., SpotFi, SIGCOMM 2015.
 // Thread safety: const members may be used from many threads.
@@ -52,7 +52,7 @@ class Spotfi {
          std::shared_ptr<const Training> training);
   std::string refusal(std::span<const Received> received) const;
   double log_likelihood(std::span<const Received> received, const Vec3d& place) const;
-  double level_log_likelihood(std::span<const Received> received, const Vec3d& place) const;
+  double power_log_likelihood(std::span<const Received> received, const Vec3d& place) const;
 
   std::shared_ptr<const RoomModel> room_;
   SpotfiOptions options_;

@@ -12,9 +12,9 @@ namespace rayloc {
 
 // Source of the distance of a device.
 enum class SpotfiRange {
-  kLevel,  // received power if learned; differences of levels between access points
+  kPower,  // received power if learned; differences of powers between access points
   kNone,   // none: bearings only
-  kRoom,   // as kLevel; a single bearing without a level ends at the walls
+  kRoom,   // as kPower; a single bearing without a power ends at the walls
 };
 
 struct SpotfiOptions {
@@ -22,7 +22,7 @@ struct SpotfiOptions {
   double sigma_psi = 0.45;  // [rad], of a direct path's phase, without training
   double outliers = 0.15;   // share of bursts with a wrong direct path
   double grid = 0.05;       // [m]
-  SpotfiRange range = SpotfiRange::kLevel;
+  SpotfiRange range = SpotfiRange::kPower;
   double accuracy_confidence = 0.95;
   std::uint64_t seed = 1;
 };

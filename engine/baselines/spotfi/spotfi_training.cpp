@@ -13,7 +13,7 @@
 namespace rayloc {
 namespace {
 
-// Every third point suffices for the spread of phases; levels are cheap. A count.
+// Every third point suffices for the spread of phases; powers are cheap. A count.
 constexpr std::size_t kPhaseEvery = 3;
 
 bool is_constant(const TrainingInput& input, const MacAddress& transmitter) {
@@ -31,7 +31,7 @@ AccessPointTraining train_access_point(const TrainingInput& input,
   AccessPointTraining learned;
   learned.id = ap.id;
   std::vector<double> errors;
-  std::vector<LevelAtDistance> levels;
+  std::vector<PowerAtDistance> powers;
   std::vector<std::string> unused;
   for (std::size_t i = 0; i < input.points.size(); ++i) {
     const TrainingPoint& point = input.points[i];
@@ -40,8 +40,8 @@ AccessPointTraining train_access_point(const TrainingInput& input,
       continue;
     }
     ++learned.points;
-    if (burst->level_dbm && is_constant(input, burst->transmitter)) {
-      levels.push_back({norm(point.position - ap.array.pose.position), *burst->level_dbm});
+    if (burst->power_dbm && is_constant(input, burst->transmitter)) {
+      powers.push_back({norm(point.position - ap.array.pose.position), *burst->power_dbm});
     }
     if (i % kPhaseEvery == 0) {
       if (const auto path = find_direct_path(
@@ -54,7 +54,7 @@ AccessPointTraining train_access_point(const TrainingInput& input,
   const PhaseErrors spread = fit_phase_errors(errors);
   learned.sigma_psi = spread.sigma;
   learned.outliers = spread.outliers;
-  learned.level = fit_level_law(levels);
+  learned.path_loss = fit_path_loss_law(powers);
   return learned;
 }
 

@@ -87,7 +87,7 @@ Carried filled() {
   chains.knowledge = ChainKnowledge::kLearned;
   chains.factors.factor = {{1.0, 0.0}, {0.1, -0.9}};
   chains.factors.sigma = {0.0, 0.1};
-  chains.factors.level_sigma = {0.01, 0.02};
+  chains.factors.log_gain_sigma = {0.01, 0.02};
   chains.since = at(3);
   chains.bursts = 12;
   carried.chains = {chains};

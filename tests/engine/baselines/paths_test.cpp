@@ -12,9 +12,9 @@
 
 #include "engine/baselines/paths/bearing.h"
 #include "engine/baselines/paths/gaussian_mixture.h"
-#include "engine/baselines/paths/level_law.h"
 #include "engine/baselines/paths/music.h"
 #include "engine/baselines/paths/path_count.h"
+#include "engine/baselines/paths/path_loss_law.h"
 #include "engine/baselines/paths/phase_errors.h"
 #include "engine/baselines/paths/sanitise.h"
 #include "engine/baselines/paths/smoothed_csi.h"
@@ -229,23 +229,23 @@ TEST(GaussianMixture, HasNoMoreComponentsThanPoints) {
   EXPECT_TRUE(fit_mixture(Eigen::MatrixXd(2, 0), {}).components.empty());
 }
 
-// numpy.polyfit of level over log10 of distance: -18.56124105, -30.01114545.
-TEST(LevelLaw, IsTheLineOfLeastSquares) {
+// numpy.polyfit of power over log10 of distance: -18.56124105, -30.01114545.
+TEST(PathLossLaw, IsTheLineOfLeastSquares) {
   const std::array distance = {1.0, 1.3, 1.7, 2.0, 2.4, 2.9, 3.3, 3.8, 4.2, 5.0, 5.5, 6.1};
-  const std::array level = {-30, -33, -33, -36, -37, -39, -39, -42, -40, -43, -44, -45};
-  std::vector<LevelAtDistance> places;
+  const std::array power = {-30, -33, -33, -36, -37, -39, -39, -42, -40, -43, -44, -45};
+  std::vector<PowerAtDistance> places;
   for (std::size_t i = 0; i < distance.size(); ++i) {
-    places.push_back({distance.at(i), static_cast<double>(level.at(i))});
+    places.push_back({distance.at(i), static_cast<double>(power.at(i))});
   }
-  const auto law = fit_level_law(places);
+  const auto law = fit_path_loss_law(places);
   ASSERT_TRUE(law);
   EXPECT_NEAR(law->exponent, 1.856124105, 1e-8);
   EXPECT_NEAR(law->at_1m_dbm, -30.01114545, 1e-7);
   EXPECT_NEAR(law->sigma_db, 0.8596941, 1e-6);
   EXPECT_NEAR(law->at(10.0), -30.01114545 - 18.56124105, 1e-7);
   places.resize(9);
-  EXPECT_FALSE(fit_level_law(places)) << "nine places are too few";
-  EXPECT_FALSE(fit_level_law(std::vector<LevelAtDistance>(20, {2.0, -30.0})));
+  EXPECT_FALSE(fit_path_loss_law(places)) << "nine places are too few";
+  EXPECT_FALSE(fit_path_loss_law(std::vector<PowerAtDistance>(20, {2.0, -30.0})));
 }
 
 TEST(PhaseErrors, SeparateGaussianErrorsFromOutliers) {

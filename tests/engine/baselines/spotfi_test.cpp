@@ -32,7 +32,7 @@ std::shared_ptr<const RoomModel> room_of(std::size_t access_points) {
   return std::make_shared<const RoomModel>(std::move(room));
 }
 
-// Frames of a device in the open air at all access points, with the level of a path-loss law.
+// Frames of a device in the open air at all access points, with the power of a path-loss law.
 std::vector<CsiFrame> in_sight(const RoomModel& room,
                                const Vec3d& place,
                                double snr_db,
@@ -64,7 +64,7 @@ std::shared_ptr<const Training> trained(const RoomModel& room) {
   auto training = std::make_shared<Training>();
   training->constant_power = {kDevice};
   for (const RoomAccessPoint& ap : room.access_points) {
-    training->access_points.push_back({ap.id, 10, 0.05, 0.01, LevelLaw{-30.0, 2.0, 0.5}});
+    training->access_points.push_back({ap.id, 10, 0.05, 0.01, PathLossLaw{-30.0, 2.0, 0.5}});
   }
   return training;
 }
@@ -88,7 +88,7 @@ TEST(Spotfi, FindsADeviceInSightOfThreeAccessPoints) {
   }
 }
 
-TEST(Spotfi, HasOneBearingAndALevelWithOneAccessPoint) {
+TEST(Spotfi, HasOneBearingAndAPowerWithOneAccessPoint) {
   const auto room = room_of(1);
   const Vec3d truth{0.3, 0.2, 1.2};
   const auto spotfi = Spotfi::create(room, {}, trained(*room));
@@ -237,12 +237,12 @@ TEST(Spotfi, LearnsItsNumbersFromASurvey) {
   for (const AccessPointTraining& ap : (*learned)->access_points) {
     EXPECT_EQ(ap.points, 35U);
     EXPECT_LT(ap.sigma_psi, 0.15) << "in sight there is nothing but the direct path";
-    ASSERT_TRUE(ap.level);
-    EXPECT_NEAR(ap.level->exponent, 2.0, 0.02);
-    EXPECT_NEAR(ap.level->at_1m_dbm, -30.0, 0.1);
+    ASSERT_TRUE(ap.path_loss);
+    EXPECT_NEAR(ap.path_loss->exponent, 2.0, 0.02);
+    EXPECT_NEAR(ap.path_loss->at_1m_dbm, -30.0, 0.1);
   }
   input.constant_power.clear();
-  EXPECT_FALSE((*train_spotfi(input))->access_points[0].level)
+  EXPECT_FALSE((*train_spotfi(input))->access_points[0].path_loss)
       << "of a power that may change nothing is learned";
   input.points.clear();
   EXPECT_EQ(train_spotfi(input).error().message, "no access point of the site received the survey");

@@ -118,7 +118,7 @@ TEST(RefitChains, KeepsTheCouplingOfTheAntennas) {
   expect_true_phases(*refit, 4.0 * kDegree);
 }
 
-// The prediction of a chain is not its measurement: the chain keeps about its former level, and its
+// The prediction of a chain is not its measurement: the chain keeps about its former gain, and its
 // phase is rejected.
 TEST(RefitChains, KeepsGainsThatTheSpotCannotDetermine) {
   RoomModel room = before_the_power_cycle({0.0, 0.0, 0.0});
@@ -131,7 +131,7 @@ TEST(RefitChains, KeepsGainsThatTheSpotCannotDetermine) {
               HasSubstr("the phase of core 3 would be known to"));
   const auto refit = refit_chains(room, 0, std::span(&spot, 1), {0.01, {}, 10.0});
   ASSERT_TRUE(refit) << refit.error().message;
-  const auto level = [&](const ChainGains& gains, std::size_t m) {
+  const auto log_gain = [&](const ChainGains& gains, std::size_t m) {
     double sum = 0.0;
     for (std::size_t k = 0; k < tones; ++k) {
       sum += std::norm(gains.gain[m * tones + k]);
@@ -139,8 +139,8 @@ TEST(RefitChains, KeepsGainsThatTheSpotCannotDetermine) {
     return 10.0 * std::log10(sum);
   };
   const ChainGains& before = room.access_points[0].gains;
-  EXPECT_LT(std::abs(level(refit->gains, 2) - level(refit->gains, 0) - level(before, 2) +
-                     level(before, 0)),
+  EXPECT_LT(std::abs(log_gain(refit->gains, 2) - log_gain(refit->gains, 0) - log_gain(before, 2) +
+                     log_gain(before, 0)),
             2.0);
 }
 

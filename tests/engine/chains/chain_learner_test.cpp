@@ -78,7 +78,7 @@ TEST(ChainLearner, LeavesChainsAloneThatAreAsCalibrated) {
   EXPECT_EQ(learner.withdrawals(), 0U);
 }
 
-// Any phases and levels: nothing is a quarter of a turn.
+// Any phases and gains: nothing is a quarter of a turn.
 TEST(ChainLearner, LearnsTheChainFactorsAfterAPowerCycle) {
   const std::vector<std::vector<Value>> cycles = {
       {1.0, std::polar(1.2, 1.0), std::polar(0.9, -2.6)},

@@ -107,7 +107,7 @@ TEST(RotatedLikelihood, MatchesTheProductOfSuccessiveFactors) {
   EXPECT_NEAR(difference[2], difference[0], 1e-6);
 }
 
-// A common level is no evidence.
+// A common gain is no evidence.
 TEST(RotatedLikelihood, CommonFactorOfAllChainsChangesNothing) {
   const Scene scene;
   const ObservedArray received = scene.observed({1.0, 1.0, 1.0});

@@ -192,7 +192,7 @@ TEST(Burst, BoundsTheNoiseOfASingleFrame) {
   EXPECT_LT(burst->noise_variance, 2e-2);
 }
 
-// Levels of cores 0, 2 and 3, and of core 1, which is not requested and is ten times louder.
+// Powers of cores 0, 2 and 3, and of core 1, which is not requested and is ten times louder.
 std::vector<CsiFrame> stated_frames(const std::vector<float>& of_each_frame) {
   const OfdmGrid grid = vht40();
   auto frames = frames_of(channel(grid, 12), grid, static_cast<int>(of_each_frame.size()), 1e-3);
@@ -222,28 +222,28 @@ TEST(Burst, KeepsTheMeanPowerOfItsCoresAndTheMedianOfItsFrames) {
   const auto burst =
       combine_burst(stated_frames({-50.0F, -53.0F, -80.0F, -52.0F, -51.0F}), request_of(vht40()));
   ASSERT_TRUE(burst) << burst.error().message;
-  ASSERT_TRUE(burst->level_dbm);
-  EXPECT_NEAR(*burst->level_dbm, -52.0 + mean_above(), 1e-6);
+  ASSERT_TRUE(burst->power_dbm);
+  EXPECT_NEAR(*burst->power_dbm, -52.0 + mean_above(), 1e-6);
 }
 
-TEST(Burst, TakesTheLevelOfTheFramesThatStateItOfAllItsCores) {
+TEST(Burst, TakesThePowerOfTheFramesThatStateItOfAllItsCores) {
   auto frames = stated_frames({-50.0F, -60.0F, -70.0F});
   frames[1].power_dbm[3].reset();
   frames[2].power_dbm.clear();
   const auto burst = combine_burst(frames, request_of(vht40()));
   ASSERT_TRUE(burst) << burst.error().message;
   EXPECT_EQ(burst->frames_used, 3U);
-  ASSERT_TRUE(burst->level_dbm);
-  EXPECT_NEAR(*burst->level_dbm, -50.0 + mean_above(), 1e-6);
+  ASSERT_TRUE(burst->power_dbm);
+  EXPECT_NEAR(*burst->power_dbm, -50.0 + mean_above(), 1e-6);
 }
 
-TEST(Burst, HasNoLevelWhereNoFrameStatesIt) {
+TEST(Burst, HasNoPowerWhereNoFrameStatesIt) {
   auto frames = stated_frames({-50.0F, -60.0F});
   frames[0].power_dbm[1].reset();
   frames[1].power_dbm.clear();
   const auto burst = combine_burst(frames, request_of(vht40()));
   ASSERT_TRUE(burst) << burst.error().message;
-  EXPECT_FALSE(burst->level_dbm);
+  EXPECT_FALSE(burst->power_dbm);
 }
 
 TEST(Burst, IsOfTheTransmitterOfItsFrames) {

@@ -24,12 +24,12 @@ void print_trained(const TrainInputs& inputs, const TrainedMethod& trained) {
                  ap.points,
                  ap.sigma_psi,
                  100.0 * ap.outliers);
-    if (ap.level) {
+    if (ap.path_loss) {
       std::fprintf(stderr,
                    "level %.1f dBm at 1 m, exponent %.2f, within %.1f dB\n",
-                   ap.level->at_1m_dbm,
-                   ap.level->exponent,
-                   ap.level->sigma_db);
+                   ap.path_loss->at_1m_dbm,
+                   ap.path_loss->exponent,
+                   ap.path_loss->sigma_db);
     } else {
       std::fprintf(stderr,
                    "no level: no [[transmitter]] of the survey has constant_power = true\n");

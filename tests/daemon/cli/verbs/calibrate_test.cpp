@@ -88,7 +88,7 @@ TEST_F(CalibrateVerb, WritesASiteWhoseGainsExplainTheHeldOutPoints) {
   EXPECT_EQ(read_text(out_ / "calibration.toml").find("access_point.level"), std::string::npos);
 }
 
-TEST_F(CalibrateVerb, LearnsTheLevelOfADeviceOfConstantPower) {
+TEST_F(CalibrateVerb, LearnsTheOffsetOfADeviceOfConstantPower) {
   const fs::path site = copied_site();
   std::string text = read_text(kSite + "/site.toml");
   const std::string device = "role = \"device\"\n";

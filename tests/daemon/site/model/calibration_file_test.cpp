@@ -34,7 +34,7 @@ CalibrationFile example() {
   ap.gain_sigma = {0.01, 0.02};
   ap.element_y = {0.0, -0.0007};
   ap.position_x = {0.004, 0.0, 0.001};
-  ap.levels = {{*parse_mac_address("02:52:4c:00:00:01"), -41.3, 2.1},
+  ap.powers = {{*parse_mac_address("02:52:4c:00:00:01"), -41.3, 2.1},
                {*parse_mac_address("02:52:4c:00:00:0a"), 1.0 / 3.0, 0.5}};
   file.access_points = {ap};
   file.method = "joint";
@@ -79,12 +79,12 @@ TEST(CalibrationFile, ReadsBackWrittenFiles) {
   EXPECT_EQ(ap.gains.coupling, written.access_points[0].gains.coupling);
   EXPECT_EQ(ap.gain_sigma, written.access_points[0].gain_sigma);
   EXPECT_EQ(ap.element_y, written.access_points[0].element_y);
-  ASSERT_EQ(ap.levels.size(), 2U);
+  ASSERT_EQ(ap.powers.size(), 2U);
   for (std::size_t i = 0; i < 2; ++i) {
-    const TransmitterLevel& level = written.access_points[0].levels[i];
-    EXPECT_EQ(ap.levels[i].transmitter, level.transmitter);
-    EXPECT_EQ(ap.levels[i].offset_db, level.offset_db);
-    EXPECT_EQ(ap.levels[i].sigma_db, level.sigma_db);
+    const TransmitterPower& power = written.access_points[0].powers[i];
+    EXPECT_EQ(ap.powers[i].transmitter, power.transmitter);
+    EXPECT_EQ(ap.powers[i].offset_db, power.offset_db);
+    EXPECT_EQ(ap.powers[i].sigma_db, power.sigma_db);
   }
   EXPECT_EQ(read->method, "joint");
   EXPECT_EQ(read->ray_depth, 3);
@@ -119,19 +119,19 @@ TEST(CalibrationFile, RefusesACouplingOfSomeChains) {
 }
 
 // Those of before have none either, and those of sites without a transmitter of constant power.
-TEST(CalibrationFile, TakesAccessPointsWithoutLevels) {
+TEST(CalibrationFile, TakesAccessPointsWithoutPowers) {
   CalibrationFile written = example();
-  written.access_points[0].levels.clear();
+  written.access_points[0].powers.clear();
   const std::string text = to_toml(written);
   EXPECT_EQ(text.find("level"), std::string::npos);
   const auto read = parse_calibration_file(text, "calibration.toml");
   ASSERT_TRUE(read) << read.error().message;
-  EXPECT_TRUE(read->access_points[0].levels.empty());
+  EXPECT_TRUE(read->access_points[0].powers.empty());
 }
 
-// The error of the example with that line of its second level replaced; it has to be the only one
+// The error of the example with that line of its second power replaced; it has to be the only one
 // and to name the line.
-std::string error_of_second_level(const std::string& line, const std::string& by) {
+std::string error_of_second_power(const std::string& line, const std::string& by) {
   std::string text = to_toml(example());
   const std::size_t second = text.find("[[access_point.level]]", text.find("level]]") + 1);
   const std::size_t at = text.find(line, second);
@@ -148,19 +148,19 @@ std::string error_of_second_level(const std::string& line, const std::string& by
   return message;
 }
 
-TEST(CalibrationFile, ReportsTheInvalidKeyOfALevel) {
+TEST(CalibrationFile, ReportsTheInvalidKeyOfAPower) {
   using ::testing::HasSubstr;
-  EXPECT_THAT(error_of_second_level("transmitter = ", "transmitter = \"kitchen\""),
+  EXPECT_THAT(error_of_second_power("transmitter = ", "transmitter = \"kitchen\""),
               HasSubstr("kitchen"));
-  EXPECT_THAT(error_of_second_level("transmitter = ", "transmitter = 7"), HasSubstr("transmitter"));
-  EXPECT_THAT(error_of_second_level("sigma_db = ", "sigma_db = 0.0"), HasSubstr("sigma_db"));
-  EXPECT_THAT(error_of_second_level("sigma_db = ", "sigma_db = -1.0"), HasSubstr("sigma_db"));
-  EXPECT_THAT(error_of_second_level("offset_db = ", "offset_db = nan"), HasSubstr("offset_db"));
-  EXPECT_THAT(error_of_second_level("offset_db = ", "offset_db = \"much\""),
+  EXPECT_THAT(error_of_second_power("transmitter = ", "transmitter = 7"), HasSubstr("transmitter"));
+  EXPECT_THAT(error_of_second_power("sigma_db = ", "sigma_db = 0.0"), HasSubstr("sigma_db"));
+  EXPECT_THAT(error_of_second_power("sigma_db = ", "sigma_db = -1.0"), HasSubstr("sigma_db"));
+  EXPECT_THAT(error_of_second_power("offset_db = ", "offset_db = nan"), HasSubstr("offset_db"));
+  EXPECT_THAT(error_of_second_power("offset_db = ", "offset_db = \"much\""),
               HasSubstr("offset_db"));
 }
 
-TEST(CalibrationFile, RefusesALevelThatIsNotWhole) {
+TEST(CalibrationFile, RefusesAPowerThatIsNotWhole) {
   for (const std::string key : {"transmitter", "offset_db", "sigma_db"}) {
     std::string text = to_toml(example());
     const std::size_t at = text.find(key + " = ", text.find("[[access_point.level]]"));

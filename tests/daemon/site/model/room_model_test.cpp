@@ -104,7 +104,7 @@ TEST_F(RoomModelTest, ACopyEqualsTheOriginalWithItsCalibration) {
               1e-12);
 }
 
-// The calibration states the levels; the site now states which transmitters are constant.
+// The calibration states the powers; the site now states which transmitters are constant.
 TEST_F(RoomModelTest, UsesPowerLawsOfConstantTransmittersOnly) {
   const auto site = load_site(kSite);
   ASSERT_TRUE(site);
@@ -112,7 +112,7 @@ TEST_F(RoomModelTest, UsesPowerLawsOfConstantTransmittersOnly) {
   ASSERT_TRUE(room);
   ASSERT_EQ(site->transmitters.size(), 2U);
   CalibrationFile calibration = calibration_of(*room);
-  calibration.access_points[1].levels = {{site->transmitters[0].mac, -30.0, 1.0},
+  calibration.access_points[1].powers = {{site->transmitters[0].mac, -30.0, 1.0},
                                          {*parse_mac_address("02:00:00:00:00:99"), -40.0, 2.0},
                                          {site->transmitters[1].mac, -50.0, 3.0}};
   ASSERT_TRUE(prepare_output(folder_, false));
@@ -123,18 +123,18 @@ TEST_F(RoomModelTest, UsesPowerLawsOfConstantTransmittersOnly) {
   const auto silent = load_room_model(*stated);  // constant_power is not stated
   ASSERT_TRUE(silent) << silent.error().message;
   for (const RoomAccessPoint& ap : silent->access_points) {
-    EXPECT_TRUE(ap.levels.empty()) << ap.id;
+    EXPECT_TRUE(ap.powers.empty()) << ap.id;
   }
 
   stated->transmitters[1].constant_power = true;
   const auto constant = load_room_model(*stated);
   ASSERT_TRUE(constant) << constant.error().message;
-  EXPECT_TRUE(constant->access_points[0].levels.empty());
-  const auto& levels = constant->access_points[1].levels;
-  ASSERT_EQ(levels.size(), 1U);
-  EXPECT_EQ(levels[0].transmitter, site->transmitters[1].mac);
-  EXPECT_EQ(levels[0].offset_db, -50.0);
-  EXPECT_EQ(levels[0].sigma_db, 3.0);
+  EXPECT_TRUE(constant->access_points[0].powers.empty());
+  const auto& powers = constant->access_points[1].powers;
+  ASSERT_EQ(powers.size(), 1U);
+  EXPECT_EQ(powers[0].transmitter, site->transmitters[1].mac);
+  EXPECT_EQ(powers[0].offset_db, -50.0);
+  EXPECT_EQ(powers[0].sigma_db, 3.0);
 }
 
 TEST_F(RoomModelTest, RefusesTheCalibrationOfAnotherScene) {

@@ -1,4 +1,4 @@
-#include "engine/likelihood/level.h"
+#include "engine/likelihood/received_power.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 namespace rayloc {
 
-double traced_level_db(std::span<const Ray> rays, const ModelError& error) {
+double traced_power_db(std::span<const Ray> rays, const ModelError& error) {
   RAYLOC_CHECK(!rays.empty());
   double power = 0.0;
   double first_length = rays.front().length;
@@ -19,21 +19,21 @@ double traced_level_db(std::span<const Ray> rays, const ModelError& error) {
   return 10.0 * std::log10(power * (1.0 + diffuse_share(error, first_length)));
 }
 
-double ReceivedLevel::log_likelihood(double traced_level_db) const {
-  const double off = (traced_db - traced_level_db) / sigma_db;
+double ReceivedPower::log_likelihood(double traced_power_db) const {
+  const double off = (traced_db - traced_power_db) / sigma_db;
   return -0.5 * off * off;
 }
 
-std::optional<ReceivedLevel> received_level(const RoomAccessPoint& access_point,
+std::optional<ReceivedPower> received_power(const RoomAccessPoint& access_point,
                                             const BurstObservation& burst) {
-  const auto& levels = access_point.levels;
-  const auto known = std::find_if(levels.begin(), levels.end(), [&](const TransmitterLevel& one) {
+  const auto& powers = access_point.powers;
+  const auto known = std::find_if(powers.begin(), powers.end(), [&](const TransmitterPower& one) {
     return one.transmitter == burst.transmitter;
   });
-  if (known == levels.end() || !burst.level_dbm) {
+  if (known == powers.end() || !burst.power_dbm) {
     return std::nullopt;
   }
-  return ReceivedLevel{*burst.level_dbm - known->offset_db, known->sigma_db};
+  return ReceivedPower{*burst.power_dbm - known->offset_db, known->sigma_db};
 }
 
 }  // namespace rayloc

@@ -1,4 +1,4 @@
-#include "daemon/lab/calibrate/level_stage.h"
+#include "daemon/lab/calibrate/power_offset_stage.h"
 
 #include <gtest/gtest.h>
 
@@ -6,12 +6,12 @@
 #include <random>
 #include <vector>
 
-#include "engine/likelihood/level.h"
+#include "engine/likelihood/received_power.h"
 #include "engine/room/ray.h"
 #include "engine/trace/path_tracer.h"
 #include "tests/support/synthetic_room.h"
 
-namespace rayloc::level_stage_test {
+namespace rayloc::power_offset_stage_test {
 namespace {
 
 const MacAddress kDevice = *parse_mac_address("02:52:4c:00:00:01");
@@ -19,11 +19,11 @@ const MacAddress kPhone = *parse_mac_address("02:52:4c:00:00:02");
 constexpr std::size_t kReceivedBy = 2;
 constexpr double kDiffuse = 0.4;  // as fitted, not as the room has it
 
-// Every spot has the level that is traced there, 30 dB lower, and every second one is 2 dB above
+// Every spot has the power that is traced there, 30 dB lower, and every second one is 2 dB above
 // that, the others 2 dB below.
-class LevelStage : public ::testing::Test {
+class PowerOffsetStage : public ::testing::Test {
  protected:
-  LevelStage() {
+  PowerOffsetStage() {
     result_.index = kReceivedBy;
     result_.fit.gains = room_.access_points[kReceivedBy].gains;
     result_.fit.error.diffuse.value = kDiffuse;
@@ -42,13 +42,13 @@ class LevelStage : public ::testing::Test {
       const Vec3d place{x, 0.7 * uniform(random), 1.2};
       const Transmitter device{{place, {}, room_.device.pattern, room_.device.polarization}};
       const auto rays = rays_of(tracer.trace(device), room_, place, 64);
-      const double level = traced_level_db(rays, error) - 30.0 + (i % 2 == 0 ? 2.0 : -2.0);
+      const double power = traced_power_db(rays, error) - 30.0 + (i % 2 == 0 ? 2.0 : -2.0);
       places_.push_back(place);
       frames_.push_back(test::frames_at(room_, place, {2, 30.0, static_cast<unsigned>(i + 1)}));
       for (CsiFrame& frame : frames_.back()) {
         frame.transmitter = kDevice;
         const bool there = frame.access_point == static_cast<int>(kReceivedBy);
-        frame.power_dbm.assign(frame.rx_chains.size(), there ? static_cast<float>(level) : -5.0F);
+        frame.power_dbm.assign(frame.rx_chains.size(), there ? static_cast<float>(power) : -5.0F);
       }
     }
     site_.transmitters.resize(2);
@@ -57,12 +57,12 @@ class LevelStage : public ::testing::Test {
     site_.transmitters[1].constant_power = true;
   }
 
-  std::vector<TransmitterLevel> fit(std::size_t spots = 12) {
+  std::vector<TransmitterPower> fit(std::size_t spots = 12) {
     std::vector<HeldOutSpot> received;
     for (std::size_t i = 0; i < spots; ++i) {
       received.push_back({places_[i], frames_[i]});
     }
-    return fit_levels(site_, room_, result_, received, refused_);
+    return fit_power_offsets(site_, room_, result_, received, refused_);
   }
 
   RoomModel room_ = test::make_room();
@@ -73,22 +73,22 @@ class LevelStage : public ::testing::Test {
   std::vector<RefusedInput> refused_;
 };
 
-TEST_F(LevelStage, FitsTheTransmittersOfConstantPower) {
-  const auto levels = fit();
-  ASSERT_EQ(levels.size(), 1U);
-  EXPECT_EQ(levels[0].transmitter, kDevice);
-  EXPECT_NEAR(levels[0].offset_db, -30.0, 1e-4);
-  EXPECT_NEAR(levels[0].sigma_db, 2.0 * std::sqrt(12.0 / 11.0), 1e-4);
+TEST_F(PowerOffsetStage, FitsTheTransmittersOfConstantPower) {
+  const auto powers = fit();
+  ASSERT_EQ(powers.size(), 1U);
+  EXPECT_EQ(powers[0].transmitter, kDevice);
+  EXPECT_NEAR(powers[0].offset_db, -30.0, 1e-4);
+  EXPECT_NEAR(powers[0].sigma_db, 2.0 * std::sqrt(12.0 / 11.0), 1e-4);
   EXPECT_TRUE(refused_.empty());
 }
 
-TEST_F(LevelStage, FitsNothingWhereNoPowerIsConstant) {
+TEST_F(PowerOffsetStage, FitsNothingWhereNoPowerIsConstant) {
   site_.transmitters[1].constant_power = false;
   EXPECT_TRUE(fit().empty());
   EXPECT_TRUE(refused_.empty());
 }
 
-TEST_F(LevelStage, RefusesTooFewPointsForAPathLossLaw) {
+TEST_F(PowerOffsetStage, RefusesTooFewPointsForAPathLossLaw) {
   EXPECT_TRUE(fit(9).empty());
   ASSERT_EQ(refused_.size(), 1U);
   EXPECT_EQ(refused_[0].what, "c 02:52:4c:00:00:01");
@@ -96,7 +96,7 @@ TEST_F(LevelStage, RefusesTooFewPointsForAPathLossLaw) {
             "its constant power is not used: 9 points state a level, 10 are needed");
 }
 
-TEST_F(LevelStage, CountsNeitherFramesOfOthersNorThoseWithoutALevel) {
+TEST_F(PowerOffsetStage, CountsNeitherFramesOfOthersNorThoseWithoutAPower) {
   for (CsiFrame& frame : frames_[0]) {
     frame.transmitter = kPhone;
   }
@@ -112,4 +112,4 @@ TEST_F(LevelStage, CountsNeitherFramesOfOthersNorThoseWithoutALevel) {
 }
 
 }  // namespace
-}  // namespace rayloc::level_stage_test
+}  // namespace rayloc::power_offset_stage_test

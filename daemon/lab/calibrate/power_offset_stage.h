@@ -16,10 +16,10 @@ namespace rayloc {
 // Fits one access point of the calibrated room with its values in `result`. `spots`: one
 // transmitter each, held-out points included, since only two numbers are fitted. A device with the
 // power of too few points gets no offset and is added to `refused`.
-std::vector<TransmitterLevel> fit_levels(const Site& site,
-                                         const RoomModel& room,
-                                         const AccessPointResult& result,
-                                         std::span<const HeldOutSpot> spots,
-                                         std::vector<RefusedInput>& refused);
+std::vector<TransmitterPower> fit_power_offsets(const Site& site,
+                                                const RoomModel& room,
+                                                const AccessPointResult& result,
+                                                std::span<const HeldOutSpot> spots,
+                                                std::vector<RefusedInput>& refused);
 
 }  // namespace rayloc

@@ -4,7 +4,7 @@
 //
 // with L the received power (RSSI) that the receiver reports [dB], L_p the traced power at a place
 // including diffuse power, and offset and sigma those of access point and transmitter
-// (TransmitterLevel). Powers add without phases: the deviation of a fade from this sum is part of
+// (TransmitterPower). Powers add without phases: the deviation of a fade from this sum is part of
 // sigma, so L_p hardly changes within a cell of the grid. Sigma is a measured value, so
 // RoomModel::likelihood_exponent does not apply.
 #pragma once
@@ -19,18 +19,18 @@
 namespace rayloc {
 
 // L_p [dB], for a transmitter of unit amplitude. REQUIRES: at least one ray.
-double traced_level_db(std::span<const Ray> rays, const ModelError& error);
+double traced_power_db(std::span<const Ray> rays, const ModelError& error);
 
 // The received power of a burst as a measurement of L_p.
-struct ReceivedLevel {
+struct ReceivedPower {
   double traced_db = 0.0;  // L - offset
   double sigma_db = 1.0;
 
-  double log_likelihood(double traced_level_db) const;
+  double log_likelihood(double traced_power_db) const;
 };
 
 // Empty if the transmitter's power was not calibrated or if the burst reports no received power.
-std::optional<ReceivedLevel> received_level(const RoomAccessPoint& access_point,
+std::optional<ReceivedPower> received_power(const RoomAccessPoint& access_point,
                                             const BurstObservation& burst);
 
 }  // namespace rayloc

@@ -1,10 +1,10 @@
-#include "engine/calibrate/level_fit.h"
+#include "engine/calibrate/power_offset_fit.h"
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
-#include "engine/likelihood/level.h"
+#include "engine/likelihood/received_power.h"
 #include "engine/room/ray.h"
 #include "engine/trace/path_tracer.h"
 
@@ -16,21 +16,21 @@ constexpr double kMinSigma = 0.5;  // [dB]
 
 }  // namespace
 
-std::optional<LevelFit> fit_level(const RoomModel& room,
-                                  std::size_t access_point,
-                                  std::span<const LevelSample> samples) {
+std::optional<PowerOffsetFit> fit_power_offset(const RoomModel& room,
+                                               std::size_t access_point,
+                                               std::span<const PowerSample> samples) {
   const RoomAccessPoint& ap = room.access_points[access_point];
   const ReceiverTracer tracer =
       PathTracer(room.scene, room.trace).at(array_origin<Receiver>(ap.array));
   std::vector<double> off;
-  for (const LevelSample& sample : samples) {
+  for (const PowerSample& sample : samples) {
     const Transmitter device{{sample.position, {}, room.device.pattern, room.device.polarization}};
     const auto rays = rays_of(tracer.trace(device), room, sample.position, kMaxRays);
     if (!rays.empty()) {
-      off.push_back(sample.level_dbm - traced_level_db(rays, ap.error));
+      off.push_back(sample.power_dbm - traced_power_db(rays, ap.error));
     }
   }
-  if (off.size() < kMinLevelSamples) {
+  if (off.size() < kMinPowerSamples) {
     return std::nullopt;
   }
   const auto count = static_cast<double>(off.size());
@@ -42,7 +42,7 @@ std::optional<LevelFit> fit_level(const RoomModel& room,
   for (const double one : off) {
     variance += (one - mean) * (one - mean) / (count - 1.0);
   }
-  return LevelFit{mean, std::max(std::sqrt(variance), kMinSigma), off.size()};
+  return PowerOffsetFit{mean, std::max(std::sqrt(variance), kMinSigma), off.size()};
 }
 
 }  // namespace rayloc

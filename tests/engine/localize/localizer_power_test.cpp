@@ -1,4 +1,4 @@
-// The level of a transmitter of constant power, from frames to a position.
+// The received power of a transmitter of constant power, from frames to a position.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -16,7 +16,7 @@
 #include "tests/support/scenes.h"
 #include "tests/support/synthetic_room.h"
 
-namespace rayloc::localizer_level_test {
+namespace rayloc::localizer_power_test {
 namespace {
 
 const MacAddress kDevice = *parse_mac_address("02:52:4c:00:00:01");
@@ -46,26 +46,26 @@ RoomModel make_field() {
 }
 
 // As a calibration would have learned it: of free space between half-wave dipoles.
-TransmitterLevel known_level(const RoomModel& room) {
+TransmitterPower known_power(const RoomModel& room) {
   const double at_one_metre = kDipole * kSpeedOfLight / test::kCarrier / (4.0 * std::numbers::pi);
   const double traced =
       10.0 * std::log10(at_one_metre * at_one_metre * (1.0 + room.access_points[0].error.diffuse));
   return {kDevice, kAtOneMetre - traced, 0.5};
 }
 
-RoomModel with_level(RoomModel room) {
-  room.access_points[0].levels = {known_level(room)};
+RoomModel with_power(RoomModel room) {
+  room.access_points[0].powers = {known_power(room)};
   return room;
 }
 
-// Frames of the device at 2 m, with the level that it has at `distance`.
+// Frames of the device at 2 m, with the power that it has at `distance`.
 std::vector<CsiFrame> received_at(const RoomModel& room, std::optional<double> distance) {
   auto frames = test::frames_at(room, kAccessPoint + Vec3d{2.0, 0.0, 0.0});
   for (CsiFrame& frame : frames) {
     frame.transmitter = kDevice;
     if (distance) {
-      const double level = kAtOneMetre - 20.0 * std::log10(*distance);
-      frame.power_dbm.assign(frame.rx_chains.size(), static_cast<float>(level));
+      const double power = kAtOneMetre - 20.0 * std::log10(*distance);
+      frame.power_dbm.assign(frame.rx_chains.size(), static_cast<float>(power));
     }
   }
   return frames;
@@ -105,9 +105,9 @@ void expect_same(const LocationEstimate& a, const LocationEstimate& b) {
   }
 }
 
-TEST(LocalizerLevel, MovesTheMassToItsDistance) {
+TEST(LocalizerPower, MovesTheMassToItsDistance) {
   const Localizer without = localizer_in(make_field());
-  const Localizer with = localizer_in(with_level(make_field()));
+  const Localizer with = localizer_in(with_power(make_field()));
   for (const double distance : {1.0, 2.0, 3.5}) {
     const auto frames = received_at(with.room(), distance);
     EXPECT_LT(mass_at(without, frames, distance), 0.4) << distance;
@@ -120,15 +120,15 @@ TEST(LocalizerLevel, MovesTheMassToItsDistance) {
 }
 
 // Its spread was measured: it is as sure with any exponent of the likelihood.
-TEST(LocalizerLevel, IsNotTempered) {
-  const Localizer with = localizer_in(with_level(make_field()));
+TEST(LocalizerPower, IsNotTempered) {
+  const Localizer with = localizer_in(with_power(make_field()));
   const auto frames = received_at(with.room(), 2.0);
   double most = 0.0;
   double least = 10.0;
   for (const double likelihood_exponent : {0.2, 0.6, 1.8}) {
     const LocationEstimate estimate = with.locate(frames, likelihood_exponent);
     ASSERT_TRUE(estimate.position) << likelihood_exponent;
-    // Along the line of sight, where only the level determines the place.
+    // Along the line of sight, where only the power determines the place.
     most = std::max(most, std::sqrt(estimate.covariance[0]));
     least = std::min(least, std::sqrt(estimate.covariance[0]));
   }
@@ -136,9 +136,9 @@ TEST(LocalizerLevel, IsNotTempered) {
   EXPECT_LT(most, 1.25 * least);
 }
 
-TEST(LocalizerLevel, ChangesNothingIfUnknownOrMissing) {
+TEST(LocalizerPower, ChangesNothingIfUnknownOrMissing) {
   const Localizer without = localizer_in(make_field());
-  const Localizer with = localizer_in(with_level(make_field()));
+  const Localizer with = localizer_in(with_power(make_field()));
   const auto silent = received_at(with.room(), std::nullopt);
   auto strange = received_at(with.room(), 1.0);
   for (CsiFrame& frame : strange) {
@@ -151,7 +151,7 @@ TEST(LocalizerLevel, ChangesNothingIfUnknownOrMissing) {
 }
 
 // That of the antennas that are left was not learned.
-TEST(LocalizerLevel, IsIgnoredWithADeadChain) {
+TEST(LocalizerPower, IsIgnoredWithADeadChain) {
   RoomModel room = test::make_room();
   auto frames = test::frames_at(room, {0.3, 0.2, 1.2});
   for (CsiFrame& frame : frames) {
@@ -164,22 +164,22 @@ TEST(LocalizerLevel, IsIgnoredWithADeadChain) {
     }
   }
   const LocationEstimate usual = localizer_in(room).locate(frames);
-  room.access_points[0].levels = {{kDevice, -10.0, 1.0}};
+  room.access_points[0].powers = {{kDevice, -10.0, 1.0}};
   const LocationEstimate estimate = localizer_in(room).locate(frames);
   ASSERT_TRUE(estimate.position) << estimate.reason;
   ASSERT_EQ(estimate.antennas_used, 8U);
   expect_same(estimate, usual);
 }
 
-TEST(LocalizerLevel, HasAMeanLikelihoodOfOneOverTheRoom) {
+TEST(LocalizerPower, HasAMeanLikelihoodOfOneOverTheRoom) {
   const auto room = std::make_shared<const RoomModel>(make_field());
   const Grid grid(room->bounds_min, room->bounds_max, 1.2, 0.25);
   const AccessPointMap map(AccessPointMap::Source{room, 0, grid, LikelihoodKind::kPartial},
                            nullptr);
-  const double offset = known_level(*room).offset_db;
+  const double offset = known_power(*room).offset_db;
   const double sigma = 3.0;
-  const double level = kAtOneMetre - 20.0 * std::log10(2.0);
-  const auto of_cells = map.level_log_likelihood({level - offset, sigma});
+  const double power = kAtOneMetre - 20.0 * std::log10(2.0);
+  const auto of_cells = map.power_log_likelihood({power - offset, sigma});
   ASSERT_EQ(of_cells.size(), grid.size());
   double mean = 0.0;
   for (const double one : of_cells) {
@@ -197,4 +197,4 @@ TEST(LocalizerLevel, HasAMeanLikelihoodOfOneOverTheRoom) {
 }
 
 }  // namespace
-}  // namespace rayloc::localizer_level_test
+}  // namespace rayloc::localizer_power_test

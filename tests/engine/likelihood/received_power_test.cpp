@@ -1,4 +1,4 @@
-#include "engine/likelihood/level.h"
+#include "engine/likelihood/received_power.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <complex>
 #include <vector>
 
-namespace rayloc::level_test {
+namespace rayloc::received_power_test {
 namespace {
 
 const MacAddress kKnown = *parse_mac_address("02:52:4c:00:00:01");
@@ -21,36 +21,36 @@ Ray ray_of(std::complex<double> amplitude, double length) {
 
 RoomAccessPoint access_point() {
   RoomAccessPoint ap;
-  ap.levels = {{kOther, -20.0, 1.0}, {kKnown, -37.5, 2.5}};
+  ap.powers = {{kOther, -20.0, 1.0}, {kKnown, -37.5, 2.5}};
   return ap;
 }
 
-BurstObservation burst_of(const MacAddress& transmitter, std::optional<double> level_dbm) {
+BurstObservation burst_of(const MacAddress& transmitter, std::optional<double> power_dbm) {
   BurstObservation burst;
   burst.transmitter = transmitter;
-  burst.level_dbm = level_dbm;
+  burst.power_dbm = power_dbm;
   return burst;
 }
 
-TEST(Level, AddsThePowersOfTheRaysWithoutTheirPhases) {
+TEST(ReceivedPower, AddsThePowersOfTheRaysWithoutTheirPhases) {
   ModelError error;
   error.diffuse = 0.0;
   // Two of equal strength that cancel each other: twice the power of one.
   const std::vector<Ray> rays = {ray_of({0.01, 0.0}, 2.0), ray_of({-0.01, 0.0}, 5.0)};
-  EXPECT_NEAR(traced_level_db(rays, error), -40.0 + 10.0 * std::log10(2.0), 1e-12);
+  EXPECT_NEAR(traced_power_db(rays, error), -40.0 + 10.0 * std::log10(2.0), 1e-12);
 }
 
-TEST(Level, HasDiffusePowerByTheLengthOfTheShortestRay) {
+TEST(ReceivedPower, HasDiffusePowerByTheLengthOfTheShortestRay) {
   ModelError error;
   error.diffuse = 0.2;
   error.diffuse_exponent = 2.0;
   // Strongest first, as rays are: the shortest is not the strongest here. (6 m / 3 m)^2 * 0.2.
   const std::vector<Ray> rays = {ray_of({0.0, 0.003}, 9.0), ray_of({0.001, 0.0}, 6.0)};
-  EXPECT_NEAR(traced_level_db(rays, error), 10.0 * std::log10((9e-6 + 1e-6) * 1.8), 1e-12);
+  EXPECT_NEAR(traced_power_db(rays, error), 10.0 * std::log10((9e-6 + 1e-6) * 1.8), 1e-12);
 }
 
-TEST(Level, IsAGaussianOfReceivedMinusTracedPower) {
-  const auto received = received_level(access_point(), burst_of(kKnown, -81.0));
+TEST(ReceivedPower, IsAGaussianOfReceivedMinusTracedPower) {
+  const auto received = received_power(access_point(), burst_of(kKnown, -81.0));
   ASSERT_TRUE(received);
   EXPECT_DOUBLE_EQ(received->traced_db, -43.5);
   EXPECT_DOUBLE_EQ(received->sigma_db, 2.5);
@@ -59,15 +59,15 @@ TEST(Level, IsAGaussianOfReceivedMinusTracedPower) {
   EXPECT_DOUBLE_EQ(received->log_likelihood(-38.5), -2.0);  // two
 }
 
-TEST(Level, IsAbsentForAnUnknownTransmitter) {
+TEST(ReceivedPower, IsAbsentForAnUnknownTransmitter) {
   const MacAddress stranger = *parse_mac_address("02:52:4c:00:00:03");
-  EXPECT_FALSE(received_level(access_point(), burst_of(stranger, -81.0)));
-  EXPECT_FALSE(received_level(RoomAccessPoint(), burst_of(kKnown, -81.0)));
+  EXPECT_FALSE(received_power(access_point(), burst_of(stranger, -81.0)));
+  EXPECT_FALSE(received_power(RoomAccessPoint(), burst_of(kKnown, -81.0)));
 }
 
-TEST(Level, IsAbsentIfTheBurstStatesNoPower) {
-  EXPECT_FALSE(received_level(access_point(), burst_of(kKnown, std::nullopt)));
+TEST(ReceivedPower, IsAbsentIfTheBurstStatesNoPower) {
+  EXPECT_FALSE(received_power(access_point(), burst_of(kKnown, std::nullopt)));
 }
 
 }  // namespace
-}  // namespace rayloc::level_test
+}  // namespace rayloc::received_power_test
