@@ -14,7 +14,7 @@
 #include "engine/base/parallel.h"
 #include "engine/calibrate/chain_ripple.h"
 #include "engine/calibrate/log_odds.h"
-#include "engine/likelihood/spot_arrays.h"
+#include "engine/likelihood/point_arrays.h"
 #include "engine/observe/alignment.h"
 #include "engine/observe/unit_power.h"
 
@@ -25,14 +25,14 @@ using Value = std::complex<double>;
 
 constexpr int kRefitIterations = 8;  // a count, chosen: bounds the time of a refit
 // Additional reflections beyond those of the likelihood; tried, and kept where they explain more.
-// Their effect averages out over a survey, but not over one spot: where the strong paths to an
+// Their effect averages out over a survey, but not over one point: where the strong paths to an
 // antenna cancel, the residual of these reflections changes the phase.
 constexpr int kMoreDepth = 1;
 // [s], change of a chain's delay in a power cycle: a clock divider that starts at another edge
 // changes phases by multiples of a quarter cycle, delays by a fraction of a sample at most.
 constexpr double kDelaySigma = 0.3e-9;
 // Shares of the calibrated tolerance of surfaces. The calibrated value comes from a coarse scan
-// over all surfaces; the value that explains these spots best is equally valid.
+// over all surfaces; the value that explains these points best is equally valid.
 constexpr std::array<double, 3> kTolerances = {1.0, 0.5, 0.0};
 
 double power(std::span<const Value> values) {
@@ -51,7 +51,7 @@ std::vector<Value> through(const std::vector<Value>& gain, const std::vector<Val
   return product;
 }
 
-// Sums over the spots for one chain: measured against gain times expected, per tone.
+// Sums over the points for one chain: measured against gain times expected, per tone.
 struct ChainSums {
   std::vector<Value> cross;
   std::vector<double> power;
@@ -101,15 +101,15 @@ class FactorFit {
 
   const std::vector<Value>& gain() const { return gain_; }
 
-  // [rad], for each chain; a chain of a spot counts as one independent value, because errors of the
-  // room are nearly the same at all tones.
+  // [rad], for each chain; a chain of a point counts as one independent value, because errors of
+  // the room are nearly the same at all tones.
   std::vector<double> sigma() const {
     std::vector<double> result;
     for (std::size_t row = 0; row < rows(); ++row) {
       const double share = std::clamp(sums(row).correlation(), 1e-6, 1.0);
-      const auto spots = static_cast<double>(pairs_.size());
+      const auto points = static_cast<double>(pairs_.size());
       result.push_back(
-          std::min(std::sqrt((1.0 - share) / (2.0 * share * spots)), std::numbers::pi));
+          std::min(std::sqrt((1.0 - share) / (2.0 * share * points)), std::numbers::pi));
     }
     return result;
   }
@@ -118,7 +118,7 @@ class FactorFit {
   std::size_t rows() const { return gain_.size() / tones_; }
 
   // With unknown phases, the sum over all chains would cancel. One chain therefore determines the
-  // delay and phase of each spot, the same chain for all spots.
+  // delay and phase of each point, the same chain for all points.
   void align_by_one_chain() {
     std::size_t best = 0;
     double most = -1.0;
@@ -239,29 +239,29 @@ struct Attempt {
 
 class Refit {
  public:
-  Refit(const RoomModel& room, std::size_t access_point, std::span<const KnownSpot> spots)
+  Refit(const RoomModel& room, std::size_t access_point, std::span<const ReferencePoint> points)
       : access_point_(room.access_points[access_point]),
         grid_(room.grid),
         arrays_(room, access_point),
         aligner_(room.grid) {
-    for (const KnownSpot& spot : spots) {
-      RAYLOC_CHECK(spot.h.size() == access_point_.gains.gain.size());
+    for (const ReferencePoint& point : points) {
+      RAYLOC_CHECK(point.h.size() == access_point_.gains.gain.size());
       auto rays =
-          spot.usual.empty() ? arrays_.rays(spot.position, spot.device) : std::vector<Ray>{};
-      if (!rays.empty() || !spot.usual.empty()) {
-        spots_.push_back(&spot);
+          point.usual.empty() ? arrays_.rays(point.position, point.device) : std::vector<Ray>{};
+      if (!rays.empty() || !point.usual.empty()) {
+        points_.push_back(&point);
         rays_.push_back(std::move(rays));
       }
     }
   }
 
-  bool empty() const { return spots_.empty(); }
+  bool empty() const { return points_.empty(); }
 
   Attempt best() const {
     Attempt best;
     for (const double share : kTolerances) {
       Attempt one = attempt(share * access_point_.error.plan_tolerance);
-      if (best.refit.spots == 0 || one.sum > best.sum) {
+      if (best.refit.points == 0 || one.sum > best.sum) {
         best = std::move(one);
       }
     }
@@ -271,19 +271,19 @@ class Refit {
   // Adds the phase error due to the uncertainty of the places, per chain relative to the first.
   void add_place(double place_sigma, Attempt& attempt) const {
     std::vector<double> sigma(attempt.refit.sigma.size());
-    for (const KnownSpot* spot : spots_) {
-      if (!spot->usual.empty()) {
+    for (const ReferencePoint* point : points_) {
+      if (!point->usual.empty()) {
         continue;
       }
       const auto own =
-          arrays_.place_phase_sigma(spot->position, spot->device, attempt.tolerance, place_sigma);
+          arrays_.place_phase_sigma(point->position, point->device, attempt.tolerance, place_sigma);
       for (std::size_t m = 0; m < sigma.size(); ++m) {
         sigma[m] = std::hypot(sigma[m], own[m]);
       }
     }
     for (std::size_t m = 0; m < sigma.size(); ++m) {
       attempt.refit.sigma[m] =
-          std::hypot(attempt.refit.sigma[m], sigma[m] / static_cast<double>(spots_.size()));
+          std::hypot(attempt.refit.sigma[m], sigma[m] / static_cast<double>(points_.size()));
     }
   }
 
@@ -293,25 +293,27 @@ class Refit {
     ChainGains gains{grid_, access_point_.rx_chains, {}, access_point_.gains.coupling};
     std::vector<ArrayPair> pairs;
     std::vector<std::vector<Value>> fields;
-    for (std::size_t s = 0; s < spots_.size(); ++s) {
-      const std::vector<Value>& usual = spots_[s]->usual;
+    for (std::size_t s = 0; s < points_.size(); ++s) {
+      const std::vector<Value>& usual = points_[s]->usual;
       fields.push_back(usual.empty() ? arrays_.expected(rays_[s], tolerance) : usual);
-      pairs.push_back({spots_[s]->h, fields.back()});
+      pairs.push_back({points_[s]->h, fields.back()});
       apply_coupling(gains, pairs.back().expected);
     }
     Attempt one;
     one.tolerance = tolerance;
-    one.refit.spots = spots_.size();
-    const bool were_all_received_before = std::none_of(
-        spots_.begin(), spots_.end(), [](const KnownSpot* spot) { return spot->usual.empty(); });
-    one.refit.ripple = were_all_received_before || spots_.size() >= kRippleSpots;
+    one.refit.points = points_.size();
+    const bool were_all_received_before =
+        std::none_of(points_.begin(), points_.end(), [](const ReferencePoint* point) {
+          return point->usual.empty();
+        });
+    one.refit.ripple = were_all_received_before || points_.size() >= kRipplePoints;
     if (one.refit.ripple) {
       ChainRipple ripple = chain_ripple(aligner_, grid_, pairs);
       gains.gain = std::move(ripple.gain);
       one.refit.sigma = std::move(ripple.sigma);
     }
-    // Per-tone gains fit the few spots they come from: their residuals give no valid sigma.
-    if (spots_.size() < kRippleSpots) {
+    // Per-tone gains fit the few points they come from: their residuals give no valid sigma.
+    if (points_.size() < kRipplePoints) {
       FactorFit fit(grid_, pairs, access_point_.gains.gain);
       fit.run();
       one.refit.sigma = fit.sigma();
@@ -332,9 +334,9 @@ class Refit {
 
   const RoomAccessPoint access_point_;
   const OfdmGrid grid_;
-  const SpotArrays arrays_;
+  const PointArrays arrays_;
   const Aligner aligner_;
-  std::vector<const KnownSpot*> spots_;
+  std::vector<const ReferencePoint*> points_;
   std::vector<std::vector<Ray>> rays_;
 };
 
@@ -375,15 +377,15 @@ Expected<void> check_phases(const RoomAccessPoint& ap, const ChainRefit& refit, 
 
 Expected<ChainRefit> refit_chains(const RoomModel& room,
                                   std::size_t access_point,
-                                  std::span<const KnownSpot> spots,
+                                  std::span<const ReferencePoint> points,
                                   const ChainRefitOptions& options) {
   const RoomAccessPoint& ap = room.access_points.at(access_point);
   RAYLOC_CHECK(!ap.gains.empty());
-  const Refit usual(room, access_point, spots);
-  const Refit deeper(traced_deeper(room), access_point, spots);
+  const Refit usual(room, access_point, points);
+  const Refit deeper(traced_deeper(room), access_point, points);
   if (usual.empty()) {
     return bad_input("access point " + ap.id + ": no ray of the room reaches it from " +
-                     std::to_string(spots.size()) + " known places; are they inside the room?");
+                     std::to_string(points.size()) + " known places; are they inside the room?");
   }
   Attempt best = usual.best();
   Attempt other = deeper.best();
@@ -394,7 +396,7 @@ Expected<ChainRefit> refit_chains(const RoomModel& room,
   if (options.usual && is_far_below(best.refit.fit, *options.usual)) {
     return bad_input("access point " + ap.id + ": new chain gains explain " +
                      share_text(best.refit.fit) + " of its CSI (median of " +
-                     std::to_string(best.refit.spots) + " known places), the calibration " +
+                     std::to_string(best.refit.points) + " known places), the calibration " +
                      share_text(options.usual->median) +
                      ": the room or the access point has changed, or a place is wrong; check the "
                      "places, or calibrate anew");

@@ -10,7 +10,7 @@
 #include "engine/base/constants.h"
 #include "engine/base/parallel.h"
 #include "engine/monitor/chain_turns.h"
-#include "engine/monitor/monitored_spot.h"
+#include "engine/monitor/monitored_point.h"
 #include "engine/observe/alignment.h"
 #include "engine/observe/burst.h"
 #include "engine/observe/chain_gains.h"
@@ -61,28 +61,28 @@ class CalibrationMonitor::AccessPoint {
 
   void restart() {
     state_ = MonitorState(index_, ap_.rx_chains.size(), stated_usual_);
-    for (const auto& spot : spots_) {
-      spot->frames.clear();
-      spot->usual.clear();
-      spot->settled = false;
+    for (const auto& point : points_) {
+      point->frames.clear();
+      point->usual.clear();
+      point->settled = false;
     }
   }
 
   void observe(const Transmitter& transmitter, std::span<const CsiFrame> frames) {
-    MonitoredSpot& spot = spot_of(transmitter);
+    MonitoredPoint& point = point_of(transmitter);
     std::size_t taken = 0;
     for (const CsiFrame& frame : frames) {
       if (frame.access_point == index_ && taken < kFramesOfBurst) {
-        spot.frames.push_back(frame);
+        point.frames.push_back(frame);
         ++taken;
       }
     }
-    if (taken > 0 && !spot.rays.empty() && ++state_.bursts >= kBursts) {
+    if (taken > 0 && !point.rays.empty() && ++state_.bursts >= kBursts) {
       state_.bursts = 0;
       evaluate(receive());
     }
-    if (spot.rays.empty()) {
-      spot.frames.clear();
+    if (point.rays.empty()) {
+      point.frames.clear();
     }
   }
 
@@ -96,79 +96,79 @@ class CalibrationMonitor::AccessPoint {
   void append_warnings(std::vector<CalibrationWarning>& out) const;
 
  private:
-  MonitoredSpot& spot_of(const Transmitter& transmitter);
-  ReceivedSpots receive();
-  void evaluate(const ReceivedSpots& received);
-  std::vector<Value> along(const ReceivedSpot& one) const;
-  double correlation(const ReceivedSpots& received, const std::vector<double>& turn) const;
-  double correlation(const ReceivedSpots& received, const ArrayMotion& motion) const;
-  bool explained_by_motion(const ReceivedSpots& received, double unexplained);
-  ArrayMotion scan(const ReceivedSpots& received) const;
-  std::vector<double> jumps_of_calibration(const ReceivedSpots& received,
+  MonitoredPoint& point_of(const Transmitter& transmitter);
+  ReceivedPoints receive();
+  void evaluate(const ReceivedPoints& received);
+  std::vector<Value> along(const ReceivedPoint& one) const;
+  double correlation(const ReceivedPoints& received, const std::vector<double>& turn) const;
+  double correlation(const ReceivedPoints& received, const ArrayMotion& motion) const;
+  bool explained_by_motion(const ReceivedPoints& received, double unexplained);
+  ArrayMotion scan(const ReceivedPoints& received) const;
+  std::vector<double> jumps_of_calibration(const ReceivedPoints& received,
                                            const std::vector<double>& turn) const;
-  std::vector<double> jumps(const ReceivedSpots& received);
+  std::vector<double> jumps(const ReceivedPoints& received);
   CalibrationWarning warning(CalibrationProblem problem) const;
 
   std::size_t index_;
   RoomAccessPoint ap_;
   OfdmGrid grid_;
-  SpotArrays arrays_;
+  PointArrays arrays_;
   Aligner aligner_;
-  std::vector<std::unique_ptr<MonitoredSpot>> spots_;
+  std::vector<std::unique_ptr<MonitoredPoint>> points_;
   const std::optional<double> stated_usual_;
   MonitorState state_;
 };
 
-MonitoredSpot& CalibrationMonitor::AccessPoint::spot_of(const Transmitter& transmitter) {
-  for (const auto& spot : spots_) {
-    if (spot->transmitter.position == transmitter.position &&
-        spot->transmitter.device == transmitter.device) {
-      return *spot;
+MonitoredPoint& CalibrationMonitor::AccessPoint::point_of(const Transmitter& transmitter) {
+  for (const auto& point : points_) {
+    if (point->transmitter.position == transmitter.position &&
+        point->transmitter.device == transmitter.device) {
+      return *point;
     }
   }
-  auto spot = std::make_unique<MonitoredSpot>();
-  spot->transmitter = transmitter;
-  spot->rays = arrays_.rays(transmitter.position, transmitter.device);
-  spot->expected = arrays_.expected(spot->rays, ap_.error.plan_tolerance);
-  if (!spot->rays.empty()) {
-    spot->known_share = arrays_.known_share(spot->rays, ap_.error.plan_tolerance);
-    spot->sigma = arrays_.place_phase_sigma(
+  auto point = std::make_unique<MonitoredPoint>();
+  point->transmitter = transmitter;
+  point->rays = arrays_.rays(transmitter.position, transmitter.device);
+  point->expected = arrays_.expected(point->rays, ap_.error.plan_tolerance);
+  if (!point->rays.empty()) {
+    point->known_share = arrays_.known_share(point->rays, ap_.error.plan_tolerance);
+    point->sigma = arrays_.place_phase_sigma(
         transmitter.position, transmitter.device, ap_.error.plan_tolerance, kPlaceSigma);
   }
-  spots_.push_back(std::move(spot));
-  return *spots_.back();
+  points_.push_back(std::move(point));
+  return *points_.back();
 }
 
 void CalibrationMonitor::AccessPoint::set_reference(const Transmitter& transmitter,
                                                     std::vector<Value> array) {
   RAYLOC_CHECK(array.size() == ap_.gains.gain.size());
-  MonitoredSpot& spot = spot_of(transmitter);
-  spot.expected = std::move(array);
-  spot.known_share = 1.0;
-  spot.sigma.assign(ap_.rx_chains.size(), 0.0);
+  MonitoredPoint& point = point_of(transmitter);
+  point.expected = std::move(array);
+  point.known_share = 1.0;
+  point.sigma.assign(ap_.rx_chains.size(), 0.0);
 }
 
-ReceivedSpots CalibrationMonitor::AccessPoint::receive() {
-  ReceivedSpots received;
-  for (const auto& spot : spots_) {
-    auto burst = combine_burst(spot->frames, {index_, grid_, ap_.rx_chains, {}});
-    spot->frames.clear();
+ReceivedPoints CalibrationMonitor::AccessPoint::receive() {
+  ReceivedPoints received;
+  for (const auto& point : points_) {
+    auto burst = combine_burst(point->frames, {index_, grid_, ap_.rx_chains, {}});
+    point->frames.clear();
     if (burst) {
       remove_gains(ap_.gains, burst->h);
-      received.push_back({spot.get(), std::move(burst->h)});
+      received.push_back({point.get(), std::move(burst->h)});
     }
   }
   return received;
 }
 
-// Projection of each chain's observation on its expectation. The delay of a spot is found on the
+// Projection of each chain's observation on its expectation. The delay of a point is found on the
 // chain that fits best: in a sum over chains, phase offsets would cancel.
-std::vector<Value> CalibrationMonitor::AccessPoint::along(const ReceivedSpot& one) const {
+std::vector<Value> CalibrationMonitor::AccessPoint::along(const ReceivedPoint& one) const {
   const std::size_t tones = grid_.size();
   const std::size_t chains = ap_.rx_chains.size();
   Alignment best;
   for (std::size_t m = 0; m < chains; ++m) {
-    const auto alignment = aligner_.align(std::span(one.spot->expected).subspan(m * tones, tones),
+    const auto alignment = aligner_.align(std::span(one.point->expected).subspan(m * tones, tones),
                                           std::span(one.h).subspan(m * tones, tones));
     best = alignment.correlation > best.correlation ? alignment : best;
   }
@@ -176,29 +176,29 @@ std::vector<Value> CalibrationMonitor::AccessPoint::along(const ReceivedSpot& on
   aligner_.apply(best, h);
   std::vector<Value> phasor(chains);
   for (std::size_t j = 0; j < h.size(); ++j) {
-    phasor[j / tones] += h[j] * std::conj(one.spot->expected[j]);
+    phasor[j / tones] += h[j] * std::conj(one.point->expected[j]);
   }
   return phasor;
 }
 
-double CalibrationMonitor::AccessPoint::correlation(const ReceivedSpots& received,
+double CalibrationMonitor::AccessPoint::correlation(const ReceivedPoints& received,
                                                     const std::vector<double>& turn) const {
   double sum = 0.0;
-  for (const ReceivedSpot& one : received) {
+  for (const ReceivedPoint& one : received) {
     auto h = one.h;
     for (std::size_t j = 0; j < h.size(); ++j) {
       h[j] *= std::polar(1.0, -turn[j / grid_.size()]);
     }
-    sum += aligner_.align(one.spot->expected, h).correlation;
+    sum += aligner_.align(one.point->expected, h).correlation;
   }
   return sum / static_cast<double>(received.size());
 }
 
-double CalibrationMonitor::AccessPoint::correlation(const ReceivedSpots& received,
+double CalibrationMonitor::AccessPoint::correlation(const ReceivedPoints& received,
                                                     const ArrayMotion& motion) const {
   double sum = 0.0;
-  for (const ReceivedSpot& one : received) {
-    const auto& all = one.spot->rays;
+  for (const ReceivedPoint& one : received) {
+    const auto& all = one.point->rays;
     const std::vector<Ray> strong(
         all.begin(), all.begin() + static_cast<std::ptrdiff_t>(std::min(all.size(), kScannedRays)));
     sum += aligner_.align(arrays_.expected(strong, ap_.error.plan_tolerance, motion), one.h)
@@ -208,7 +208,7 @@ double CalibrationMonitor::AccessPoint::correlation(const ReceivedSpots& receive
 }
 
 // The best motion on a grid, refined from there with ever smaller steps.
-ArrayMotion CalibrationMonitor::AccessPoint::scan(const ReceivedSpots& received) const {
+ArrayMotion CalibrationMonitor::AccessPoint::scan(const ReceivedPoints& received) const {
   const int shifts = static_cast<int>(std::lround(kMaxShift / kShiftStep));
   const int yaws = static_cast<int>(std::lround(kMaxYaw / kYawStep));
   std::vector<ArrayMotion> grid;
@@ -246,7 +246,7 @@ ArrayMotion CalibrationMonitor::AccessPoint::scan(const ReceivedSpots& received)
 }
 
 // True if a motion leaves much less than `unexplained`: the last one found, or that of a new scan.
-bool CalibrationMonitor::AccessPoint::explained_by_motion(const ReceivedSpots& received,
+bool CalibrationMonitor::AccessPoint::explained_by_motion(const ReceivedPoints& received,
                                                           double unexplained) {
   state_.moved_fit = correlation(received, state_.motion);
   if (1.0 - state_.moved_fit >= kBetter * unexplained && state_.since_scan >= kRescan) {
@@ -260,21 +260,21 @@ bool CalibrationMonitor::AccessPoint::explained_by_motion(const ReceivedSpots& r
 // Phase offsets against the calibration that are jumps, 0 for the others: above kJump and three
 // sigmas; all 0 where a quarter turn could not be detected.
 std::vector<double> CalibrationMonitor::AccessPoint::jumps_of_calibration(
-    const ReceivedSpots& received, const std::vector<double>& turn) const {
-  const auto spots = static_cast<double>(received.size());
+    const ReceivedPoints& received, const std::vector<double>& turn) const {
+  const auto points = static_cast<double>(received.size());
   double share = correlation(received, turn);
-  for (const ReceivedSpot& one : received) {
-    share = std::min(share, one.spot->known_share);
+  for (const ReceivedPoint& one : received) {
+    share = std::min(share, one.point->known_share);
   }
-  const double misfit = std::sqrt(turn_variance(share) / spots);
+  const double misfit = std::sqrt(turn_variance(share) / points);
   std::vector<double> result;
   for (std::size_t m = 0; m < turn.size(); ++m) {
     double sigma = 0.0;
-    for (const ReceivedSpot& one : received) {
-      sigma = std::hypot(sigma, one.spot->sigma[m]);
+    for (const ReceivedPoint& one : received) {
+      sigma = std::hypot(sigma, one.point->sigma[m]);
     }
     const double bound =
-        std::hypot(std::clamp(3.0 * sigma / spots, kJump, kMaxJumpBound), 3.0 * misfit);
+        std::hypot(std::clamp(3.0 * sigma / points, kJump, kMaxJumpBound), 3.0 * misfit);
     if (bound >= kQuarterTurn) {
       return std::vector<double>(turn.size());
     }
@@ -285,10 +285,10 @@ std::vector<double> CalibrationMonitor::AccessPoint::jumps_of_calibration(
 
 // Phase jump of each chain, 0 for chains without one: against the calibration, or else against the
 // first windows; a jump from before these is then not detected.
-std::vector<double> CalibrationMonitor::AccessPoint::jumps(const ReceivedSpots& received) {
+std::vector<double> CalibrationMonitor::AccessPoint::jumps(const ReceivedPoints& received) {
   std::vector<std::vector<Value>> phasors;
   ChainTurns turns(ap_.rx_chains.size());
-  for (const ReceivedSpot& one : received) {
+  for (const ReceivedPoint& one : received) {
     phasors.push_back(along(one));
     turns.add(phasors.back());
   }
@@ -298,22 +298,22 @@ std::vector<double> CalibrationMonitor::AccessPoint::jumps(const ReceivedSpots& 
   }
   ChainTurns changes(ap_.rx_chains.size());
   for (std::size_t i = 0; i < received.size(); ++i) {
-    settle(*received[i].spot, phasors[i]);
-    if (received[i].spot->settled) {
+    settle(*received[i].point, phasors[i]);
+    if (received[i].point->settled) {
       for (std::size_t m = 0; m < phasors[i].size(); ++m) {
-        phasors[i][m] *= std::conj(received[i].spot->usual[m]);
+        phasors[i][m] *= std::conj(received[i].point->usual[m]);
       }
       changes.add(phasors[i]);
     }
   }
-  jumped = changes.turns();  // all 0 until a spot has settled
+  jumped = changes.turns();  // all 0 until a point has settled
   for (double& change : jumped) {
     change = std::abs(change) > kJump ? change : 0.0;
   }
   return jumped;
 }
 
-void CalibrationMonitor::AccessPoint::evaluate(const ReceivedSpots& received) {
+void CalibrationMonitor::AccessPoint::evaluate(const ReceivedPoints& received) {
   if (received.empty()) {
     return;
   }

@@ -31,7 +31,7 @@
 
 #include "engine/base/vec3.h"
 #include "engine/channel/csi_frame.h"
-#include "engine/likelihood/spot_arrays.h"
+#include "engine/likelihood/point_arrays.h"
 #include "engine/monitor/debounce.h"
 #include "engine/room/room_model.h"
 

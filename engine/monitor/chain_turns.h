@@ -1,4 +1,4 @@
-// Phase offsets between receive chains, from their observations of known spots.
+// Phase offsets between receive chains, from their observations of reference points.
 #pragma once
 
 #include <complex>
@@ -8,7 +8,8 @@
 
 namespace rayloc {
 
-// Sums over spots of the chains' phasors, for every pair of chains. A spot's common phase cancels.
+// Sums over points of the chains' phasors, for every pair of chains. A point's common phase
+// cancels.
 class ChainTurns {
  public:
   explicit ChainTurns(std::size_t chains);
@@ -23,7 +24,7 @@ class ChainTurns {
   std::vector<std::vector<std::complex<double>>> relative_;  // [reference][chain]
 };
 
-// Variance of the phase offset between two chains [rad^2] at one spot where the room explains
+// Variance of the phase offset between two chains [rad^2] at one point where the room explains
 // `share` of the power after the chains are rotated to fit. Paths that differ by less than the
 // bandwidth resolves rotate all tones of a chain alike, so its tones count as one sample; of the
 // six numbers of three chains the fit uses four, which halves the remainder and is corrected here.

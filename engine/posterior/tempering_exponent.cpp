@@ -20,7 +20,7 @@ double mean_of(std::span<const double> values) {
 }
 
 // True if the mean of `better` exceeds that of `other` by at most the standard error of the
-// difference, spot by spot.
+// difference, point by point.
 bool is_within_error(std::span<const double> better, std::span<const double> other) {
   std::vector<double> differences(better.size());
   std::transform(better.begin(), better.end(), other.begin(), differences.begin(), std::minus<>());
@@ -62,20 +62,20 @@ double dishonesty(std::vector<double> reaching) {
 TemperingExponent evaluate_exponent(double exponent,
                                     std::span<const LocationEstimate> estimates,
                                     double stated_sigma,
-                                    const KnownSpots& spots,
+                                    const KnownPlaces& known,
                                     std::span<const double> sigma_floors) {
-  RAYLOC_CHECK(!estimates.empty() && estimates.size() == spots.places.size());
+  RAYLOC_CHECK(!estimates.empty() && estimates.size() == known.places.size());
   RAYLOC_CHECK(!sigma_floors.empty());
-  const auto with = [&](std::size_t spot, double sigma) {
+  const auto with = [&](std::size_t point, double sigma) {
     return widened(
-        estimates[spot],
-        sigma * sigma - stated_sigma * stated_sigma + spots.place_sigma * spots.place_sigma);
+        estimates[point],
+        sigma * sigma - stated_sigma * stated_sigma + known.place_sigma * known.place_sigma);
   };
   TemperingExponent best;
   for (const double sigma : sigma_floors) {
     std::vector<double> scores;
     for (std::size_t i = 0; i < estimates.size(); ++i) {
-      scores.push_back(std::log(stated_density(with(i, sigma), spots.places[i], spots.area)));
+      scores.push_back(std::log(stated_density(with(i, sigma), known.places[i], known.area)));
     }
     const double score = mean_of(scores);
     if (best.scores.empty() || score > best.score) {
@@ -86,7 +86,7 @@ TemperingExponent evaluate_exponent(double exponent,
   constexpr double kWidestRegion = 0.999;
   std::vector<double> reaching;
   for (std::size_t i = 0; i < estimates.size(); ++i) {
-    const auto one = region_reaching(with(i, best.sigma_floor), spots.places[i]);
+    const auto one = region_reaching(with(i, best.sigma_floor), known.places[i]);
     reaching.push_back(std::clamp(one.value_or(kWidestRegion), 1.0 - kWidestRegion, kWidestRegion));
   }
   best.dishonesty = dishonesty(std::move(reaching));

@@ -2,13 +2,13 @@
 //
 //   failure_bench SITE POINTS.csv [AP=]FILE...
 //
-// Each spot of POINTS is located as recorded, and with one fault: a dead chain, a chain whose phase
-// jumped (once for all spots, as by a power cycle, a chain and a state at a time; what ChainLearner
-// finds is left out until it is learned, as the daemon does it), an access point in NLOS (97 % of
-// the amplitude of its line of sight taken out, as the calibrated room has it), a device outside of
-// the area (the bounds end 0.3 m short of it), and the channel of another room. Prints a line for
-// each case and number of access points: cases, NO_FIX, fixes with a warning, and those whose
-// stated region of 95 % excludes the truth. --verbose: a line for each fix.
+// Each test point of POINTS is located as recorded, and with one fault: a dead chain, a chain whose
+// phase jumped (once for all test points, as by a power cycle, a chain and a state at a time; what
+// ChainLearner finds is left out until it is learned, as the daemon does it), an access point in
+// NLOS (97 % of the amplitude of its line of sight taken out, as the calibrated room has it), a
+// device outside of the area (the bounds end 0.3 m short of it), and the channel of another room.
+// Prints a line for each case and number of access points: cases, NO_FIX, fixes with a warning, and
+// those whose stated region of 95 % excludes the truth. --verbose: a line for each fix.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -32,7 +32,7 @@ namespace {
 using Frames = std::vector<CsiFrame>;
 using Value = std::complex<double>;
 
-struct Spot {
+struct TestPoint {
   Vec3d position;
   Frames frames;
 };
@@ -71,7 +71,7 @@ void strange(const RoomModel& room, std::mt19937& random, Frames& frames) {
 void judge(bool verbose,
            const std::string& name,
            const Localizer& localizer,
-           const Spot& spot,
+           const TestPoint& test_point,
            const Frames& frames,
            Tally& tally,
            bool named = false) {
@@ -81,9 +81,9 @@ void judge(bool verbose,
   double error = -1.0;
   double reaching = 0.0;
   if (estimate.position) {
-    error =
-        std::hypot(estimate.position->x - spot.position.x, estimate.position->y - spot.position.y);
-    reaching = region_reaching(estimate, spot.position).value_or(1.0);
+    error = std::hypot(estimate.position->x - test_point.position.x,
+                       estimate.position->y - test_point.position.y);
+    reaching = region_reaching(estimate, test_point.position).value_or(1.0);
     tally.warned += warned ? 1 : 0;
     tally.wrong += reaching > 0.95 ? 1 : 0;
     tally.wrong_unwarned += reaching > 0.95 && !warned ? 1 : 0;
@@ -117,7 +117,7 @@ void judge(bool verbose,
   }
 }
 
-// One half of the room, seen from a spot of the other.
+// One half of the room, seen from a test point of the other.
 RoomModel half(RoomModel room, bool upper) {
   const bool along_x =
       room.bounds_max.x - room.bounds_min.x > room.bounds_max.y - room.bounds_min.y;
@@ -147,9 +147,9 @@ void print(const std::string& name, const RoomModel& room, const Tally& tally) {
   std::fflush(stdout);
 }
 
-// Every chain of every access point in turn, through all spots.
+// Every chain of every access point in turn, through all test points.
 void study_jumps(const std::shared_ptr<const Localizer>& localizer,
-                 const std::vector<Spot>& spots,
+                 const std::vector<TestPoint>& test_points,
                  bool verbose) {
   const RoomModel& room = localizer->room();
   Tally tally;
@@ -158,15 +158,15 @@ void study_jumps(const std::shared_ptr<const Localizer>& localizer,
     for (const std::uint8_t rx_chain : room.access_points[ap].rx_chains) {
       quarters = quarters % 3 + 1;
       ChainLearner learner(localizer);
-      for (const Spot& spot : spots) {
-        Frames frames = spot.frames;
+      for (const TestPoint& test_point : test_points) {
+        Frames frames = test_point.frames;
         test::turn_chain(
             frames, ap, rx_chain, 0.5 * std::numbers::pi * static_cast<double>(quarters));
         learner.receive(frames);
         judge(verbose,
               "chain's phase jumped",
               *localizer,
-              spot,
+              test_point,
               learner.accepted(frames),
               tally,
               !learner.leaves_alone());
@@ -176,7 +176,7 @@ void study_jumps(const std::shared_ptr<const Localizer>& localizer,
   print("chain's phase jumped", room, tally);
 }
 
-void run(const RoomModel& room, const std::vector<Spot>& spots, bool verbose) {
+void run(const RoomModel& room, const std::vector<TestPoint>& test_points, bool verbose) {
   const auto shared = std::make_shared<const RoomModel>(room);
   const auto kept = std::make_shared<const Localizer>(*Localizer::create(shared, {}));
   const Localizer& localizer = *kept;
@@ -184,10 +184,10 @@ void run(const RoomModel& room, const std::vector<Spot>& spots, bool verbose) {
                          const Localizer& by,
                          const std::function<bool(std::size_t, Frames&)>& spoil) {
     Tally tally;
-    for (std::size_t i = 0; i < spots.size(); ++i) {
-      Frames frames = spots[i].frames;
+    for (std::size_t i = 0; i < test_points.size(); ++i) {
+      Frames frames = test_points[i].frames;
       if (spoil(i, frames)) {
-        judge(verbose, name, by, spots[i], frames, tally);
+        judge(verbose, name, by, test_points[i], frames, tally);
       }
     }
     print(name, room, tally);
@@ -204,9 +204,9 @@ void run(const RoomModel& room, const std::vector<Spot>& spots, bool verbose) {
     test::kill_chain(frames, hit(i), rx_chain(i), random);
     return true;
   });
-  study_jumps(kept, spots, verbose);
+  study_jumps(kept, test_points, verbose);
   study("access point covered", localizer, [&](std::size_t i, Frames& frames) {
-    test::obstruct(frames, hit(i), room, spots[i].position);
+    test::obstruct(frames, hit(i), room, test_points[i].position);
     return true;
   });
   study("another room's channel", localizer, [&](std::size_t, Frames& frames) {
@@ -217,7 +217,7 @@ void run(const RoomModel& room, const std::vector<Spot>& spots, bool verbose) {
     const auto part = std::make_shared<const RoomModel>(half(room, upper));
     const Localizer by = *Localizer::create(part, {});
     study("outside of the area", by, [&](std::size_t i, Frames&) {
-      return is_outside(*part, spots[i].position);
+      return is_outside(*part, test_points[i].position);
     });
   }
 }
@@ -244,15 +244,15 @@ int run(const std::vector<std::string>& arguments, bool verbose) {
     std::fprintf(stderr, "failure_bench: %s\n", inputs.error().message.c_str());
     return 65;
   }
-  std::vector<Spot> spots;
+  std::vector<TestPoint> test_points;
   for (const SurveyedFrames& one : inputs->points) {
     if (!one.frames.empty()) {
-      spots.push_back({one.point.position, one.frames});
+      test_points.push_back({one.point.position, one.frames});
     }
   }
   std::puts("| case | access points | n | NO_FIX | warned | wrong | wrong, no warning |");
   std::puts("|---|---|---|---|---|---|---|");
-  run(*room, spots, verbose);
+  run(*room, test_points, verbose);
   return 0;
 }
 

@@ -3,8 +3,8 @@
 //   people_bench SITE POINTS.csv [AP=]FILE...
 //
 // SITE: of `rayloc reference`. The change that a person causes in the empty room is independent of
-// other people, but for waves that meet both: for pairs of spots the recording of two people is
-// made from those of one. Prints how often a second person is detected with one and with two
+// other people, but for waves that meet both: for pairs of test points the recording of two people
+// is made from those of one. Prints how often a second person is detected with one and with two
 // people, and the errors of both positions. --verbose: a line for each case.
 #include <algorithm>
 #include <chrono>
@@ -28,12 +28,12 @@ namespace {
 using Frames = std::vector<CsiFrame>;
 using Value = std::complex<double>;
 
-struct Spot {
+struct TestPoint {
   Vec3d position;
   Frames frames;
 };
 
-// The channel of a spot's frames, aligned to the empty room; empty if they are too few.
+// The channel of a test point's frames, aligned to the empty room; empty if they are too few.
 std::vector<Value> aligned(const RoomModel& room, const PersonLink& link, const Frames& frames) {
   std::vector<std::string> warnings;
   auto burst = preprocess_burst(room, link.access_point, frames, {}, warnings);
@@ -48,8 +48,8 @@ std::vector<Value> aligned(const RoomModel& room, const PersonLink& link, const 
 // Frames of `one` with the change that `other` causes in the empty room; empty if CSI is missing.
 Frames together(const RoomModel& room,
                 const PersonReference& reference,
-                const Spot& one,
-                const Spot& other) {
+                const TestPoint& one,
+                const TestPoint& other) {
   Frames frames = one.frames;
   for (const PersonLink& link : reference.links) {
     const auto first = aligned(room, link, one.frames);
@@ -192,18 +192,20 @@ void Study::print(const char* name) const {
   std::fflush(stdout);
 }
 
-void run(const PersonLocalizer& localizer, const std::vector<Spot>& spots, bool verbose) {
+void run(const PersonLocalizer& localizer,
+         const std::vector<TestPoint>& test_points,
+         bool verbose) {
   Study alone(localizer, verbose);
-  for (const Spot& spot : spots) {
-    alone.add("one", {spot.position}, spot.frames);
+  for (const TestPoint& test_point : test_points) {
+    alone.add("one", {test_point.position}, test_point.frames);
   }
   alone.print("one person");
-  constexpr std::size_t kApart = 17;  // in the file, of the spots that make a pair
+  constexpr std::size_t kApart = 17;  // in the file, of the test points that make a pair
   constexpr double kMinDistance = 0.5;
   Study two(localizer, verbose);
-  for (std::size_t i = 0; i < spots.size(); ++i) {
-    const Spot& one = spots[i];
-    const Spot& other = spots[(i + kApart) % spots.size()];
+  for (std::size_t i = 0; i < test_points.size(); ++i) {
+    const TestPoint& one = test_points[i];
+    const TestPoint& other = test_points[(i + kApart) % test_points.size()];
     if (distance(one.position, other.position) < kMinDistance) {
       continue;
     }
@@ -254,16 +256,16 @@ int run(const std::vector<std::string>& arguments, bool verbose) {
     return fail(points.error());
   }
   const PersonReference& reference = references->front();
-  std::vector<Spot> spots;
+  std::vector<TestPoint> test_points;
   for (const SurveyPoint& point : *points) {
-    Spot spot{point.position, {}};
+    TestPoint test_point{point.position, {}};
     for (const CsiFrame& frame : frames->at(reference.mac)) {
       if (frame.time >= point.t_start && frame.time <= point.t_end) {
-        spot.frames.push_back(frame);
+        test_point.frames.push_back(frame);
       }
     }
-    if (!spot.frames.empty()) {
-      spots.push_back(std::move(spot));
+    if (!test_point.frames.empty()) {
+      test_points.push_back(std::move(test_point));
     }
   }
   const auto shared = std::make_shared<const RoomModel>(*std::move(room));
@@ -271,7 +273,7 @@ int run(const std::vector<std::string>& arguments, bool verbose) {
   if (!localizer) {
     return fail(localizer.error());
   }
-  run(*localizer, spots, verbose);
+  run(*localizer, test_points, verbose);
   return 0;
 }
 

@@ -194,8 +194,8 @@ TEST(Field, ReportsAClockThatWasNeverSet) {
 // With a pause soon behind it that is longer than the step.
 TEST(Field, AClockThatWasSetBackBeforeAPauseLosesNothing) {
   std::vector<std::int64_t> stamps = walk(20);
-  const auto spot = walk(5, kStart - 3 * kSecond);
-  stamps.insert(stamps.end(), spot.begin(), spot.end());
+  const auto point = walk(5, kStart - 3 * kSecond);
+  stamps.insert(stamps.end(), point.begin(), point.end());
   const auto later = walk(20, kStart + 9 * kSecond);
   stamps.insert(stamps.end(), later.begin(), later.end());
   const Given given = read_stamps(stamps);
@@ -321,8 +321,8 @@ TEST(Field, ReportsOddStampsOfAPipe) {
 
 TEST(Field, PausesOfASurveyAndSparseRecordingsAreNoDamage) {
   std::vector<std::int64_t> stamps;
-  for (int spot = 0; spot < 30; ++spot) {
-    const auto here = walk(5, kStart + spot * (12 * kSecond));
+  for (int point = 0; point < 30; ++point) {
+    const auto here = walk(5, kStart + point * (12 * kSecond));
     stamps.insert(stamps.end(), here.begin(), here.end());
   }
   for (int i = 1; i <= 20; ++i) {  // one each minute

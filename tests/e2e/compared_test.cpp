@@ -23,7 +23,7 @@ constexpr std::array kAccessPoints = {"ap1", "ap2", "ap3"};
 const char* const kDevice = "02:52:4c:00:00:01";
 const char* const kFixed = "02:52:4c:00:00:02";
 constexpr std::chrono::seconds kPatience{240};
-// As in live_test.cpp: each spot is one burst.
+// As in live_test.cpp: each point is one burst.
 const double kSpeed = 8.0 / slower();
 const double kBurst = 0.2 * slower();  // [s]
 const double kSent = 3.0 * slower();   // [s]
@@ -43,7 +43,7 @@ class Compared : public ::testing::Test {
     }
     return files;
   }
-  // The first spots of the recordings of all access points as one; false when that fails.
+  // The first points of the recordings of all access points as one; false when that fails.
   bool send_device(const LiveDaemon& daemon) const {
     std::vector<std::string> arguments = {
         "--speed", std::to_string(kSpeed), "--duration", std::to_string(kSent)};

@@ -17,21 +17,21 @@ namespace rayloc::e2e::live_test {
 namespace {
 
 constexpr std::array kAccessPoints = {"ap1", "ap2", "ap3"};
-// Eight times the recorded pace: a spot lasts 0.13 s, less than a burst, and the shortest way
-// between two takes 0.39 s, more than the gap that ends one. So each spot is one burst. At a slower
-// pace bursts are longer in the same measure.
+// Eight times the recorded pace: a point lasts 0.13 s, less than a burst, and the shortest way
+// between two takes 0.39 s, more than the gap that ends one. So each point is one burst. At a
+// slower pace bursts are longer in the same measure.
 const double kSpeed = 8.0;
 const double kSlowSpeed = kSpeed / slower();
 const double kSlowBurst = 0.2 * slower();  // [s]
 constexpr std::chrono::seconds kPatience{120};
 
-struct Spot {
+struct SurveyedPoint {
   double x;
   double y;
 };
 
-std::vector<Spot> surveyed_spots() {
-  std::vector<Spot> spots;
+std::vector<SurveyedPoint> surveyed_points() {
+  std::vector<SurveyedPoint> points;
   const std::vector<std::string> lines = read_lines(bundled("device_los.csv"));
   for (std::size_t i = 1; i < lines.size(); ++i) {
     std::istringstream fields(lines[i]);
@@ -40,9 +40,9 @@ std::vector<Spot> surveyed_spots() {
     for (double& v : value) {
       fields >> v >> comma;
     }
-    spots.push_back({value[2], value[3]});
+    points.push_back({value[2], value[3]});
   }
-  return spots;
+  return points;
 }
 
 // TOML of the slow pace, after the fixture's own.
@@ -57,10 +57,10 @@ bool send_recordings(const std::filesystem::path& folder, const LiveDaemon& daem
   return send(folder, "send", daemon, arguments) == 0;
 }
 
-double horizontal_error(const nlohmann::json& location, const Spot& spot) {
+double horizontal_error(const nlohmann::json& location, const SurveyedPoint& point) {
   const nlohmann::json& position = location.at("position");
-  return std::hypot(position.at("x").get<double>() - spot.x,
-                    position.at("y").get<double>() - spot.y);
+  return std::hypot(position.at("x").get<double>() - point.x,
+                    position.at("y").get<double>() - point.y);
 }
 
 // The snapshots among the locations, in order.
@@ -87,30 +87,30 @@ std::vector<std::string> sorted(const std::vector<nlohmann::json>& locations) {
   return texts;
 }
 
-TEST(Live, LocatesEverySpotOfARecordingSentOverUdp) {
+TEST(Live, LocatesEveryPointOfARecordingSentOverUdp) {
   const TemporaryFolder folder;
   LiveDaemon daemon(folder.path(),
                     {.site = calibrated_site(folder.path()), .more_configuration = slow_bursts()});
   ASSERT_TRUE(daemon.ready()) << daemon.errors();
   ASSERT_TRUE(send_recordings(folder.path(), daemon, kSlowSpeed));
-  const std::vector<Spot> spots = surveyed_spots();
+  const std::vector<SurveyedPoint> points = surveyed_points();
   eventually(std::chrono::seconds{20},
-             [&] { return snapshots_of(daemon.bodies("location")).size() >= spots.size(); });
+             [&] { return snapshots_of(daemon.bodies("location")).size() >= points.size(); });
   EXPECT_EQ(daemon.stop(), 0) << daemon.errors();
 
   const std::vector<nlohmann::json> locations = snapshots_of(daemon.bodies("location"));
-  ASSERT_EQ(locations.size(), spots.size()) << daemon.errors();
+  ASSERT_EQ(locations.size(), points.size()) << daemon.errors();
   std::vector<double> errors;
-  for (std::size_t i = 0; i < spots.size(); ++i) {
+  for (std::size_t i = 0; i < points.size(); ++i) {
     EXPECT_EQ(locations[i].at("quality").at("access_points"), 3);
     if (locations[i].at("mode") == "FIX_MODE_NO_FIX") {
       EXPECT_FALSE(locations[i].at("quality").at("no_fix_reason").get<std::string>().empty());
     } else {
-      errors.push_back(horizontal_error(locations[i], spots[i]));
+      errors.push_back(horizontal_error(locations[i], points[i]));
     }
   }
   // In a room with calibrated gains alone, access points contradict each other at times.
-  ASSERT_GE(errors.size(), spots.size() - 1);
+  ASSERT_GE(errors.size(), points.size() - 1);
   std::nth_element(errors.begin(), errors.begin() + 10, errors.end());
   // Always answering the centre of the room has a median error of 1.01 m.
   EXPECT_LT(errors[10], 0.5);
@@ -171,8 +171,8 @@ TEST(Live, PublishesTrackStatesAndCountsEveryMoment) {
   EXPECT_EQ(number(tracker.at("begun")), begun);
   EXPECT_EQ(number(tracker.at("lost")), lost);
   EXPECT_EQ(number(tracker.at("tracks")), begun - lost);
-  // With sanitizers bursts are merged, to one for a spot at worst.
-  EXPECT_GE(number(tracker.at("used")), surveyed_spots().size() + (slower() == 1 ? 1U : 0U));
+  // With sanitizers bursts are merged, to one for a point at worst.
+  EXPECT_GE(number(tracker.at("used")), surveyed_points().size() + (slower() == 1 ? 1U : 0U));
   EXPECT_EQ(number(tracker.at("moments")),
             number(tracker.at("used")) + number(tracker.at("out_of_order")) +
                 number(tracker.at("unusable")) + number(tracker.at("unexplained")));
@@ -194,8 +194,8 @@ TEST(Live, ReplayOfItsRecordingGivesTheSameMessages) {
   ASSERT_TRUE(send_recordings(folder.path(), daemon, kSlowSpeed));
   ASSERT_EQ(daemon.stop(), 0) << daemon.errors();
   const std::vector<nlohmann::json> live = daemon.bodies("location");
-  ASSERT_EQ(snapshots_of(live).size(), surveyed_spots().size());
-  ASSERT_GT(live.size(), 2 * surveyed_spots().size());  // the tracker's are among them
+  ASSERT_EQ(snapshots_of(live).size(), surveyed_points().size());
+  ASSERT_GT(live.size(), 2 * surveyed_points().size());  // the tracker's are among them
 
   std::vector<std::string> arguments = {"replay", site.string()};
   for (const std::string access_point : kAccessPoints) {

@@ -13,7 +13,7 @@ std::string source_text(const RechainedAccessPoint& one) {
     return fmt::format("learned from {} bursts of devices", one.learned_from);
   }
   return fmt::format("{} known places, fit {:.3f}{}",
-                     one.spots,
+                     one.points,
                      one.fit.value_or(0.0),
                      one.usual_fit ? fmt::format(" ({:.3f} when calibrated)", *one.usual_fit)
                                    : "; no report of the calibration to compare with");

@@ -51,7 +51,7 @@ void count_phases(const std::vector<double>& sigma, CalibratedAccessPoint& acces
 }
 
 // Frames of one transmitter at a known position, from all access points.
-struct SpotFrames {
+struct PointFrames {
   Vec3d position;
   DeviceModel device;
   std::vector<CsiFrame> frames;
@@ -60,7 +60,7 @@ struct SpotFrames {
 
 // Known positions and the frames received from them.
 struct RefitInputs {
-  std::vector<SpotFrames> spots;
+  std::vector<PointFrames> points;
   std::vector<bool> recorded;  // by access point
   std::vector<RefusedInput> refused;
   std::string content;             // hash of the content
@@ -86,8 +86,9 @@ Expected<RefitInputs> read_surveyed(const Site& site,
                        std::move(inputs->refused),
                        inputs->content,
                        std::move(inputs->notes)};
-  for (SurveyedFrames& spot : inputs->points) {
-    received.spots.push_back({spot.point.position, room.device, std::move(spot.frames), {}});
+  for (SurveyedFrames& surveyed : inputs->points) {
+    received.points.push_back(
+        {surveyed.point.position, room.device, std::move(surveyed.frames), {}});
   }
   return received;
 }
@@ -102,10 +103,10 @@ Expected<RefitInputs> read_fixed(const Site& site, const std::vector<CaptureArgu
   RAYLOC_TRY(frames);
   for (const SiteTransmitter& transmitter : site.transmitters) {
     if (has_place(transmitter)) {
-      received.spots.push_back({*transmitter.position,
-                                device_model(transmitter),
-                                std::move((*frames)[transmitter.mac]),
-                                transmitter.mac});
+      received.points.push_back({*transmitter.position,
+                                 device_model(transmitter),
+                                 std::move((*frames)[transmitter.mac]),
+                                 transmitter.mac});
     }
   }
   received.recorded.resize(site.access_points.size());
@@ -180,7 +181,7 @@ class Rechain {
   Expected<void> read_calibration();
   Expected<void> refit();
   Expected<void> write(const RechainResult& result);
-  std::vector<KnownSpot> spots_of(std::size_t access_point, ContentHash& content);
+  std::vector<ReferencePoint> reference_points_of(std::size_t access_point, ContentHash& content);
   Expected<RefitAccessPoint> refit(std::size_t access_point, ContentHash& content);
   const ChainState* learned(std::size_t access_point) const;
   std::string why_not_learned(std::size_t access_point) const;
@@ -256,17 +257,18 @@ Expected<void> Rechain::read() {
   return {};
 }
 
-std::vector<KnownSpot> Rechain::spots_of(std::size_t access_point, ContentHash& content) {
+std::vector<ReferencePoint> Rechain::reference_points_of(std::size_t access_point,
+                                                         ContentHash& content) {
   const RoomAccessPoint& ap = room_.access_points[access_point];
-  std::vector<KnownSpot> spots;
-  for (const SpotFrames& spot : received_.spots) {
-    auto burst = combine_burst(spot.frames, {access_point, room_.grid, ap.rx_chains, {}});
+  std::vector<ReferencePoint> points;
+  for (const PointFrames& point : received_.points) {
+    auto burst = combine_burst(point.frames, {access_point, room_.grid, ap.rx_chains, {}});
     if (!burst) {
       received_.refused.push_back({fmt::format("{} at ({:g}, {:g}, {:g})",
                                                ap.id,
-                                               spot.position.x,
-                                               spot.position.y,
-                                               spot.position.z),
+                                               point.position.x,
+                                               point.position.y,
+                                               point.position.z),
                                    burst.error().message});
       continue;
     }
@@ -274,12 +276,12 @@ std::vector<KnownSpot> Rechain::spots_of(std::size_t access_point, ContentHash& 
       content.add(value.real());
       content.add(value.imag());
     }
-    spots.push_back({spot.position,
-                     spot.device,
-                     std::move(burst->h),
-                     empty_room(references_, spot.fixed, access_point)});
+    points.push_back({point.position,
+                      point.device,
+                      std::move(burst->h),
+                      empty_room(references_, point.fixed, access_point)});
   }
-  return spots;
+  return points;
 }
 
 const ChainState* Rechain::learned(std::size_t access_point) const {
@@ -313,15 +315,15 @@ Expected<RefitAccessPoint> Rechain::refit(std::size_t access_point, ContentHash&
     result.refit.sigma = state->factors.sigma;
     return result;
   }
-  const auto spots = spots_of(access_point, content);
-  if (spots.empty()) {
+  const auto points = reference_points_of(access_point, content);
+  if (points.empty()) {
     return bad_input(
         "access point " + ap.id + ": " +
         (arguments_.points.empty() ? why_not_learned(access_point) : "no known place has frames"));
   }
   ChainRefitOptions options;
   options.usual = usual_fit(heldout_, ap.id);
-  auto refit = refit_chains(room_, access_point, spots, options);
+  auto refit = refit_chains(room_, access_point, points, options);
   RAYLOC_TRY(refit);
   return RefitAccessPoint{access_point, *std::move(refit), options.usual, 0};
 }
@@ -392,7 +394,7 @@ RechainResult Rechain::result() const {
     result.access_points.push_back(
         {room_.access_points[one.index].id,
          one.learned_from,
-         one.refit.spots,
+         one.refit.points,
          one.refit.ripple,
          one.learned_from > 0 ? std::nullopt : std::optional(one.refit.fit),
          one.usual ? std::optional(one.usual->median) : std::nullopt,
@@ -406,7 +408,7 @@ Json Rechain::report(const RechainResult& result) const {
   for (const RechainedAccessPoint& one : result.access_points) {
     access_points.push_back({{"id", one.id},
                              {"learned_from_bursts", one.learned_from},
-                             {"spots", one.spots},
+                             {"spots", one.points},
                              {"ripple", one.ripple},
                              {"fit", one.fit ? Json(*one.fit) : Json()},
                              {"usual_fit", one.usual_fit ? Json(*one.usual_fit) : Json()},

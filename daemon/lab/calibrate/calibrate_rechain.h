@@ -40,7 +40,7 @@ struct ChainChange {
 struct RechainedAccessPoint {
   std::string id;
   std::size_t learned_from = 0;     // bursts of devices; 0: refitted from known positions
-  std::size_t spots = 0;            // known positions
+  std::size_t points = 0;           // known positions
   bool ripple = false;              // refitted per tone
   std::optional<double> fit;        // of known positions: median squared correlation
   std::optional<double> usual_fit;  // the same when the room was calibrated

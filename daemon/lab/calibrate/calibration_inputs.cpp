@@ -31,9 +31,10 @@ struct Recorded {
 
 // The point at which the frame was sent; the window is the survey's plus the slack.
 SurveyedFrames* point_at(CalibrationInputs& inputs, Timestamp time) {
-  for (SurveyedFrames& spot : inputs.points) {
-    if (time >= spot.point.t_start - kClockSlack && time <= spot.point.t_end + kClockSlack) {
-      return &spot;
+  for (SurveyedFrames& surveyed : inputs.points) {
+    if (time >= surveyed.point.t_start - kClockSlack &&
+        time <= surveyed.point.t_end + kClockSlack) {
+      return &surveyed;
     }
   }
   return nullptr;
@@ -63,8 +64,8 @@ Expected<void> read_recording(const Site& site,
       return;
     }
     recorded.devices[frame.transmitter].add(frame);
-    if (SurveyedFrames* spot = point_at(inputs, frame.time)) {
-      spot->frames.push_back(std::move(frame));
+    if (SurveyedFrames* surveyed = point_at(inputs, frame.time)) {
+      surveyed->frames.push_back(std::move(frame));
     }
   };
   return for_each_frame(site, recording, use, inputs.notes);
@@ -86,9 +87,9 @@ bool lists_devices(const Site& site) {
 // neighbour's phone may have more frames. Empty if there is none.
 std::optional<MacAddress> device_of(const Site& site, const CalibrationInputs& inputs) {
   std::map<MacAddress, std::pair<std::size_t, std::size_t>> received;  // points, frames
-  for (const SurveyedFrames& spot : inputs.points) {
+  for (const SurveyedFrames& surveyed : inputs.points) {
     std::set<MacAddress> here;
-    for (const CsiFrame& frame : spot.frames) {
+    for (const CsiFrame& frame : surveyed.frames) {
       here.insert(frame.transmitter);
       ++received[frame.transmitter].second;
     }
@@ -109,8 +110,8 @@ std::optional<MacAddress> device_of(const Site& site, const CalibrationInputs& i
 // Frames of other devices carry no information on the position of the survey device.
 void keep_device(const std::optional<MacAddress>& device, CalibrationInputs& inputs) {
   std::set<MacAddress> others;
-  for (SurveyedFrames& spot : inputs.points) {
-    std::erase_if(spot.frames, [&](const CsiFrame& frame) {
+  for (SurveyedFrames& surveyed : inputs.points) {
+    std::erase_if(surveyed.frames, [&](const CsiFrame& frame) {
       if (frame.transmitter != device) {
         others.insert(frame.transmitter);
       }
@@ -118,7 +119,7 @@ void keep_device(const std::optional<MacAddress>& device, CalibrationInputs& inp
     });
     // The clock may have been set while the device was at a point.
     std::stable_sort(
-        spot.frames.begin(), spot.frames.end(), [](const CsiFrame& a, const CsiFrame& b) {
+        surveyed.frames.begin(), surveyed.frames.end(), [](const CsiFrame& a, const CsiFrame& b) {
           return std::pair(a.access_point, a.time) < std::pair(b.access_point, b.time);
         });
   }
@@ -145,16 +146,17 @@ std::string explain_outside(const Site& site,
     }
   }
   const auto all_inside = [&](auto corrected) {
-    return std::all_of(inputs.points.begin(), inputs.points.end(), [&](const SurveyedFrames& spot) {
-      return is_inside(site, corrected(spot.point.position));
-    });
+    return std::all_of(
+        inputs.points.begin(), inputs.points.end(), [&](const SurveyedFrames& surveyed) {
+          return is_inside(site, corrected(surveyed.point.position));
+        });
   };
   if (all_inside([](const Vec3d& p) { return Vec3d{p.y, p.x, p.z}; })) {
     return "with x and y exchanged all points lie inside: are the columns exchanged?";
   }
-  const auto inside =
-      std::count_if(inputs.points.begin(), inputs.points.end(), [&](const SurveyedFrames& spot) {
-        return is_inside(site, spot.point.position);
+  const auto inside = std::count_if(
+      inputs.points.begin(), inputs.points.end(), [&](const SurveyedFrames& surveyed) {
+        return is_inside(site, surveyed.point.position);
       });
   // A single typing error does not imply another unit.
   const bool most_outside = 2 * inside < static_cast<std::ptrdiff_t>(inputs.points.size());
@@ -192,12 +194,13 @@ Expected<void> check_times(const std::string& file, const CalibrationInputs& inp
 Expected<void> check_points(const Site& site,
                             const std::string& file,
                             const CalibrationInputs& inputs) {
-  for (const SurveyedFrames& spot : inputs.points) {
-    const Vec3d& p = spot.point.position;
+  for (const SurveyedFrames& surveyed : inputs.points) {
+    const Vec3d& p = surveyed.point.position;
     if (site.has_bounds && !is_inside(site, p)) {
-      return bad_input(file + ":" + std::to_string(spot.point.line) + ": (" + std::to_string(p.x) +
-                       ", " + std::to_string(p.y) + ", " + std::to_string(p.z) +
-                       ") lies outside of the room; " + explain_outside(site, inputs, spot.point));
+      return bad_input(file + ":" + std::to_string(surveyed.point.line) + ": (" +
+                       std::to_string(p.x) + ", " + std::to_string(p.y) + ", " +
+                       std::to_string(p.z) + ") lies outside of the room; " +
+                       explain_outside(site, inputs, surveyed.point));
     }
   }
   return {};
@@ -205,19 +208,20 @@ Expected<void> check_points(const Site& site,
 
 std::vector<SurveyPoint> survey_points(const CalibrationInputs& inputs) {
   std::vector<SurveyPoint> points;
-  for (const SurveyedFrames& spot : inputs.points) {
-    points.push_back(spot.point);
+  for (const SurveyedFrames& surveyed : inputs.points) {
+    points.push_back(surveyed.point);
   }
   return points;
 }
 
 // Checks that the recordings of other access points have frames at most points.
 OtherRecordings other_recordings(std::size_t access_point, const CalibrationInputs& inputs) {
-  const auto with_others =
-      std::count_if(inputs.points.begin(), inputs.points.end(), [&](const SurveyedFrames& spot) {
-        return std::any_of(spot.frames.begin(), spot.frames.end(), [&](const CsiFrame& frame) {
-          return frame.access_point != access_point;
-        });
+  const auto with_others = std::count_if(
+      inputs.points.begin(), inputs.points.end(), [&](const SurveyedFrames& surveyed) {
+        return std::any_of(
+            surveyed.frames.begin(), surveyed.frames.end(), [&](const CsiFrame& frame) {
+              return frame.access_point != access_point;
+            });
       });
   return 5 * with_others >= 4 * static_cast<std::ptrdiff_t>(inputs.points.size())
              ? OtherRecordings::kFit
@@ -298,12 +302,12 @@ Expected<void> check_overlap(const Site& site,
   const std::size_t access_point = recorded.first;
   const std::string& id = site.access_points[access_point].id;
   std::vector<RefusedInput> empty;
-  for (const SurveyedFrames& spot : inputs.points) {
-    if (std::none_of(spot.frames.begin(), spot.frames.end(), [&](const CsiFrame& frame) {
+  for (const SurveyedFrames& surveyed : inputs.points) {
+    if (std::none_of(surveyed.frames.begin(), surveyed.frames.end(), [&](const CsiFrame& frame) {
           return frame.access_point == access_point;
         })) {
-      empty.push_back(
-          {fmt::format("{}:{} {}", points_file, spot.point.line, id), "no frames at that time"});
+      empty.push_back({fmt::format("{}:{} {}", points_file, surveyed.point.line, id),
+                       "no frames at that time"});
     }
   }
   if (empty.size() == inputs.points.size()) {
@@ -328,8 +332,8 @@ Expected<void> check_overlap(const Site& site,
 std::string hash_of_frames(const Site& site, const CalibrationInputs& inputs) {
   ContentHash content;
   content.add(inputs.points_hash);
-  for (const SurveyedFrames& spot : inputs.points) {
-    for (const CsiFrame& frame : spot.frames) {
+  for (const SurveyedFrames& surveyed : inputs.points) {
+    for (const CsiFrame& frame : surveyed.frames) {
       add_to_hash(content, site.access_points[frame.access_point].id, frame);
     }
   }

@@ -232,26 +232,26 @@ void Calibration::refuse_unreached(const AccessPointResult& result) {
 }
 
 // Observations at the held-out points, or at all points that were not refused.
-std::vector<HeldOutSpot> Calibration::spots(bool all) const {
-  std::vector<HeldOutSpot> spots;
+std::vector<HeldOutPoint> Calibration::reference_points(bool all) const {
+  std::vector<HeldOutPoint> points;
   for (std::size_t p = 0; p < points_.size(); ++p) {
     const auto& h = points_[p].h;
     const bool used = std::any_of(h.begin(), h.end(), [](const auto& one) { return !one.empty(); });
     if ((all ? used : points_[p].held_out) && !inputs_.points[p].frames.empty()) {
-      spots.push_back({points_[p].position, inputs_.points[p].frames});
+      points.push_back({points_[p].position, inputs_.points[p].frames});
     }
   }
-  return spots;
+  return points;
 }
 
 Expected<void> Calibration::fit_certainty(const RoomModel& room) {
   auto trained = std::make_shared<RoomModel>(room);
   for (AccessPointResult& result : results_) {
-    result.powers = fit_power_offsets(site_, room, result, spots(true), inputs_.refused);
+    result.powers = fit_power_offsets(site_, room, result, reference_points(true), inputs_.refused);
     apply(result.train, trained->access_points[result.index]);
     trained->access_points[result.index].powers = result.powers;
   }
-  auto fixes = fit_certainty_of(std::move(trained), spots(false), survey_error_);
+  auto fixes = fit_certainty_of(std::move(trained), reference_points(false), survey_error_);
   RAYLOC_TRY(fixes);
   fixes_ = *std::move(fixes);
   return {};

@@ -49,7 +49,7 @@ class Calibration {
       const std::vector<CalibrationMethodResult>& methods) const;
   Expected<void> fit_errors(const CalibrationMethodResult& method);
   void refuse_unreached(const AccessPointResult& result);
-  std::vector<HeldOutSpot> spots(bool all) const;
+  std::vector<HeldOutPoint> reference_points(bool all) const;
   Expected<void> fit_certainty(const RoomModel& room);
   Expected<void> fit_what_is_left(const std::vector<CalibrationMethodResult>& methods);
   void judge(CalibrationReport& report);

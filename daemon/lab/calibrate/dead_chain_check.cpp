@@ -28,8 +28,8 @@ Presence presence_of(std::size_t access_point,
                      std::uint8_t rx_chain,
                      const CalibrationInputs& inputs) {
   Presence presence;
-  for (const SurveyedFrames& spot : inputs.points) {
-    for (const CsiFrame& frame : spot.frames) {
+  for (const SurveyedFrames& surveyed : inputs.points) {
+    for (const CsiFrame& frame : surveyed.frames) {
       if (frame.access_point == access_point) {
         ++presence.frames;
         presence.with_rx_chain += brings_rx_chain(frame, rx_chain) ? 1U : 0U;

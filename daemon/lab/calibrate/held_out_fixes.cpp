@@ -22,10 +22,10 @@ constexpr std::size_t kFalls = 2;
 constexpr double kMaxExponentOfSeveral = 0.8;
 
 // A fix assumes the height: at other heights its error does not measure its certainty.
-std::vector<HeldOutSpot> at_height(std::span<const HeldOutSpot> spots, double height) {
-  std::vector<HeldOutSpot> there;
-  std::copy_if(spots.begin(), spots.end(), std::back_inserter(there), [&](const auto& spot) {
-    return std::abs(spot.position.z - height) <= kSameHeight;
+std::vector<HeldOutPoint> at_height(std::span<const HeldOutPoint> points, double height) {
+  std::vector<HeldOutPoint> there;
+  std::copy_if(points.begin(), points.end(), std::back_inserter(there), [&](const auto& point) {
+    return std::abs(point.position.z - height) <= kSameHeight;
   });
   return there;
 }
@@ -36,27 +36,27 @@ struct Tried {
 };
 
 Tried fixes_with(const Localizer& localizer,
-                 std::span<const HeldOutSpot> spots,
+                 std::span<const HeldOutPoint> points,
                  double likelihood_exponent,
                  std::span<const double> sigmas,
                  double survey_sigma) {
   Tried tried;
   HeldOutFixes& result = tried.outcome;
   result.likelihood_exponent = likelihood_exponent;
-  result.points = spots.size();
+  result.points = points.size();
   std::vector<double> errors;
   std::vector<LocationEstimate> estimates;
   const RoomModel& room = localizer.room();
-  KnownSpots known{{}, survey_sigma, room.area()};
-  for (const HeldOutSpot& spot : spots) {
-    known.places.push_back(spot.position);
-    estimates.push_back(localizer.locate(spot.frames, likelihood_exponent));
+  KnownPlaces known{{}, survey_sigma, room.area()};
+  for (const HeldOutPoint& point : points) {
+    known.places.push_back(point.position);
+    estimates.push_back(localizer.locate(point.frames, likelihood_exponent));
     const LocationEstimate& estimate = estimates.back();
     if (!estimate.position) {
       continue;
     }
-    const double error =
-        std::hypot(estimate.position->x - spot.position.x, estimate.position->y - spot.position.y);
+    const double error = std::hypot(estimate.position->x - point.position.x,
+                                    estimate.position->y - point.position.y);
     ++result.fixes;
     result.within_accuracy += error <= estimate.accuracy_m ? 1U : 0U;
     errors.push_back(error);
@@ -78,17 +78,17 @@ Tried fixes_with(const Localizer& localizer,
 }  // namespace
 
 Expected<std::vector<HeldOutFixes>> fit_certainty_of(std::shared_ptr<const RoomModel> room,
-                                                     std::span<const HeldOutSpot> all,
+                                                     std::span<const HeldOutPoint> all,
                                                      double survey_sigma) {
-  const std::vector<HeldOutSpot> spots = at_height(all, room->device.height);
+  const std::vector<HeldOutPoint> points = at_height(all, room->device.height);
   const double usual = room->likelihood_exponent;
   const double most = room->access_points.size() > 1 ? kMaxExponentOfSeveral : kExponents.front();
   const std::array usual_sigma{room->sigma_floor};
   const auto localizer = Localizer::create(std::move(room), {});
   RAYLOC_TRY(localizer);
-  if (spots.size() < kMinFixes) {
+  if (points.size() < kMinFixes) {
     return std::vector<HeldOutFixes>{
-        fixes_with(*localizer, spots, usual, usual_sigma, survey_sigma).outcome};
+        fixes_with(*localizer, points, usual, usual_sigma, survey_sigma).outcome};
   }
   std::vector<HeldOutFixes> outcomes;
   std::vector<TemperingExponent> evaluated;
@@ -98,12 +98,12 @@ Expected<std::vector<HeldOutFixes>> fit_certainty_of(std::shared_ptr<const RoomM
       continue;
     }
     auto [outcome, evaluation] =
-        fixes_with(*localizer, spots, exponent, kSigmaFloors, survey_sigma);
+        fixes_with(*localizer, points, exponent, kSigmaFloors, survey_sigma);
     outcomes.push_back(outcome);
     evaluated.push_back(std::move(evaluation));
     if (outcome.fixes < kMinFixes) {
       return std::vector<HeldOutFixes>{
-          fixes_with(*localizer, spots, usual, usual_sigma, survey_sigma).outcome};
+          fixes_with(*localizer, points, usual, usual_sigma, survey_sigma).outcome};
     }
     if (evaluated.back().score > evaluated[top].score) {
       top = evaluated.size() - 1;

@@ -13,7 +13,7 @@
 
 namespace rayloc {
 
-struct HeldOutSpot {
+struct HeldOutPoint {
   Vec3d position;                    // [m]
   std::span<const CsiFrame> frames;  // not empty
 };
@@ -27,7 +27,7 @@ struct HeldOutSpot {
 // assumed device height do not count, although they inform a calibration of the room. With few
 // points no selection is possible, and only the room's values are tried.
 Expected<std::vector<HeldOutFixes>> fit_certainty_of(std::shared_ptr<const RoomModel> room,
-                                                     std::span<const HeldOutSpot> all,
+                                                     std::span<const HeldOutPoint> all,
                                                      double survey_sigma);
 
 }  // namespace rayloc

@@ -11,15 +11,15 @@ namespace {
 // Received powers of a transmitter's bursts, with the positions of the transmitter.
 std::vector<PowerSample> power_samples(const MacAddress& transmitter,
                                        const BurstRequest& request,
-                                       std::span<const HeldOutSpot> spots) {
+                                       std::span<const HeldOutPoint> points) {
   std::vector<PowerSample> samples;
-  for (const HeldOutSpot& spot : spots) {
-    if (spot.frames.front().transmitter != transmitter) {
+  for (const HeldOutPoint& point : points) {
+    if (point.frames.front().transmitter != transmitter) {
       continue;
     }
-    const auto burst = combine_burst(spot.frames, request);
+    const auto burst = combine_burst(point.frames, request);
     if (burst && burst->power_dbm) {
-      samples.push_back({spot.position, *burst->power_dbm});
+      samples.push_back({point.position, *burst->power_dbm});
     }
   }
   return samples;
@@ -30,7 +30,7 @@ std::vector<PowerSample> power_samples(const MacAddress& transmitter,
 std::vector<TransmitterPower> fit_power_offsets(const Site& site,
                                                 const RoomModel& room,
                                                 const AccessPointResult& result,
-                                                std::span<const HeldOutSpot> spots,
+                                                std::span<const HeldOutPoint> points,
                                                 std::vector<RefusedInput>& refused) {
   RoomModel fitted = room;  // with the diffuse power that the localizer will use
   RoomAccessPoint& ap = fitted.access_points[result.index];
@@ -41,7 +41,7 @@ std::vector<TransmitterPower> fit_power_offsets(const Site& site,
     if (!transmitter.constant_power || transmitter.role != TransmitterRole::kDevice) {
       continue;
     }
-    const auto samples = power_samples(transmitter.mac, request, spots);
+    const auto samples = power_samples(transmitter.mac, request, points);
     if (const auto fit = fit_power_offset(fitted, result.index, samples)) {
       powers.push_back({transmitter.mac, fit->offset_db, fit->sigma_db});
     } else {

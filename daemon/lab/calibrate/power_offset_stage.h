@@ -13,13 +13,13 @@
 
 namespace rayloc {
 
-// Fits one access point of the calibrated room with its values in `result`. `spots`: one
+// Fits one access point of the calibrated room with its values in `result`. `points`: one
 // transmitter each, held-out points included, since only two numbers are fitted. A device with the
 // power of too few points gets no offset and is added to `refused`.
 std::vector<TransmitterPower> fit_power_offsets(const Site& site,
                                                 const RoomModel& room,
                                                 const AccessPointResult& result,
-                                                std::span<const HeldOutSpot> spots,
+                                                std::span<const HeldOutPoint> points,
                                                 std::vector<RefusedInput>& refused);
 
 }  // namespace rayloc

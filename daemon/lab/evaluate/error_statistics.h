@@ -65,7 +65,7 @@ struct Controls {
 struct BootstrapOptions {
   int resamples = 2000;
   std::uint64_t seed = 1;
-  // Number of successive dependent points, such as one spot
+  // Number of successive dependent points, such as one test point
   // located several times: they are resampled together.
   std::size_t together = 1;
 };

@@ -21,8 +21,8 @@ struct FingerprintRequest {
 };
 
 // One error per point of `truth`, whose times are those of the recordings; infinite without frames.
-// A spot uses the frames from its begin to its end, an instant those within 0.1 s to either side.
-// Reports notes on the recordings (clock steps, gaps, rejected packets) to `observer`.
+// A test point uses the frames from its begin to its end, an instant those within 0.1 s to either
+// side. Reports notes on the recordings (clock steps, gaps, rejected packets) to `observer`.
 Expected<std::vector<double>> fingerprint_errors(const Site& site,
                                                  const FingerprintRequest& request,
                                                  const std::vector<TruthPoint>& truth,

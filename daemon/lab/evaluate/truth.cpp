@@ -8,7 +8,7 @@
 namespace rayloc {
 namespace {
 
-constexpr Duration kAfterSpot = std::chrono::milliseconds(100);
+constexpr Duration kAfterPoint = std::chrono::milliseconds(100);
 constexpr Duration kMaxTruthDistance = std::chrono::milliseconds(60);
 
 using Iterator = std::vector<const LocationEstimate*>::const_iterator;
@@ -83,7 +83,7 @@ std::vector<const LocationEstimate*> match(const std::vector<TruthPoint>& truth,
     matches.push_back(
         point.instant
             ? nearest(by_time.begin(), by_time.end(), point.begin)
-            : last_within(by_time.begin(), by_time.end(), point.begin, point.end + kAfterSpot));
+            : last_within(by_time.begin(), by_time.end(), point.begin, point.end + kAfterPoint));
   }
   return matches;
 }

@@ -199,7 +199,7 @@ const std::array kKeys = std::to_array<ConditionKey>({
      true,
      "number of layouts, each with its own clutter and spots"},
     {"spots",
-     &C::spots,
+     &C::test_points,
      "20",
      {1, 10'000, {}},
      true,

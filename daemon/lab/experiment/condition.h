@@ -32,17 +32,17 @@ struct Condition {
   double height_sigma_m = 0.0;        // of devices around their height
   double model_height_sigma_m = 0.0;  // the same, as assumed by the model
   double tilt_deg = 0.0;              // largest angle of the device from upright
-  double power_sigma_db = 0.0;        // of the device, between spots
-  std::string second_day;             // on which spots are visited: none, default or a file
+  double power_sigma_db = 0.0;        // of the device, between test points
+  std::string second_day;             // on which test points are visited: none, default or a file
   double person_radius_m = 0.0;       // of people; the model assumes 0.165 m
   double boxes = 0;                   // clutter boxes in addition to the plan's
-  double distance_m = 0.0;            // of spots from the first access point; 0: any
+  double distance_m = 0.0;            // of test points from the first access point; 0: any
   std::string sight;                  // from the first access point: any, los, nlos
-  double layouts = 0;                 // with their own clutter and spots
-  double spots = 0;                   // in each layout
+  double layouts = 0;                 // with their own clutter and test points
+  double test_points = 0;             // in each layout
   double survey_points = 0;           // training points of learning methods and controls
-  double frames = 0;                  // per spot
-  std::string motion;                 // of people: still or walk; then spots are walks
+  double frames = 0;                  // per test point
+  std::string motion;                 // of people: still or walk; then test points are walks
   double walk_s = 0.0;                // duration of a walk
   double walk_speed_m_s = 0.0;        // constant
   double rate_hz = 0.0;               // of frames during a walk
@@ -56,7 +56,7 @@ struct Condition {
   double constant_power = 0;  // 1: received power may be learned and used
   std::string chains;         // assumed by the model: known, or first_day
   double model_depth = 0;     // reflections in the model
-  double repeats = 0;         // locations per spot with other random numbers; method paper
+  double repeats = 0;         // locations per test point with other random numbers; method paper
   double multi_start = 0;     // random starts per location, least loss wins; method paper
   std::map<std::string, double, std::less<>> paper;  // stated values, by key of paper::settings()
 

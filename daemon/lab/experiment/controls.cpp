@@ -49,11 +49,11 @@ Expected<Locate> nearest(const RoomModel& room, const StudyLayout& layout) {
     access_points.push_back({i, room.access_points[i].rx_chains});
   }
   const auto map = std::make_shared<FingerprintMap>(room.grid, std::move(access_points));
-  for (const StudySpot& point : layout.survey) {
+  for (const StudyPoint& point : layout.survey) {
     map->add(point.position, point.frames);
   }
-  return [map](const StudySpot& spot, std::size_t) {
-    const auto place = map->nearest(spot.frames);
+  return [map](const StudyPoint& test_point, std::size_t) {
+    const auto place = map->nearest(test_point.frames);
     return place ? at(*place) : no_position("no frame was received");
   };
 }
@@ -65,7 +65,7 @@ TrainingInput survey_of(std::shared_ptr<const RoomModel> room,
   TrainingInput input;
   input.room = std::move(room);
   input.seed = seed;
-  for (const StudySpot& point : layout.survey) {
+  for (const StudyPoint& point : layout.survey) {
     input.points.push_back({point.position, point.frames});
   }
   if (constant_power) {
@@ -94,8 +94,8 @@ Expected<Locate> power_only(std::shared_ptr<const RoomModel> room,
   auto made = Spotfi::create(std::move(room), {}, std::move(training));
   RAYLOC_TRY(made);
   const auto spotfi = std::make_shared<const Spotfi>(*std::move(made));
-  return [spotfi](const StudySpot& spot, std::size_t repeat) {
-    return spotfi->locate(spot.frames, repeat);
+  return [spotfi](const StudyPoint& test_point, std::size_t repeat) {
+    return spotfi->locate(test_point.frames, repeat);
   };
 }
 
@@ -110,25 +110,26 @@ Expected<Locate> oracle(std::shared_ptr<const RoomModel> room,
   if (comb->tone.empty()) {
     return refuse("the carrier has no tones in equal steps");
   }
-  return [room, comb, seed](const StudySpot& spot, std::size_t repeat) {
+  return [room, comb, seed](const StudyPoint& test_point, std::size_t repeat) {
     LocationEstimate estimate;
-    const auto path =
-        find_direct_path(*room, 0, spot.frames, {*comb, {}, seed + repeat}, estimate.warnings);
+    const auto path = find_direct_path(
+        *room, 0, test_point.frames, {*comb, {}, seed + repeat}, estimate.warnings);
     if (!path) {
       return no_position("no bearing");
     }
     const AntennaArray& array = room->access_points[0].array;
     const Vec3d& from = array.pose.position;
-    const double range = std::hypot(spot.position.x - from.x, spot.position.y - from.y);
+    const double range = std::hypot(test_point.position.x - from.x, test_point.position.y - from.y);
     const double yaw = array.pose.orientation.yaw;
     double best = std::hypot(range, range);
     Vec3d place = from;
     for (const double sine :
          sines_of(path->psi, path->line.spacing, kSpeedOfLight / room->grid.centre_hz)) {
       const double angle = yaw + std::asin(std::clamp(sine, -1.0, 1.0));
-      const Vec3d here{
-          from.x + range * std::cos(angle), from.y + range * std::sin(angle), spot.position.z};
-      const double off = std::hypot(here.x - spot.position.x, here.y - spot.position.y);
+      const Vec3d here{from.x + range * std::cos(angle),
+                       from.y + range * std::sin(angle),
+                       test_point.position.z};
+      const double off = std::hypot(here.x - test_point.position.x, here.y - test_point.position.y);
       if (off < best) {
         best = off;
         place = here;
@@ -160,10 +161,10 @@ Expected<Locate> make_control(std::string_view name,
     if (layout.walks.empty()) {
       return refuse("no person walks: motion is still");
     }
-    return [](const StudySpot& spot, std::size_t) { return at(spot.position); };
+    return [](const StudyPoint& test_point, std::size_t) { return at(test_point.position); };
   }
   const Vec3d centre = 0.5 * (room->bounds_min + room->bounds_max);
-  return [centre](const StudySpot&, std::size_t) { return at(centre); };
+  return [centre](const StudyPoint&, std::size_t) { return at(centre); };
 }
 
 }  // namespace rayloc

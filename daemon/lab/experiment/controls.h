@@ -22,9 +22,9 @@ struct ControlName {
 
 std::span<const ControlName> control_names();
 
-// An estimate for a spot and the number of the repeat. For a walk, a spot is a burst, at the
-// position where the walk begins.
-using Locate = std::function<LocationEstimate(const StudySpot& spot, std::size_t repeat)>;
+// An estimate for a test point and the number of the repeat. For a walk, a test point is a burst,
+// at the position where the walk begins.
+using Locate = std::function<LocationEstimate(const StudyPoint& test_point, std::size_t repeat)>;
 
 // Returns an Error with a message if the layout lacks what the control needs. `constant_power`:
 // received power may be learned. REQUIRES: a name of control_names(); `layout` outlives the result.

@@ -26,9 +26,9 @@ std::optional<StudyLayout> own_channel(const Condition& condition, const StudyLa
   StudyLayout own = layout;
   const OfdmGrid& grid = layout.model.grid;
   own.empty = frames_on(grid, own.empty);
-  for (std::vector<StudySpot>* spots : {&own.spots, &own.survey}) {
-    for (StudySpot& spot : *spots) {
-      spot.frames = frames_on(grid, spot.frames);
+  for (std::vector<StudyPoint>* test_points : {&own.test_points, &own.survey}) {
+    for (StudyPoint& test_point : *test_points) {
+      test_point.frames = frames_on(grid, test_point.frames);
     }
   }
   for (StudyWalk& walk : own.walks) {
@@ -37,7 +37,7 @@ std::optional<StudyLayout> own_channel(const Condition& condition, const StudyLa
   return own;
 }
 
-// The reason why no spot was located, if it is the same for all.
+// The reason why no test point was located, if it is the same for all.
 class CommonReason {
  public:
   void add(const LocationEstimate& estimate) {
@@ -55,27 +55,27 @@ Vec3d centre_of(const StudyLayout& layout) {
   return 0.5 * (layout.model.bounds_min + layout.model.bounds_max);
 }
 
-void locate_spots(const StudyLayout& layout,
-                  std::uint64_t seed,
-                  ConditionResult& result,
-                  CommonReason& reasons) {
+void locate_test_points(const StudyLayout& layout,
+                        std::uint64_t seed,
+                        ConditionResult& result,
+                        CommonReason& reasons) {
   const auto locate = make_locate(result.condition, layout, seed);
   if (!locate) {
     result.refusal = locate.error().message;
   }
-  for (const StudySpot& spot : layout.spots) {
+  for (const StudyPoint& test_point : layout.test_points) {
     TruthPoint truth;
-    truth.position = spot.position;
+    truth.position = test_point.position;
     for (std::size_t repeat = 0; repeat < static_cast<std::size_t>(result.condition.repeats);
          ++repeat) {
       if (locate) {
-        const LocationEstimate estimate = (*locate)(spot, repeat);
+        const LocationEstimate estimate = (*locate)(test_point, repeat);
         result.points.push_back(evaluate_point(truth, &estimate));
         reasons.add(estimate);
       } else {
         result.points.push_back(evaluate_point(truth, nullptr));
       }
-      result.room_centre.push_back(horizontal_distance(centre_of(layout), spot.position));
+      result.room_centre.push_back(horizontal_distance(centre_of(layout), test_point.position));
     }
   }
 }
@@ -121,7 +121,7 @@ ConditionResult run_condition(const Condition& condition,
     if (is_walking(condition)) {
       follow_walks(layout, seed, result, reasons);
     } else {
-      locate_spots(layout, seed, result, reasons);
+      locate_test_points(layout, seed, result, reasons);
     }
   }
   if (result.refusal.empty()) {
@@ -134,10 +134,10 @@ void summarise(ConditionResult& result, std::uint64_t seed) {
   BootstrapOptions options;
   options.seed = seed;
   const Condition& condition = result.condition;
-  options.together =
-      is_walking(condition)
-          ? result.points.size() / static_cast<std::size_t>(condition.layouts * condition.spots)
-          : static_cast<std::size_t>(condition.repeats);
+  options.together = is_walking(condition)
+                         ? result.points.size() /
+                               static_cast<std::size_t>(condition.layouts * condition.test_points)
+                         : static_cast<std::size_t>(condition.repeats);
   result.statistics = compute_statistics(result.points, {result.room_centre, {}}, options);
 }
 

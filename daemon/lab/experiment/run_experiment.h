@@ -17,8 +17,8 @@ namespace rayloc {
 
 struct ConditionResult {
   Condition condition;
-  std::vector<PointResult> points;  // by layout, spot, repeat; for walks by layout, walk, instant
-  // Intervals resample spots with all their repeats, and walks with all their instants.
+  std::vector<PointResult> points;  // by layout, point, repeat; for walks by layout, walk, instant
+  // Intervals resample test points with all their repeats, and walks with all their instants.
   ErrorStatistics statistics;
   // Reason why the method, outside its domain, gives no location; empty: it is in its domain.
   std::string refusal = {};

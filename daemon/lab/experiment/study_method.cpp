@@ -76,7 +76,7 @@ Expected<std::shared_ptr<const Training>> learn(const Condition& condition,
       input.values.insert_or_assign(key, value);
     }
   }
-  for (const StudySpot& point : layout.survey) {
+  for (const StudyPoint& point : layout.survey) {
     input.points.push_back({point.position, point.frames});
   }
   if (layout.transmitter) {
@@ -91,7 +91,7 @@ Expected<std::shared_ptr<const Training>> learn(const Condition& condition,
 
 bool has_frames(const StudyLayout& layout) {
   const auto has = [](const auto& one) { return !one.frames.empty(); };
-  return std::any_of(layout.spots.begin(), layout.spots.end(), has) ||
+  return std::any_of(layout.test_points.begin(), layout.test_points.end(), has) ||
          std::any_of(layout.walks.begin(), layout.walks.end(), has);
 }
 
@@ -152,8 +152,8 @@ Expected<Locate> locate_people(const Condition& condition,
   auto made = maker->make(std::nullopt);
   RAYLOC_TRY(made);
   const std::shared_ptr<const PersonMethod> people = *std::move(made);
-  return [people](const StudySpot& spot, std::size_t repeat) {
-    return people->locate(spot.frames, repeat).front();
+  return [people](const StudyPoint& test_point, std::size_t repeat) {
+    return people->locate(test_point.frames, repeat).front();
   };
 }
 
@@ -211,7 +211,7 @@ std::vector<PublishedEstimate> follow_by_method(PersonMethod& method,
   return estimates;
 }
 
-// Locates each burst alone; the position of its spot is the start of the walk.
+// Locates each burst alone; the position of its test point is the start of the walk.
 std::vector<PublishedEstimate> follow_by_bursts(const Locate& locate, const StudyWalk& walk) {
   std::vector<PublishedEstimate> estimates;
   for (Burst& burst : bursts_of(walk, {})) {
@@ -267,8 +267,8 @@ Expected<Locate> make_locate(const Condition& condition,
   auto made = method.create_device(std::move(input));
   RAYLOC_TRY(made);
   const std::shared_ptr<const DeviceMethod> devices = *std::move(made);
-  return [devices](const StudySpot& spot, std::size_t repeat) {
-    return devices->locate(spot.frames, repeat);
+  return [devices](const StudyPoint& test_point, std::size_t repeat) {
+    return devices->locate(test_point.frames, repeat);
   };
 }
 

@@ -83,15 +83,16 @@ bool StudyPlaces::is_clear(const Vec3d& place) const {
          });
 }
 
-bool StudyPlaces::suits(const Vec3d& spot) const {
+bool StudyPlaces::suits(const Vec3d& test_point) const {
   const Vec3d& ap = plan.access_points.front().array.pose.position;
-  const double distance = std::hypot(spot.x - ap.x, spot.y - ap.y);
+  const double distance = std::hypot(test_point.x - ap.x, test_point.y - ap.y);
   if (condition.distance_m > 0.0 &&
       std::abs(distance - condition.distance_m) > kDistanceTolerance) {
     return false;
   }
-  const bool is_blocked = scene.is_blocked({ap, spot});
-  return is_clear(spot) && (condition.sight == "any" || is_blocked == (condition.sight == "nlos"));
+  const bool is_blocked = scene.is_blocked({ap, test_point});
+  return is_clear(test_point) &&
+         (condition.sight == "any" || is_blocked == (condition.sight == "nlos"));
 }
 
 AnyPlace::AnyPlace(const StudyPlaces& places)
@@ -129,18 +130,18 @@ Expected<Vec3d> draw_transmitter(const StudyPlaces& places,
                         ": no place for a fixed transmitter 1 m from every access point");
 }
 
-Expected<std::vector<Vec3d>> draw_spots(const StudyPlaces& places,
-                                        std::uint64_t seed,
-                                        std::size_t layout) {
+Expected<std::vector<Vec3d>> draw_test_points(const StudyPlaces& places,
+                                              std::uint64_t seed,
+                                              std::size_t layout) {
   const RoomPlan& plan = places.plan;
   const Condition& condition = places.condition;
   RandomStream random = random_stream(seed, "spots", layout);
   AnyPlace any(places);
   Heights heights(places, seed, layout);
-  const auto count = static_cast<std::size_t>(condition.spots);
-  constexpr std::size_t kAttempts = 20'000;  // per spot
-  std::vector<Vec3d> spots;
-  for (std::size_t attempt = 0; spots.size() < count; ++attempt) {
+  const auto count = static_cast<std::size_t>(condition.test_points);
+  constexpr std::size_t kAttempts = 20'000;  // per test point
+  std::vector<Vec3d> test_points;
+  for (std::size_t attempt = 0; test_points.size() < count; ++attempt) {
     if (attempt == count * kAttempts) {
       return make_error(
           ErrorKind::kConfiguration,
@@ -148,16 +149,16 @@ Expected<std::vector<Vec3d>> draw_spots(const StudyPlaces& places,
               condition.sight + "\" of access point '" + plan.access_points.front().id + "'" +
               (condition.distance_m > 0.0 ? " at " + condition_text(condition, "distance_m") + " m"
                                           : "") +
-              ": " + std::to_string(spots.size()) + " of " + std::to_string(count) +
+              ": " + std::to_string(test_points.size()) + " of " + std::to_string(count) +
               " were found; change 'sight', 'distance_m' or the plan");
     }
-    Vec3d spot = any.draw(random);
-    heights.change(spot);
-    if (places.suits(spot)) {
-      spots.push_back(spot);
+    Vec3d test_point = any.draw(random);
+    heights.change(test_point);
+    if (places.suits(test_point)) {
+      test_points.push_back(test_point);
     }
   }
-  return spots;
+  return test_points;
 }
 
 std::vector<Vec3d> draw_survey(const StudyPlaces& places, std::uint64_t seed, std::size_t layout) {

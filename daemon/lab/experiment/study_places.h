@@ -1,4 +1,5 @@
-// Places of a study: allowed positions of spots, walks, survey points and a fixed transmitter.
+// Places of a study: allowed positions of test points, walks, survey points and a fixed
+// transmitter.
 #pragma once
 
 #include <cstddef>
@@ -29,8 +30,8 @@ struct StudyPlaces {
   // Clear of boxes and, for people, of devices.
   bool is_clear(const Vec3d& place) const;
   bool is_between_walls(const Vec3d& place) const;
-  // Clear, with the distance and the line of sight that the condition requires of spots.
-  bool suits(const Vec3d& spot) const;
+  // Clear, with the distance and the line of sight that the condition requires of test points.
+  bool suits(const Vec3d& test_point) const;
 };
 
 // Uniform over the room, at the height of devices.
@@ -49,10 +50,10 @@ class AnyPlace {
 // Returns an Error if the room has none.
 Expected<Vec3d> draw_transmitter(const StudyPlaces& places, std::uint64_t seed, std::size_t layout);
 
-// Draws Condition::spots places. Returns an Error if the room has hardly any suitable place.
-Expected<std::vector<Vec3d>> draw_spots(const StudyPlaces& places,
-                                        std::uint64_t seed,
-                                        std::size_t layout);
+// Draws Condition::test_points places. Returns an Error if the room has hardly any suitable place.
+Expected<std::vector<Vec3d>> draw_test_points(const StudyPlaces& places,
+                                              std::uint64_t seed,
+                                              std::size_t layout);
 
 // Clear places anywhere in the room: Condition::survey_points, or fewer if fewer are found.
 std::vector<Vec3d> draw_survey(const StudyPlaces& places, std::uint64_t seed, std::size_t layout);

@@ -28,7 +28,7 @@ ChainGains gains_on_grid(const ChainGains& all, const OfdmGrid& grid) {
   return gains;
 }
 
-std::vector<CsiFrame> decoded_frames(const SpotCapture& capture,
+std::vector<CsiFrame> decoded_frames(const PointCapture& capture,
                                      const RoomAccessPoint& ap,
                                      std::size_t index) {
   CsiReceiverOptions options;

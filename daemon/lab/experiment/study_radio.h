@@ -24,7 +24,7 @@ ChainGains gains_on_grid(const ChainGains& all, const OfdmGrid& grid);
 std::size_t nearest_channel(std::span<const RoomModel> rooms, const RoomModel& model);
 
 // Frames of any channel, decoded by the product's receiver.
-std::vector<CsiFrame> decoded_frames(const SpotCapture& capture,
+std::vector<CsiFrame> decoded_frames(const PointCapture& capture,
                                      const RoomAccessPoint& ap,
                                      std::size_t index);
 

@@ -126,9 +126,9 @@ Expected<std::vector<std::vector<Vec3d>>> draw_walks(const StudyPlaces& places,
     return places.is_between_walls(place) && places.is_clear(place);
   };
   std::vector<std::vector<Vec3d>> walks;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(condition.spots); ++i) {
+  for (std::size_t i = 0; i < static_cast<std::size_t>(condition.test_points); ++i) {
     // One random stream per walk: another rate or duration does not change the paths.
-    constexpr std::size_t kMaxWalks = 10'000;  // per layout: the limit of Condition::spots
+    constexpr std::size_t kMaxWalks = 10'000;  // per layout: the limit of Condition::test_points
     RandomStream random = random_stream(seed, "walk", layout * kMaxWalks + i);
     walks.push_back(draw_walk(shape, any_place, is_free, random));
     if (walks.back().empty()) {

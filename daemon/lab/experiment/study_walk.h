@@ -28,7 +28,7 @@ std::vector<Vec3d> draw_walk(const WalkShape& shape,
                              const std::function<bool(const Vec3d&)>& is_free,
                              RandomStream& random);
 
-// Condition::spots walks of a layout. Returns an Error if the room is too narrow for them.
+// Condition::test_points walks of a layout. Returns an Error if the room is too narrow for them.
 Expected<std::vector<std::vector<Vec3d>>> draw_walks(const StudyPlaces& places,
                                                      std::uint64_t seed,
                                                      std::size_t layout);

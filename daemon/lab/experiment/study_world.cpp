@@ -25,37 +25,37 @@
 namespace rayloc {
 namespace {
 
-constexpr Duration kSpotInterval = std::chrono::seconds(1);
+constexpr Duration kPointInterval = std::chrono::seconds(1);
 constexpr Duration kFrameInterval = std::chrono::milliseconds(10);
 constexpr std::size_t kEmptyFrames = 20;
 constexpr double kPersonHeight = 1.7;  // [m]
 
-// The n-th frame of a spot.
-Transmission transmission(std::size_t spot,
+// The n-th frame of a test point.
+Transmission transmission(std::size_t test_point,
                           std::size_t n,
                           Duration interval,
                           std::size_t channels,
                           RandomStream& traffic) {
   constexpr std::uint16_t kFirstFragment = 16;  // sequence numbers start at bit 4
   const Timestamp begin =
-      Timestamp(std::chrono::hours(1)) + static_cast<Duration::rep>(spot) * kSpotInterval;
+      Timestamp(std::chrono::hours(1)) + static_cast<Duration::rep>(test_point) * kPointInterval;
   return {begin + static_cast<Duration::rep>(n) * interval,
           static_cast<std::uint16_t>((n + 1) * kFirstFragment),
           traffic(),
           n % channels};
 }
 
-SimulatedSpot transmissions(const Vec3d& position,
-                            std::size_t number,
-                            std::size_t frames,
-                            std::size_t channels,
-                            RandomStream& traffic) {
-  SimulatedSpot spot;
-  spot.position = position;
+SimulatedPoint transmissions(const Vec3d& position,
+                             std::size_t number,
+                             std::size_t frames,
+                             std::size_t channels,
+                             RandomStream& traffic) {
+  SimulatedPoint test_point;
+  test_point.position = position;
   for (std::size_t n = 0; n < frames; ++n) {
-    spot.frames.push_back(transmission(number, n, kFrameInterval, channels, traffic));
+    test_point.frames.push_back(transmission(number, n, kFrameInterval, channels, traffic));
   }
-  return spot;
+  return test_point;
 }
 
 void sort_by_time(std::vector<CsiFrame>& frames) {
@@ -67,11 +67,11 @@ void sort_by_time(std::vector<CsiFrame>& frames) {
 // Everything that is simulated, with all random draws made.
 struct Transmissions {
   LivedInRoom truth;
-  std::vector<RoomModel> rooms;                   // the same on each hop channel of devices
-  SimulatedSpot empty;                            // for people
-  std::vector<SimulatedSpot> spots;               // in the layout
-  std::vector<std::vector<SimulatedSpot>> walks;  // in the layout; a spot is a frame
-  std::vector<SimulatedSpot> survey;
+  std::vector<RoomModel> rooms;                    // the same on each hop channel of devices
+  SimulatedPoint empty;                            // for people
+  std::vector<SimulatedPoint> test_points;         // in the layout
+  std::vector<std::vector<SimulatedPoint>> walks;  // in the layout; a test point is a frame
+  std::vector<SimulatedPoint> survey;
 };
 
 void append(std::vector<CsiFrame> more, std::vector<CsiFrame>& frames) {
@@ -82,9 +82,9 @@ Expected<void> receive(const Transmissions& sent, CaptureOptions options, StudyL
   const RoomModel& truth = sent.truth.room;
   for (std::size_t ap = 0; ap < truth.access_points.size(); ++ap) {
     const auto listen = [&](CaptureSimulator& simulator,
-                            const SimulatedSpot& spot,
+                            const SimulatedPoint& test_point,
                             std::vector<CsiFrame>& frames) -> Expected<void> {
-      auto received = simulator.capture(spot);
+      auto received = simulator.capture(test_point);
       RAYLOC_TRY(received);
       append(decoded_frames(*received, truth.access_points[ap], ap), frames);
       return {};
@@ -101,11 +101,11 @@ Expected<void> receive(const Transmissions& sent, CaptureOptions options, StudyL
       CaptureSimulator empty(sent.rooms, ap, alone);  // the same radio: it has the same seed
       RAYLOC_TRY(listen(empty, sent.empty, layout.empty));
     }
-    for (std::size_t i = 0; i < sent.spots.size(); ++i) {
-      RAYLOC_TRY(listen(simulator, sent.spots[i], layout.spots[i].frames));
+    for (std::size_t i = 0; i < sent.test_points.size(); ++i) {
+      RAYLOC_TRY(listen(simulator, sent.test_points[i], layout.test_points[i].frames));
     }
     for (std::size_t i = 0; i < sent.walks.size(); ++i) {
-      for (const SimulatedSpot& frame : sent.walks[i]) {
+      for (const SimulatedPoint& frame : sent.walks[i]) {
         RAYLOC_TRY(listen(simulator, frame, layout.walks[i].frames));
       }
     }
@@ -115,9 +115,9 @@ Expected<void> receive(const Transmissions& sent, CaptureOptions options, StudyL
     }
   }
   sort_by_time(layout.empty);
-  for (std::vector<StudySpot>* spots : {&layout.spots, &layout.survey}) {
-    for (StudySpot& spot : *spots) {
-      sort_by_time(spot.frames);
+  for (std::vector<StudyPoint>* test_points : {&layout.test_points, &layout.survey}) {
+    for (StudyPoint& test_point : *test_points) {
+      sort_by_time(test_point.frames);
     }
   }
   for (StudyWalk& walk : layout.walks) {
@@ -144,7 +144,7 @@ Expected<SecondDay> day_of(const Condition& condition) {
              : load_second_day(condition.room.parent_path() / condition.second_day);
 }
 
-// The room at the time when the spots are visited.
+// The room at the time when the test points are visited.
 Expected<LivedInRoom> make_truth(const RoomPlan& plan,
                                  const Condition& condition,
                                  std::uint64_t seed) {
@@ -170,17 +170,17 @@ Expected<void> make_rooms(const RoomPlan& plan,
   return {};
 }
 
-Expected<void> add_spots(const StudyPlaces& places,
-                         std::uint64_t seed,
-                         std::size_t layout,
-                         RandomStream& traffic,
-                         std::size_t& after,
-                         Transmissions& sent) {
-  const auto spots = draw_spots(places, seed, layout);
-  RAYLOC_TRY(spots);
+Expected<void> add_test_points(const StudyPlaces& places,
+                               std::uint64_t seed,
+                               std::size_t layout,
+                               RandomStream& traffic,
+                               std::size_t& after,
+                               Transmissions& sent) {
+  const auto test_points = draw_test_points(places, seed, layout);
+  RAYLOC_TRY(test_points);
   const auto frames = static_cast<std::size_t>(places.condition.frames);
-  for (const Vec3d& at : *spots) {
-    sent.spots.push_back(transmissions(at, after++, frames, sent.rooms.size(), traffic));
+  for (const Vec3d& at : *test_points) {
+    sent.test_points.push_back(transmissions(at, after++, frames, sent.rooms.size(), traffic));
   }
   return {};
 }
@@ -196,9 +196,9 @@ Expected<void> add_walks(const StudyPlaces& places,
   RAYLOC_TRY(walks);
   const Duration interval(std::llround(1e9 / places.condition.rate_hz));
   for (const std::vector<Vec3d>& walk : *walks) {
-    std::vector<SimulatedSpot>& frames = sent.walks.emplace_back();
+    std::vector<SimulatedPoint>& frames = sent.walks.emplace_back();
     for (std::size_t n = 0; n < walk.size(); ++n) {
-      SimulatedSpot& frame = frames.emplace_back();
+      SimulatedPoint& frame = frames.emplace_back();
       frame.position = walk[n];
       frame.frames.push_back(transmission(after, n, interval, sent.rooms.size(), traffic));
     }
@@ -214,13 +214,14 @@ Expected<void> draw_transmissions(const StudyPlaces& places,
                                   Transmissions& sent) {
   const auto frames = static_cast<std::size_t>(places.condition.frames);
   RandomStream traffic = random_stream(seed, "traffic", number);
-  std::size_t after = 0;  // number of preceding spots
+  std::size_t after = 0;  // number of preceding test points
   if (places.transmitter) {
     sent.empty =
         transmissions(*places.transmitter, after++, kEmptyFrames, sent.rooms.size(), traffic);
   }
-  auto drawn = is_walking(places.condition) ? add_walks(places, seed, number, traffic, after, sent)
-                                            : add_spots(places, seed, number, traffic, after, sent);
+  auto drawn = is_walking(places.condition)
+                   ? add_walks(places, seed, number, traffic, after, sent)
+                   : add_test_points(places, seed, number, traffic, after, sent);
   if (!drawn) {
     return drawn;
   }
@@ -229,7 +230,7 @@ Expected<void> draw_transmissions(const StudyPlaces& places,
     sent.survey.push_back(transmissions(at, after++, frames, sent.rooms.size(), survey_traffic));
   }
   const Handling handling{0.0, places.condition.tilt_deg, places.condition.power_sigma_db};
-  return handle_devices(sent.spots,
+  return handle_devices(sent.test_points,
                         false,
                         handling,
                         sent.truth.room,
@@ -256,10 +257,10 @@ CaptureOptions capture_options(const Condition& condition,
 }
 
 // An instant each 0.1 s, at the position of the next frame.
-std::vector<TruthPoint> truth_of(const std::vector<SimulatedSpot>& walk) {
+std::vector<TruthPoint> truth_of(const std::vector<SimulatedPoint>& walk) {
   constexpr Duration kInterval = std::chrono::milliseconds(100);
   std::vector<TruthPoint> truth;
-  for (const SimulatedSpot& frame : walk) {
+  for (const SimulatedPoint& frame : walk) {
     const Timestamp time = frame.frames.front().time;
     if (truth.empty() || time >= truth.back().begin + kInterval) {
       truth.push_back({time, time, true, frame.position});
@@ -295,13 +296,13 @@ Expected<StudyLayout> simulate_layout(const RoomPlan& original,
     layout.transmitter = Transmitter{{*at, {}, device.pattern, device.polarization}};
   }
   RAYLOC_TRY(draw_transmissions(place, seed, number, sent));
-  for (const SimulatedSpot& spot : sent.spots) {
-    layout.spots.push_back({spot.position, {}});
+  for (const SimulatedPoint& test_point : sent.test_points) {
+    layout.test_points.push_back({test_point.position, {}});
   }
-  for (const std::vector<SimulatedSpot>& walk : sent.walks) {
+  for (const std::vector<SimulatedPoint>& walk : sent.walks) {
     layout.walks.push_back({truth_of(walk), {}});
   }
-  for (const SimulatedSpot& point : sent.survey) {
+  for (const SimulatedPoint& point : sent.survey) {
     layout.survey.push_back({point.position, {}});
   }
   CaptureOptions options = capture_options(condition, *plan, layout);

@@ -1,4 +1,4 @@
-// The simulated world of a condition: spots in a room, and the frames that its access points
+// The simulated world of a condition: test points in a room, and the frames that its access points
 // receive from a device there, or from a fixed transmitter while a person is there.
 #pragma once
 
@@ -19,7 +19,7 @@
 
 namespace rayloc {
 
-struct StudySpot {
+struct StudyPoint {
   Vec3d position;                // [m]
   std::vector<CsiFrame> frames;  // from all access points, by (time, access point)
 };
@@ -35,9 +35,9 @@ struct StudyLayout {
   RoomModel model;
   // By access point, before a power cycle: the model's gains if no action is taken.
   std::vector<ChainGains> first_day_chains;
-  std::vector<StudySpot> spots;   // empty for walks
-  std::vector<StudyWalk> walks;   // of walking people
-  std::vector<StudySpot> survey;  // at separate places
+  std::vector<StudyPoint> test_points;  // empty for walks
+  std::vector<StudyWalk> walks;         // of walking people
+  std::vector<StudyPoint> survey;       // at separate places
   // For people: the transmitter, at a random place, and its frames in the empty room.
   std::optional<Transmitter> transmitter;
   std::vector<CsiFrame> empty;
@@ -46,10 +46,10 @@ struct StudyLayout {
 // The transmitter's address.
 inline constexpr MacAddress kStudyTransmitter = {{0x02, 0x52, 0x4c, 0x00, 0x00, 0x01}};
 
-// One result per layout. Spots, clutter and radios depend on the seed and the number of the layout
-// alone, so conditions of one experiment are compared on the same draws. Errors: as in furnish(), a
-// plan or impairments or a day that cannot be read, a room without places of the required distance
-// and sight or without space for a walk, a device that would walk.
+// One result per layout. Test points, clutter and radios depend on the seed and the number of the
+// layout alone, so conditions of one experiment are compared on the same draws. Errors: as in
+// furnish(), a plan or impairments or a day that cannot be read, a room without places of the
+// required distance and sight or without space for a walk, a device that would walk.
 Expected<std::vector<StudyLayout>> simulate_world(const Condition& condition, std::uint64_t seed);
 
 }  // namespace rayloc

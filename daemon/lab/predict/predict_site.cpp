@@ -7,7 +7,7 @@
 namespace rayloc {
 namespace {
 
-constexpr double kMinSpotStep = 0.4;   // [m], chosen: a finer grid adds no information
+constexpr double kMinPointStep = 0.4;  // [m], chosen: a finer grid adds no information
 constexpr double kUsualPlaces = 60.0;  // count, chosen: 180 bursts, so shares to 4 %
 
 PredictionOptions reported_to(const Observer& observer,
@@ -42,9 +42,10 @@ Expected<SitePrediction> predict_site(const Site& site,
   predicted.options.frames =
       static_cast<std::size_t>(std::max(1.0, std::floor(options.frames_per_burst())));
   predicted.received_share = std::min(1.0, options.frames_per_burst());
-  const double step = options.step == 0.0
-                          ? std::max(kMinSpotStep, std::sqrt(predicted.room->area() / kUsualPlaces))
-                          : options.step;
+  const double step =
+      options.step == 0.0
+          ? std::max(kMinPointStep, std::sqrt(predicted.room->area() / kUsualPlaces))
+          : options.step;
   predicted.places = predicted_places(*predicted.room, step);
   if (predicted.places.empty()) {
     return make_error(ErrorKind::kUsage, "--step: no place of such a lattice is in the room");

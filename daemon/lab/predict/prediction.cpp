@@ -17,7 +17,7 @@ constexpr double kFromWalls = 0.15;  // [m], chosen: no device is held nearer
 // Share of the Localizer's construction in the work, for the progress; measured: meeting room.
 constexpr double kMaking = 0.2;
 constexpr Duration kFrameInterval = std::chrono::milliseconds(20);
-constexpr Duration kSpotInterval = std::chrono::seconds(2);  // bursts of two spots never merge
+constexpr Duration kPointInterval = std::chrono::seconds(2);  // bursts of two points never merge
 constexpr MacAddress kDevice{{0x02, 0x52, 0x4c, 0x00, 0x00, 0x01}};
 
 // One access point: its recording, and the receiver of its frames.
@@ -42,25 +42,25 @@ Listener listener_of(const RoomModel& room, std::size_t index, const PredictionO
   return {CaptureSimulator(room, index, capture), CsiReceiver(receiver)};
 }
 
-SimulatedSpot spot_of(const Vec3d& position, std::size_t number, std::size_t frames) {
-  SimulatedSpot spot;
-  spot.position = position;
+SimulatedPoint test_point_of(const Vec3d& position, std::size_t number, std::size_t frames) {
+  SimulatedPoint test_point;
+  test_point.position = position;
   const Timestamp begin =
-      Timestamp(std::chrono::hours(24 * 365 * 50)) + static_cast<int>(number) * kSpotInterval;
+      Timestamp(std::chrono::hours(24 * 365 * 50)) + static_cast<int>(number) * kPointInterval;
   for (std::size_t i = 0; i < frames; ++i) {
     const std::size_t of_all = number * frames + i;
-    spot.frames.push_back({begin + static_cast<int>(i) * kFrameInterval,
-                           static_cast<std::uint16_t>(of_all << 4U),
-                           of_all + 1});
+    test_point.frames.push_back({begin + static_cast<int>(i) * kFrameInterval,
+                                 static_cast<std::uint16_t>(of_all << 4U),
+                                 of_all + 1});
   }
-  return spot;
+  return test_point;
 }
 
-Expected<std::vector<CsiFrame>> received_at(const SimulatedSpot& spot,
+Expected<std::vector<CsiFrame>> received_at(const SimulatedPoint& test_point,
                                             std::vector<Listener>& listeners) {
   std::vector<CsiFrame> frames;
   for (Listener& listener : listeners) {
-    auto capture = listener.simulator.capture(spot);
+    auto capture = listener.simulator.capture(test_point);
     RAYLOC_TRY(capture);
     for (const SimulatedDatagram& datagram : capture->datagrams) {
       listener.receiver.push({datagram.time, {}, datagram.payload}, frames);
@@ -152,7 +152,7 @@ Expected<Prediction> predict(const std::shared_ptr<const RoomModel>& room,
                          static_cast<double>(places.size()));
     PredictedPlace place{position, {}, {}};
     for (std::size_t draw = 0; draw < options.draws; ++draw) {
-      const auto frames = received_at(spot_of(position, number++, options.frames), listeners);
+      const auto frames = received_at(test_point_of(position, number++, options.frames), listeners);
       RAYLOC_TRY(frames);
       add_draw(frames->empty() ? LocationEstimate() : localizer->locate(*frames), place);
     }

@@ -32,7 +32,7 @@ class ReferenceLearner {
                                const Transmitter& surveyed,
                                const std::vector<EmptyRoom>& received);
   Expected<void> learn_person();
-  Expected<void> fit_spots(const std::vector<CsiFrame>& frames, PersonReference& reference);
+  Expected<void> fit_points(const std::vector<CsiFrame>& frames, PersonReference& reference);
   void finish();
 
   const ReferenceInputs& inputs_;
@@ -103,24 +103,24 @@ Expected<void> ReferenceLearner::learn_two_days() {
   return {};
 }
 
-Expected<void> ReferenceLearner::fit_spots(const std::vector<CsiFrame>& frames,
-                                           PersonReference& reference) {
-  const MeasuredSpots measured = receive_spots(people_room_, reference, inputs_, log_);
-  if (measured.spots.empty()) {
+Expected<void> ReferenceLearner::fit_points(const std::vector<CsiFrame>& frames,
+                                            PersonReference& reference) {
+  const MeasuredPoints measured = receive_points(people_room_, reference, inputs_, log_);
+  if (measured.points.empty()) {
     return bad_input(
         "--people: received " + to_string(reference.mac) + " " +
         explain_other_times(inputs_.points_file, inputs_.points, DeviceTrace::of(frames)));
   }
-  auto fit = fit_person(people_room_, reference, measured.spots);
+  auto fit = fit_person(people_room_, reference, measured.points);
   if (!fit) {
     return bad_input(inputs_.points_file + ": " + fit.error().message);
   }
-  const auto certainty = fit_person_certainty(people_room_, *fit, measured.spots, measured.frames);
+  const auto certainty = fit_person_certainty(people_room_, *fit, measured.points, measured.frames);
   RAYLOC_TRY(certainty);
   reference = std::move(fit->reference);
   reference.person.likelihood_exponent = certainty->likelihood_exponent;
   reference.person.second_person = certainty->second_person;
-  learned_.spots = std::max(learned_.spots, fit->spots);
+  learned_.points = std::max(learned_.points, fit->points);
   return {};
 }
 
@@ -136,7 +136,7 @@ Expected<void> ReferenceLearner::learn_person() {
       log_.refused.push_back({to_string(reference.mac), "not in the recordings of people"});
       continue;
     }
-    RAYLOC_TRY(fit_spots(frames->second, reference));
+    RAYLOC_TRY(fit_points(frames->second, reference));
   }
   return {};
 }

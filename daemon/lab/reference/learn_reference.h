@@ -22,7 +22,7 @@ struct LearnedReference {
   RoomModel room;
   std::vector<PersonReference> references;  // one per fixed transmitter
   std::vector<DayChange> changes;           // since the other day on which people were recorded
-  std::size_t spots = 0;                    // points of the person fit; 0: the person is as stated
+  std::size_t points = 0;                   // points of the person fit; 0: the person is as stated
   std::vector<RefusedInput> refused;        // inputs that were not used
 };
 

@@ -73,23 +73,23 @@ Expected<std::vector<EmptyRoom>> receive_empty_room(const RoomModel& room,
   return received;
 }
 
-MeasuredSpots receive_spots(const RoomModel& room,
-                            const PersonReference& reference,
-                            const ReferenceInputs& inputs,
-                            InputLog& log) {
+MeasuredPoints receive_points(const RoomModel& room,
+                              const PersonReference& reference,
+                              const ReferenceInputs& inputs,
+                              InputLog& log) {
   const std::vector<CsiFrame>& frames = inputs.people.at(reference.mac);
-  MeasuredSpots measured;
+  MeasuredPoints measured;
   for (const SurveyPoint& point : inputs.points) {
     std::vector<CsiFrame> own = frames_at(point, frames);
-    PersonSpot spot{{point.position.x, point.position.y}, {}};
+    PersonPoint person_point{{point.position.x, point.position.y}, {}};
     std::vector<std::string> warnings;
     for (const PersonLink& link : reference.links) {
       auto burst = preprocess_burst(room, link.access_point, own, {}, warnings);
-      spot.h.push_back(burst ? std::move(burst->h) : std::vector<std::complex<double>>());
-      add_array(spot.h.back(), log.content);
+      person_point.h.push_back(burst ? std::move(burst->h) : std::vector<std::complex<double>>());
+      add_array(person_point.h.back(), log.content);
     }
-    log.content.add(spot.place.x);
-    log.content.add(spot.place.y);
+    log.content.add(person_point.place.x);
+    log.content.add(person_point.place.y);
     const std::string what = inputs.points_file + ":" + std::to_string(point.line);
     for (const std::string& warning : warnings) {
       log.refused.push_back({what, warning});
@@ -98,7 +98,7 @@ MeasuredSpots receive_spots(const RoomModel& room,
       log.refused.push_back({what, "no frames of " + to_string(reference.mac) + " at that time"});
       continue;
     }
-    measured.spots.push_back(std::move(spot));
+    measured.points.push_back(std::move(person_point));
     measured.frames.push_back(std::move(own));
   }
   return measured;

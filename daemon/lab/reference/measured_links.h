@@ -32,17 +32,17 @@ Expected<std::vector<EmptyRoom>> receive_empty_room(const RoomModel& room,
                                                     bool occupied,
                                                     InputLog& log);
 
-struct MeasuredSpots {
-  std::vector<PersonSpot> spots;
-  std::vector<std::vector<CsiFrame>> frames;  // by spot
+struct MeasuredPoints {
+  std::vector<PersonPoint> points;
+  std::vector<std::vector<CsiFrame>> frames;  // by point
 };
 
 // The arrays that the links of `reference` received at each point; a point without frames is
 // logged. `room`: with the gains of the day of the people. REQUIRES: inputs.people has the
 // transmitter of the reference.
-MeasuredSpots receive_spots(const RoomModel& room,
-                            const PersonReference& reference,
-                            const ReferenceInputs& inputs,
-                            InputLog& log);
+MeasuredPoints receive_points(const RoomModel& room,
+                              const PersonReference& reference,
+                              const ReferenceInputs& inputs,
+                              InputLog& log);
 
 }  // namespace rayloc

@@ -55,7 +55,7 @@ Expected<void> write_reference_site(const Site& site,
   const auto calibration = calibration_text(site, learned);
   RAYLOC_TRY(calibration);
   const fs::path file = out / "reference.toml";
-  const std::string text = reference_toml(learned.references, learned.room, learned.spots);
+  const std::string text = reference_toml(learned.references, learned.room, learned.points);
   RAYLOC_TRY(write_file(file, text));
   Site copy = site;
   copy.reference_file = file;

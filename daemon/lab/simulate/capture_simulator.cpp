@@ -146,10 +146,9 @@ std::optional<CaptureSimulator::Diffuse> CaptureSimulator::diffuse_of(
   return diffuse;
 }
 
-Expected<std::vector<std::complex<double>>> CaptureSimulator::channel_at(OnChannel& on,
-                                                                         const SimulatedSpot& spot,
-                                                                         std::size_t& count) const {
-  const Pose device{spot.position, spot.orientation};
+Expected<std::vector<std::complex<double>>> CaptureSimulator::channel_at(
+    OnChannel& on, const SimulatedPoint& test_point, std::size_t& count) const {
+  const Pose device{test_point.position, test_point.orientation};
   if (on.draw) {
     ChannelDraw::Channel drawn = on.draw->at(device, on.radio.grid());
     count += drawn.rays;
@@ -169,7 +168,8 @@ Expected<std::vector<std::complex<double>>> CaptureSimulator::channel_at(OnChann
     }
   };
   for (std::size_t antenna = 0; antenna < on.past_person.size(); ++antenna) {
-    const auto added = on.past_person[antenna].trace({spot.position.x, spot.position.y});
+    const auto added =
+        on.past_person[antenna].trace({test_point.position.x, test_point.position.y});
     RAYLOC_TRY(added);
     add(antenna, *added);
   }
@@ -182,17 +182,17 @@ Expected<std::vector<std::complex<double>>> CaptureSimulator::channel_at(OnChann
   return h;
 }
 
-Expected<SpotCapture> CaptureSimulator::capture(const SimulatedSpot& spot) {
-  SpotCapture capture;
+Expected<PointCapture> CaptureSimulator::capture(const SimulatedPoint& test_point) {
+  PointCapture capture;
   std::vector<std::vector<std::complex<double>>> h(channels_.size());  // [channel], those in use
   std::uniform_real_distribution<double> uniform;
-  for (const Transmission& sent : spot.frames) {
+  for (const Transmission& sent : test_point.frames) {
     OnChannel& on = channels_.at(sent.channel);
     if (h[sent.channel].empty()) {
-      auto traced = channel_at(on, spot, capture.paths);
+      auto traced = channel_at(on, test_point, capture.paths);
       RAYLOC_TRY(traced);
       h[sent.channel] = *std::move(traced);
-      change_power(spot.power_db, h[sent.channel]);
+      change_power(test_point.power_db, h[sent.channel]);
     }
     RadioFrame received = on.radio.receive(h[sent.channel], sent.error_seed);
     ++header_.sequence;

@@ -39,7 +39,7 @@ struct CaptureOptions {
   AntennaPattern pattern = AntennaPattern::kHalfWaveDipole;  // for the device
   Polarization polarization = Polarization::kVertical;
   int bandwidth_mhz = 40;                 // width of the channel
-  std::optional<SimulatedPerson> person;  // if set, spots are the person's, not the device's
+  std::optional<SimulatedPerson> person;  // if set, test points are the person's, not the device's
   // With `diffuse`, the phases of rough surfaces are drawn from `seed`.
   TraceOptions trace;
   // Channels are ChannelDraw's, traced as in the
@@ -56,7 +56,7 @@ struct SimulatedDatagram {
   std::vector<std::byte> payload;
 };
 
-struct SpotCapture {
+struct PointCapture {
   std::vector<SimulatedDatagram> datagrams;  // in order of time
   std::size_t paths = 0;                     // to all antennas; 0: only noise is received
   std::size_t lost = 0;                      // datagrams that do not arrive
@@ -74,8 +74,8 @@ class CaptureSimulator {
                    std::size_t access_point,
                    const CaptureOptions& options);
 
-  // Spots in order of time. Returns an Error if the body of a person would contain a device.
-  Expected<SpotCapture> capture(const SimulatedSpot& spot);
+  // Test points in order of time. Returns an Error if the body of a person would contain a device.
+  Expected<PointCapture> capture(const SimulatedPoint& test_point);
 
   // The gains on that channel, by tone from its centre.
   const ChainGains& chains(std::size_t channel = 0) const {
@@ -106,7 +106,7 @@ class CaptureSimulator {
                                            const CaptureOptions& options);
   // [antenna][tone] on the radio's grid; adds the number of its paths to `count`.
   Expected<std::vector<std::complex<double>>> channel_at(OnChannel& on,
-                                                         const SimulatedSpot& spot,
+                                                         const SimulatedPoint& test_point,
                                                          std::size_t& count) const;
 
   CaptureOptions options_;

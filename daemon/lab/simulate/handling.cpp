@@ -47,22 +47,23 @@ class SmoothNormal {
   std::array<Wave, kWaves> waves_;
 };
 
-// Draws one normal number for every spot.
-std::vector<double> draw(const std::vector<SimulatedSpot>& spots,
+// Draws one normal number for every test point.
+std::vector<double> draw(const std::vector<SimulatedPoint>& test_points,
                          bool is_walk,
                          std::uint64_t seed,
                          std::string_view purpose) {
   std::vector<double> values;
-  values.reserve(spots.size());
+  values.reserve(test_points.size());
   if (is_walk) {
     const SmoothNormal function(random_stream(seed, purpose));
-    for (const SimulatedSpot& spot : spots) {
-      const Duration since = spot.frames.front().time - spots.front().frames.front().time;
+    for (const SimulatedPoint& test_point : test_points) {
+      const Duration since =
+          test_point.frames.front().time - test_points.front().frames.front().time;
       values.push_back(function.at(to_seconds(since)));
     }
     return values;
   }
-  for (std::size_t i = 0; i < spots.size(); ++i) {
+  for (std::size_t i = 0; i < test_points.size(); ++i) {
     RandomStream random = random_stream(seed, purpose, i);
     values.push_back(std::normal_distribution<double>()(random));
   }
@@ -86,7 +87,7 @@ struct Heights {
   }
 };
 
-Expected<void> raise(std::vector<SimulatedSpot>& spots,
+Expected<void> raise(std::vector<SimulatedPoint>& test_points,
                      bool is_walk,
                      const Handling& handling,
                      const RoomModel& room,
@@ -98,24 +99,24 @@ Expected<void> raise(std::vector<SimulatedSpot>& spots,
                      " m, is not inside of the room; correct height_m of the site");
   }
   if (is_walk) {
-    const std::vector<double> normals = draw(spots, true, seed, "height");
-    for (std::size_t i = 0; i < spots.size(); ++i) {
-      spots[i].position.z = heights.reflected(mean + handling.height_sigma * normals[i]);
+    const std::vector<double> normals = draw(test_points, true, seed, "height");
+    for (std::size_t i = 0; i < test_points.size(); ++i) {
+      test_points[i].position.z = heights.reflected(mean + handling.height_sigma * normals[i]);
     }
     return {};
   }
   const SolidObjects objects(room);
-  for (std::size_t i = 0; i < spots.size(); ++i) {
+  for (std::size_t i = 0; i < test_points.size(); ++i) {
     RandomStream random = random_stream(seed, "height", i);
     std::normal_distribution<double> normal(mean, handling.height_sigma);
-    Vec3d& place = spots[i].position;
+    Vec3d& place = test_points[i].position;
     bool found = false;
     for (int n = 0; n < kMaxRedraws && !found; ++n) {
       place.z = normal(random);
       found = heights.contain(place.z) && !objects.contain(place);
     }
     if (!found) {
-      return bad_input("line " + std::to_string(spots[i].line) + ": no height of " +
+      return bad_input("line " + std::to_string(test_points[i].line) + ": no height of " +
                        std::to_string(mean) + " +- " + std::to_string(handling.height_sigma) +
                        " m is outside of the objects there; move the point");
     }
@@ -133,31 +134,31 @@ Orientation tilted(double a, double b, double most) {
 
 }  // namespace
 
-Expected<void> handle_devices(std::vector<SimulatedSpot>& spots,
+Expected<void> handle_devices(std::vector<SimulatedPoint>& test_points,
                               bool is_walk,
                               const Handling& handling,
                               const RoomModel& room,
                               std::uint64_t seed,
                               const std::string& file) {
-  if (spots.empty()) {
+  if (test_points.empty()) {
     return {};
   }
   if (handling.height_sigma > 0.0) {
-    if (auto raised = raise(spots, is_walk, handling, room, seed); !raised) {
+    if (auto raised = raise(test_points, is_walk, handling, room, seed); !raised) {
       return bad_input(file + ": " + raised.error().message);
     }
   }
   if (handling.tilt_deg > 0.0) {
-    const std::vector<double> a = draw(spots, is_walk, seed, "tilt a");
-    const std::vector<double> b = draw(spots, is_walk, seed, "tilt b");
-    for (std::size_t i = 0; i < spots.size(); ++i) {
-      spots[i].orientation = tilted(a[i], b[i], kDegree * handling.tilt_deg);
+    const std::vector<double> a = draw(test_points, is_walk, seed, "tilt a");
+    const std::vector<double> b = draw(test_points, is_walk, seed, "tilt b");
+    for (std::size_t i = 0; i < test_points.size(); ++i) {
+      test_points[i].orientation = tilted(a[i], b[i], kDegree * handling.tilt_deg);
     }
   }
   if (handling.power_sigma_db > 0.0) {
-    const std::vector<double> normals = draw(spots, is_walk, seed, "power");
-    for (std::size_t i = 0; i < spots.size(); ++i) {
-      spots[i].power_db = handling.power_sigma_db * normals[i];
+    const std::vector<double> normals = draw(test_points, is_walk, seed, "power");
+    for (std::size_t i = 0; i < test_points.size(); ++i) {
+      test_points[i].power_db = handling.power_sigma_db * normals[i];
     }
   }
   return {};

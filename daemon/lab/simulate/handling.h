@@ -1,8 +1,8 @@
 // Handling: pose and power of a hand-held device: its height, the tilt of its antenna and its
 // power, which other devices, hands and pockets change.
 //
-// At spots each value is drawn independently. Along a walk each changes smoothly: a hand takes
-// seconds to rise, and a value has the same spread over many walks as over many spots.
+// At test points each value is drawn independently. Along a walk each changes smoothly: a hand
+// takes seconds to rise, and a value has the same spread over many walks as over many test points.
 #pragma once
 
 #include <cstdint>
@@ -28,11 +28,11 @@ struct Handling {
 // Least distance of devices from floor and ceiling [m].
 inline constexpr double kHeightMargin = 0.1;
 
-// Changes the position and pose of the device at each spot. Heights of spots have the normal
-// distribution restricted to the room without its solid objects; walks turn back at floor and
-// ceiling. `is_walk`: the spots belong to one walk. `file` is used in messages: an Error names the
-// row at which no height of the distribution is free.
-Expected<void> handle_devices(std::vector<SimulatedSpot>& spots,
+// Changes the position and pose of the device at each test point. Heights of test points have the
+// normal distribution restricted to the room without its solid objects; walks turn back at floor
+// and ceiling. `is_walk`: the test points belong to one walk. `file` is used in messages: an Error
+// names the row at which no height of the distribution is free.
+Expected<void> handle_devices(std::vector<SimulatedPoint>& test_points,
                               bool is_walk,
                               const Handling& handling,
                               const RoomModel& room,

@@ -42,10 +42,10 @@ Expected<CaptureReport> record(const SimulationSetup& setup,
   CaptureSimulator simulator(setup.rooms, index, options);
   CaptureReport report{output.access_point, output.file, 0, 0, {}, simulator.chains()};
   std::size_t done = 0;
-  for (const SimulatedSpot& spot : setup.spots) {
-    const auto received = simulator.capture(spot);
+  for (const SimulatedPoint& test_point : setup.test_points) {
+    const auto received = simulator.capture(test_point);
     if (!received) {
-      return bad_input("point of line " + std::to_string(spot.line) + ": " +
+      return bad_input("point of line " + std::to_string(test_point.line) + ": " +
                        received.error().message);
     }
     std::vector<Datagram> batch;
@@ -57,9 +57,9 @@ Expected<CaptureReport> record(const SimulationSetup& setup,
     report.datagrams += batch.size();
     report.lost += received->lost;
     if (received->paths == 0) {
-      report.lines_without_path.push_back(spot.line);
+      report.lines_without_path.push_back(test_point.line);
     }
-    progress(static_cast<double>(++done) / static_cast<double>(setup.spots.size()));
+    progress(static_cast<double>(++done) / static_cast<double>(setup.test_points.size()));
   }
   RAYLOC_TRY(recorder->sync());
   return report;
@@ -110,7 +110,7 @@ Expected<SimulatedTruth> simulate_recordings(const Site& site,
     captures.push_back(*std::move(capture));
   }
   SimulatedTruth truth{std::move(setup->options),
-                       std::move(setup->spots),
+                       std::move(setup->test_points),
                        setup->is_walk,
                        std::move(captures),
                        options.handling,

@@ -48,26 +48,28 @@ Json chains_json(const ChainGains& chains) {
   return json;
 }
 
-// Tilt of a spot's device from upright, and the side to which it leans.
+// Tilt of a test point's device from upright, and the side to which it leans.
 struct Tilt {
   double angle_deg = 0.0;
   double towards_deg = 0.0;
 };
 
-Tilt tilt_of(const SimulatedSpot& spot) {
-  const Vec3d up = rotation(spot.orientation) * Vec3d{0.0, 0.0, 1.0};
+Tilt tilt_of(const SimulatedPoint& test_point) {
+  const Vec3d up = rotation(test_point.orientation) * Vec3d{0.0, 0.0, 1.0};
   const double across = std::hypot(up.x, up.y);
   return {std::atan2(across, up.z) / kDegree, std::atan2(up.y, up.x) / kDegree};
 }
 
-Json point_json(const SimulatedSpot& spot, bool is_handled) {
-  Json json = {
-      {"line", spot.line}, {"x", spot.position.x}, {"y", spot.position.y}, {"z", spot.position.z}};
+Json point_json(const SimulatedPoint& test_point, bool is_handled) {
+  Json json = {{"line", test_point.line},
+               {"x", test_point.position.x},
+               {"y", test_point.position.y},
+               {"z", test_point.position.z}};
   if (is_handled) {
-    const Tilt tilt = tilt_of(spot);
+    const Tilt tilt = tilt_of(test_point);
     json["tilt_deg"] = tilt.angle_deg;
     json["tilt_towards_deg"] = tilt.towards_deg;
-    json["power_db"] = spot.power_db;
+    json["power_db"] = test_point.power_db;
   }
   return json;
 }
@@ -112,9 +114,9 @@ std::string seconds_text(Timestamp time) {
 std::string simulation_json(const SimulatedTruth& truth) {
   std::size_t frames = 0;
   Json points = Json::array();
-  for (const SimulatedSpot& spot : truth.spots) {
-    frames += spot.frames.size();
-    points.push_back(point_json(spot, truth.handling.changes_anything()));
+  for (const SimulatedPoint& test_point : truth.test_points) {
+    frames += test_point.frames.size();
+    points.push_back(point_json(test_point, truth.handling.changes_anything()));
   }
   Json access_points = Json::array();
   for (const CaptureReport& capture : truth.captures) {
@@ -155,14 +157,15 @@ std::string truth_csv(const SimulatedTruth& truth) {
   const bool is_handled = truth.handling.changes_anything();
   std::string csv = truth.is_walk ? "t,x,y,z" : "t_start,t_end,x,y,z";
   csv += is_handled ? ",tilt_deg,tilt_towards_deg,power_db\n" : "\n";
-  for (const SimulatedSpot& spot : truth.spots) {
-    csv += seconds_text(spot.t_start);
-    csv += truth.is_walk ? "" : "," + seconds_text(spot.t_end);
-    const Vec3d& place = spot.position;
+  for (const SimulatedPoint& test_point : truth.test_points) {
+    csv += seconds_text(test_point.t_start);
+    csv += truth.is_walk ? "" : "," + seconds_text(test_point.t_end);
+    const Vec3d& place = test_point.position;
     csv += fmt::format(",{:.6f},{:.6f},{:.6f}", place.x, place.y, place.z);
     if (is_handled) {
-      const Tilt tilt = tilt_of(spot);
-      csv += fmt::format(",{:.3f},{:.3f},{:.3f}", tilt.angle_deg, tilt.towards_deg, spot.power_db);
+      const Tilt tilt = tilt_of(test_point);
+      csv += fmt::format(
+          ",{:.3f},{:.3f},{:.3f}", tilt.angle_deg, tilt.towards_deg, test_point.power_db);
     }
     csv += "\n";
   }

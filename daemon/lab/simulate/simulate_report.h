@@ -26,7 +26,7 @@ struct CaptureReport {
 // The complete truth of the simulation.
 struct SimulatedTruth {
   CaptureOptions options;
-  std::vector<SimulatedSpot> spots;
+  std::vector<SimulatedPoint> test_points;
   bool is_walk = false;
   std::vector<CaptureReport> captures;  // in the order of the recordings
   Handling handling = {};

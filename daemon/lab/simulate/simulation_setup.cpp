@@ -79,7 +79,7 @@ Expected<std::vector<RadioChannel>> read_channels(const std::string& argument, c
   return channels;
 }
 
-Expected<void> read_spots(const SimulationOptions& options, SimulationSetup& setup) {
+Expected<void> read_test_points(const SimulationOptions& options, SimulationSetup& setup) {
   const auto table = CsvTable::load(options.points);
   RAYLOC_TRY(table);
   setup.is_walk = has_instants(*table);
@@ -103,9 +103,9 @@ Expected<void> read_spots(const SimulationOptions& options, SimulationSetup& set
                           std::to_string(transmissions.channels) + " channels of --channels");
   }
   transmissions.retry_share = setup.options.impairments.retry_share;
-  auto spots = plan_transmissions(*points, transmissions, options.points);
-  RAYLOC_TRY(spots);
-  setup.spots = *std::move(spots);
+  auto test_points = plan_transmissions(*points, transmissions, options.points);
+  RAYLOC_TRY(test_points);
+  setup.test_points = *std::move(test_points);
   return {};
 }
 
@@ -167,7 +167,7 @@ Expected<void> live(const SimulationOptions& options, SimulationSetup& setup) {
     }
     setup.day = *day;
   }
-  return handle_devices(setup.spots,
+  return handle_devices(setup.test_points,
                         setup.is_walk,
                         options.handling,
                         setup.rooms.front(),
@@ -191,7 +191,7 @@ Expected<SimulationSetup> read_simulation_setup(const Site& site,
   auto channels = read_channels(options.channels, site);
   RAYLOC_TRY(channels);
   setup.channels = *std::move(channels);
-  RAYLOC_TRY(read_spots(options, setup));
+  RAYLOC_TRY(read_test_points(options, setup));
   RAYLOC_TRY(read_sender(site, options, setup));
   RAYLOC_TRY(read_rooms(site, options, observer, setup));
   RAYLOC_TRY(live(options, setup));

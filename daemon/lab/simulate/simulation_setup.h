@@ -19,7 +19,7 @@ struct SimulationSetup {
   std::vector<RadioChannel> channels;  // hop channels of the device; empty: the site's
   std::vector<RoomModel> rooms;        // by channel; on the site's channel if there are none
   bool is_walk = false;
-  std::vector<SimulatedSpot> spots;
+  std::vector<SimulatedPoint> test_points;
   CaptureOptions options;
   std::optional<SecondDay> day;
   LivedInRoom lived;  // on the simulated day

@@ -62,9 +62,9 @@ std::vector<Timestamp> times_at(const SurveyPoint& point, const TransmissionOpti
 
 }  // namespace
 
-Expected<std::vector<SimulatedSpot>> plan_transmissions(std::span<const SurveyPoint> points,
-                                                        const TransmissionOptions& options,
-                                                        const std::string& file) {
+Expected<std::vector<SimulatedPoint>> plan_transmissions(std::span<const SurveyPoint> points,
+                                                         const TransmissionOptions& options,
+                                                         const std::string& file) {
   std::vector<SurveyPoint> ordered(points.begin(), points.end());
   std::stable_sort(ordered.begin(), ordered.end(), [](const auto& a, const auto& b) {
     return a.t_start < b.t_start;
@@ -75,27 +75,27 @@ Expected<std::vector<SimulatedSpot>> plan_transmissions(std::span<const SurveyPo
   std::normal_distribution<double> normal;
   auto number = static_cast<std::uint16_t>(traffic() % kSequenceNumbers);
   std::size_t sent = 0;
-  std::vector<SimulatedSpot> spots;
+  std::vector<SimulatedPoint> test_points;
   for (std::size_t i = 0; i < ordered.size(); ++i) {
     const SurveyPoint& point = ordered[i];
     RAYLOC_TRY(check_times(ordered, i, options, file));
-    SimulatedSpot spot;
-    spot.line = point.line;
-    spot.t_start = point.t_start;
-    spot.t_end = point.t_end;
+    SimulatedPoint test_point;
+    test_point.line = point.line;
+    test_point.t_start = point.t_start;
+    test_point.t_end = point.t_end;
     const double dx = normal(survey);
     const double dy = normal(survey);
     const double dz = normal(survey);
-    spot.position = point.position + options.survey_error * Vec3d{dx, dy, dz};
+    test_point.position = point.position + options.survey_error * Vec3d{dx, dy, dz};
     for (const Timestamp time : times_at(point, options)) {
       const bool retry = uniform(traffic) < options.retry_share;
       number = static_cast<std::uint16_t>((number + (retry ? 0 : 1)) % kSequenceNumbers);
-      spot.frames.push_back(
+      test_point.frames.push_back(
           {time, static_cast<std::uint16_t>(number << 4U), traffic(), sent++ % options.channels});
     }
-    spots.push_back(std::move(spot));
+    test_points.push_back(std::move(test_point));
   }
-  return spots;
+  return test_points;
 }
 
 }  // namespace rayloc

@@ -23,7 +23,7 @@ struct Transmission {
   std::size_t channel = 0;             // index among the hop channels of the device
 };
 
-struct SimulatedSpot {
+struct SimulatedPoint {
   int line = 0;    // in the points file
   Vec3d position;  // [m], true position of the device
   std::vector<Transmission> frames;
@@ -47,8 +47,8 @@ struct TransmissionOptions {
 // In order of time. An Error names the row of `file` at which frames do not fit: a device sends one
 // at a time, at most every kMinFrameInterval.
 inline constexpr Duration kMinFrameInterval = std::chrono::microseconds(200);
-Expected<std::vector<SimulatedSpot>> plan_transmissions(std::span<const SurveyPoint> points,
-                                                        const TransmissionOptions& options,
-                                                        const std::string& file);
+Expected<std::vector<SimulatedPoint>> plan_transmissions(std::span<const SurveyPoint> points,
+                                                         const TransmissionOptions& options,
+                                                         const std::string& file);
 
 }  // namespace rayloc

@@ -86,9 +86,9 @@ Expected<TrainSurvey> read_device_survey(const Site& site,
       with_bounds(site, room), *captures, arguments.points, arguments.time_offset);
   RAYLOC_TRY(read);
   TrainSurvey survey;
-  for (SurveyedFrames& spot : read->points) {
-    if (!spot.frames.empty()) {
-      survey.points.push_back({spot.point.position, std::move(spot.frames)});
+  for (SurveyedFrames& surveyed : read->points) {
+    if (!surveyed.frames.empty()) {
+      survey.points.push_back({surveyed.point.position, std::move(surveyed.frames)});
     }
   }
   survey.notes = std::move(read->notes);

@@ -27,9 +27,9 @@ std::string link_text(const PersonLink& link, const RoomModel& room) {
   return text;
 }
 
-std::string person_text(const PersonModel& person, std::size_t spots) {
+std::string person_text(const PersonModel& person, std::size_t points) {
   const TargetBody& body = person.body;
-  return "\n[person]\nspots = " + std::to_string(spots) +
+  return "\n[person]\nspots = " + std::to_string(points) +
          "  # known places that it was fitted to; 0: as site.toml states\nradius_m = " +
          to_text(body.semi_axes[0]) + "\nheight_m = " + to_text(body.height) +
          "\nrelative_permittivity = " + to_text(body.relative_permittivity) +
@@ -212,14 +212,14 @@ std::string reference_of_calibration(std::string text, const std::string& calibr
 
 std::string reference_toml(const std::vector<PersonReference>& references,
                            const RoomModel& room,
-                           std::size_t spots) {
+                           std::size_t points) {
   std::string text =
       "# Written by `rayloc reference`; it belongs to the calibration beside it. Do not edit:\n"
       "# record the empty room again instead.\n"
       "format = " +
       std::to_string(kReferenceFormat) + "\nid = \"" + references.front().id +
       "\"  # of all inputs\ncalibration = \"" + room.calibration_id + "\"\n";
-  text += person_text(references.front().person, spots);
+  text += person_text(references.front().person, points);
   for (const PersonReference& reference : references) {
     const Vec3d& p = reference.transmitter.position;
     text += "\n[[transmitter]]\nmac = \"" + to_string(reference.mac) + "\"\nposition = [" +

@@ -15,11 +15,11 @@
 
 namespace rayloc {
 
-// TOML. `references`: for each fixed transmitter; they share one person. `spots`: the number of
+// TOML. `references`: for each fixed transmitter; they share one person. `points`: the number of
 // people at known places to which the person was fitted; 0: as stated in site.toml.
 std::string reference_toml(const std::vector<PersonReference>& references,
                            const RoomModel& room,
-                           std::size_t spots);
+                           std::size_t points);
 
 // Converts the text of a reference file to another calibration: one with the same room and new
 // chain gains, which the arrays of the empty room do not contain.

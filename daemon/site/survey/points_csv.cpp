@@ -12,10 +12,10 @@ Expected<std::vector<SurveyPoint>> load_points_csv(const std::filesystem::path& 
     return bad_input(path.string() + ": no spots, only a header");
   }
   // A person walks the survey, and its rows are compared with each other.
-  constexpr std::size_t kMaxSpots = 20'000;
-  if (points && points->size() > kMaxSpots) {
+  constexpr std::size_t kMaxPoints = 20'000;
+  if (points && points->size() > kMaxPoints) {
     return bad_input(path.string() + ": " + std::to_string(points->size()) + " spots; at most " +
-                     std::to_string(kMaxSpots) + " are read: is this the survey?");
+                     std::to_string(kMaxPoints) + " are read: is this the survey?");
   }
   return points;
 }

@@ -8,7 +8,7 @@
 #include "engine/base/check.h"
 #include "engine/base/constants.h"
 #include "engine/base/parallel.h"
-#include "engine/likelihood/spot_arrays.h"
+#include "engine/likelihood/point_arrays.h"
 #include "engine/observe/alignment.h"
 #include "engine/person/calibrate/offset_cube.h"
 
@@ -53,7 +53,7 @@ class EmptyRoomFit {
     }
   }
 
-  // [rx_chain][tone], absolute; empty where no ray arrives. `tolerance` [m]: SpotArrays::expected.
+  // [rx_chain][tone], absolute; empty where no ray arrives. `tolerance` [m]: PointArrays::expected.
   std::vector<Value> expected(std::size_t i, const Vec3d& place, double tolerance) const {
     const auto rays = arrays_[i].rays(place, device_);
     if (rays.empty()) {
@@ -118,7 +118,7 @@ class EmptyRoomFit {
   DeviceModel device_;
   std::span<const EmptyRoom> received_;
   Aligner aligner_;
-  std::vector<SpotArrays> arrays_;
+  std::vector<PointArrays> arrays_;
 };
 
 }  // namespace

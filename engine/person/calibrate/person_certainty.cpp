@@ -14,9 +14,9 @@ namespace rayloc {
 namespace {
 
 constexpr std::size_t kFolds = 3;  // a count, chosen: each third is tested with a fit of the others
-// Spots needed to estimate the largest gain of a second person, and the smallest value reported for
-// it.
-constexpr std::size_t kMinSpots = 20;
+// Points needed to estimate the largest gain of a second person, and the smallest value reported
+// for it.
+constexpr std::size_t kMinHeldOutPoints = 20;
 constexpr double kMinGain = 20.0;  // [nat], chosen: lower bound of a second person's gain
 
 // Gain of the best second person; 0 where none is searched for.
@@ -34,33 +34,33 @@ double second_gain(const PersonLocalizer& localizer, const PersonObservation& ob
 
 Expected<PersonCertainty> fit_person_certainty(const RoomModel& room,
                                                const PersonFit& fit,
-                                               std::span<const PersonSpot> spots,
+                                               std::span<const PersonPoint> points,
                                                std::span<const std::vector<CsiFrame>> frames,
                                                const PersonFitOptions& options) {
-  RAYLOC_CHECK(spots.size() == frames.size());
+  RAYLOC_CHECK(points.size() == frames.size());
   const auto shared = std::make_shared<const RoomModel>(room);
   PersonFitOptions same_body = options;
   same_body.radius_steps.clear();
-  std::array<std::vector<LocationEstimate>, kExponents.size()> estimates;  // by spot
-  KnownSpots known{{}, options.place_sigma, room.area()};
+  std::array<std::vector<LocationEstimate>, kExponents.size()> estimates;  // by point
+  KnownPlaces known{{}, options.place_sigma, room.area()};
   double gain = kMinGain;
   for (std::size_t part = 0; part < kFolds; ++part) {
-    std::vector<PersonSpot> others;
-    for (std::size_t s = 0; s < spots.size(); ++s) {
+    std::vector<PersonPoint> others;
+    for (std::size_t s = 0; s < points.size(); ++s) {
       if (s % kFolds != part) {
-        others.push_back(spots[s]);
+        others.push_back(points[s]);
       }
     }
     auto fitted = fit_person(room, fit.reference, others, same_body);
     RAYLOC_TRY(fitted);
     const auto localizer = PersonLocalizer::create(shared, std::move(fitted->reference), {});
     RAYLOC_TRY(localizer);
-    for (std::size_t s = part; s < spots.size(); s += kFolds) {
+    for (std::size_t s = part; s < points.size(); s += kFolds) {
       const PersonObservation observation = localizer->receive(frames[s]);
       if (observation.arrays.empty()) {
         continue;
       }
-      known.places.push_back({spots[s].place.x, spots[s].place.y, 0.0});
+      known.places.push_back({points[s].place.x, points[s].place.y, 0.0});
       for (std::size_t t = 0; t < kExponents.size(); ++t) {
         estimates[t].push_back(
             localizer->summarise(observation.estimate, localizer->map(observation, kExponents[t])));
@@ -79,7 +79,7 @@ Expected<PersonCertainty> fit_person_certainty(const RoomModel& room,
     }
     certainty.likelihood_exponent = evaluated[best_exponent(evaluated)].exponent;
   }
-  if (known.places.size() >= kMinSpots) {
+  if (known.places.size() >= kMinHeldOutPoints) {
     certainty.second_person = gain;
   }
   return certainty;

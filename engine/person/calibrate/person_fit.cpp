@@ -36,25 +36,25 @@ constexpr std::array<double, 2> kFronts = {0.0, 0.03};
 constexpr int kErrorRounds = 4;         // a count, chosen: over the errors, one after the other
 constexpr double kFitLevelSigma = 0.3;  // of the logarithm of |a|
 
-struct ReceivedSpot {
-  std::size_t spot = 0;
+struct ReceivedPoint {
+  std::size_t point = 0;
   ScatteredPatch patch;
   PersonLikelihood::Observed observed;
 };
 
-// Observations of all spots by one link, with one body.
+// Observations of all points by one link, with one body.
 struct FitLink {
   PersonLikelihood likelihood;
-  std::vector<ReceivedSpot> received;
+  std::vector<ReceivedPoint> received;
 };
 
 class PersonFitter {
  public:
   PersonFitter(const RoomModel& room,
                const PersonReference& reference,
-               std::span<const PersonSpot> spots,
+               std::span<const PersonPoint> points,
                const PersonFitOptions& options)
-      : room_(room), reference_(reference), spots_(spots), options_(options) {
+      : room_(room), reference_(reference), points_(points), options_(options) {
     const PatchPlan plan{0.0, 0.0, kSquare, kSamples};
     const double scale = -0.5 / (options.place_sigma * options.place_sigma);
     for (std::size_t i = 0; i < kSamples; ++i) {
@@ -65,9 +65,9 @@ class PersonFitter {
   }
 
   Expected<std::vector<FitLink>> listen(const PersonModel& person) const;
-  // Sum over the spots of the log-likelihood of their link alone.
+  // Sum over the points of the log-likelihood of their link alone.
   double of_link(const FitLink& link, Value scale, const PersonModel& model) const;
-  // All links of a spot together.
+  // All links of a point together.
   double of_all(const std::vector<FitLink>& links,
                 const std::vector<Value>& scales,
                 const PersonModel& model) const;
@@ -78,7 +78,7 @@ class PersonFitter {
 
  private:
   std::vector<double> samples(const FitLink& link,
-                              const ReceivedSpot& received,
+                              const ReceivedPoint& received,
                               Value scale,
                               const PersonModel& model,
                               double no_person) const;
@@ -86,7 +86,7 @@ class PersonFitter {
 
   const RoomModel& room_;
   const PersonReference& reference_;
-  std::span<const PersonSpot> spots_;
+  std::span<const PersonPoint> points_;
   const PersonFitOptions& options_;
   std::vector<double> prior_;  // log, of each sample place about a known one
 };
@@ -105,13 +105,13 @@ Expected<std::vector<FitLink>> PersonFitter::listen(const PersonModel& person) c
                                  link,
                                  norm(ap.array.pose.position - reference_.transmitter.position)),
                 {}};
-    std::vector<std::optional<ReceivedSpot>> received(spots_.size());
-    parallel_for(spots_.size(), 1, [&](std::size_t s) {
-      const auto rays = spots_[s].h[l].empty() ? std::nullopt : scattering->at(spots_[s].place);
+    std::vector<std::optional<ReceivedPoint>> received(points_.size());
+    parallel_for(points_.size(), 1, [&](std::size_t s) {
+      const auto rays = points_[s].h[l].empty() ? std::nullopt : scattering->at(points_[s].place);
       if (rays) {
-        received[s] = ReceivedSpot{s,
-                                   fit.likelihood.patch(*rays, plan, person.front_sigma),
-                                   fit.likelihood.observe(spots_[s].h[l])};
+        received[s] = ReceivedPoint{s,
+                                    fit.likelihood.patch(*rays, plan, person.front_sigma),
+                                    fit.likelihood.observe(points_[s].h[l])};
       }
     });
     for (auto& one : received) {
@@ -125,7 +125,7 @@ Expected<std::vector<FitLink>> PersonFitter::listen(const PersonModel& person) c
 }
 
 std::vector<double> PersonFitter::samples(const FitLink& link,
-                                          const ReceivedSpot& received,
+                                          const ReceivedPoint& received,
                                           Value scale,
                                           const PersonModel& model,
                                           double no_person) const {
@@ -165,13 +165,13 @@ double PersonFitter::of_link(const FitLink& link, Value scale, const PersonModel
 double PersonFitter::of_all(const std::vector<FitLink>& links,
                             const std::vector<Value>& scales,
                             const PersonModel& model) const {
-  std::vector<std::vector<double>> sums(spots_.size(), std::vector<double>(prior_.size()));
+  std::vector<std::vector<double>> sums(points_.size(), std::vector<double>(prior_.size()));
   for (std::size_t l = 0; l < links.size(); ++l) {
     parallel_for(links[l].received.size(), 2, [&](std::size_t i) {
-      const ReceivedSpot& received = links[l].received[i];
+      const ReceivedPoint& received = links[l].received[i];
       const auto values = samples(links[l], received, scales[l], model, 0.0);
       for (std::size_t p = 0; p < values.size(); ++p) {
-        sums[received.spot][p] += values[p];
+        sums[received.point][p] += values[p];
       }
     });
   }
@@ -242,21 +242,21 @@ PersonModel PersonFitter::best_errors(const std::vector<FitLink>& links,
 // The fit with a known body.
 Expected<PersonFit> fit_body(const RoomModel& room,
                              const PersonReference& reference,
-                             std::span<const PersonSpot> spots,
+                             std::span<const PersonPoint> points,
                              const PersonFitOptions& options) {
   PersonFit fit{reference, 0.0, 0};
   PersonModel& person = fit.reference.person;
-  const PersonFitter fitter(room, fit.reference, spots, options);
+  const PersonFitter fitter(room, fit.reference, points, options);
   const auto links = fitter.listen(person);
   RAYLOC_TRY(links);
   std::vector<Value> scales;
   for (const FitLink& link : *links) {
-    fit.spots = std::max(fit.spots, link.received.size());
+    fit.points = std::max(fit.points, link.received.size());
     scales.push_back(fitter.best_scale(link, person));
   }
-  if (fit.spots < kMinPersonSpots) {
-    return bad_input("people were observed at " + std::to_string(fit.spots) + " places; " +
-                     std::to_string(kMinPersonSpots) + " are needed to fit the model of a person");
+  if (fit.points < kMinPersonPoints) {
+    return bad_input("people were observed at " + std::to_string(fit.points) + " places; " +
+                     std::to_string(kMinPersonPoints) + " are needed to fit the model of a person");
   }
   person = fitter.best_errors(*links, scales, person);
   for (std::size_t l = 0; l < scales.size(); ++l) {
@@ -271,12 +271,12 @@ Expected<PersonFit> fit_body(const RoomModel& room,
 
 Expected<PersonFit> fit_person(const RoomModel& room,
                                const PersonReference& reference,
-                               std::span<const PersonSpot> spots,
+                               std::span<const PersonPoint> points,
                                const PersonFitOptions& options) {
   if (options.radius_steps.empty()) {
-    return fit_body(room, reference, spots, options);
+    return fit_body(room, reference, points, options);
   }
-  const auto geometry = fit_person_geometry(room, reference, spots, options);
+  const auto geometry = fit_person_geometry(room, reference, points, options);
   RAYLOC_TRY(geometry);
   PersonReference tried = reference;
   tried.person.body.semi_axes = {geometry->radius, geometry->radius};
@@ -284,7 +284,7 @@ Expected<PersonFit> fit_person(const RoomModel& room,
   std::optional<PersonFit> best;
   for (const double front : kFronts) {
     tried.person.front_sigma = front;
-    auto fit = fit_body(room, tried, spots, options);
+    auto fit = fit_body(room, tried, points, options);
     if (!fit) {
       return fit;
     }

@@ -18,7 +18,7 @@
 namespace rayloc {
 
 // A person at a known place, as received by the links of a reference.
-struct PersonSpot {
+struct PersonPoint {
   TargetPosition place;
   // For each link, [rx_chain][tone] with chain gains removed; empty where the link received
   // nothing.
@@ -37,16 +37,16 @@ struct PersonFitOptions {
 
 struct PersonFit {
   PersonReference reference;    // with `scale` of every link and `person` as fitted
-  double log_likelihood = 0.0;  // of the spots, over that of the empty room
-  std::size_t spots = 0;        // number of spots used
+  double log_likelihood = 0.0;  // of the points, over that of the empty room
+  std::size_t points = 0;       // number of points used
 };
 
-// An Error when fewer than kMinPersonSpots spots can be used. `likelihood_exponent` is not fitted
+// An Error when fewer than kMinPersonPoints points can be used. `likelihood_exponent` is not fitted
 // here.
-inline constexpr std::size_t kMinPersonSpots = 8;
+inline constexpr std::size_t kMinPersonPoints = 8;
 Expected<PersonFit> fit_person(const RoomModel& room,
                                const PersonReference& reference,
-                               std::span<const PersonSpot> spots,
+                               std::span<const PersonPoint> points,
                                const PersonFitOptions& options = {});
 
 }  // namespace rayloc

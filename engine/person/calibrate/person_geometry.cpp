@@ -29,8 +29,8 @@ constexpr double kVariance = 0.3;
 constexpr double kGeometryDiffuse = 0.3;  // a ratio, as PersonModel::diffuse
 constexpr double kGeometryNoise = 1e-3;   // a ratio, as PersonModel::noise
 
-// A spot as received by one link.
-struct Spot {
+// A point as received by one link.
+struct WhitenedPoint {
   std::size_t number = 0;
   ScatteredRays rays;
   WhitenedGaussian errors;
@@ -61,7 +61,7 @@ class GeometryLink {
 
   Expected<void> trace(const RoomModel& room,
                        const PersonReference& reference,
-                       std::span<const PersonSpot> spots,
+                       std::span<const PersonPoint> points,
                        const TargetBody& body,
                        int depth) {
     const auto scattering =
@@ -71,60 +71,60 @@ class GeometryLink {
     model.strength_variance = kVariance;
     model.diffuse = kGeometryDiffuse;
     model.noise = kGeometryNoise;
-    std::vector<std::optional<Spot>> found(spots.size());
-    parallel_for(spots.size(), 1, [&](std::size_t s) {
-      if (spots[s].h[number_].empty()) {
+    std::vector<std::optional<WhitenedPoint>> found(points.size());
+    parallel_for(points.size(), 1, [&](std::size_t s) {
+      if (points[s].h[number_].empty()) {
         return;
       }
-      auto rays = scattering->at(spots[s].place);
+      auto rays = scattering->at(points[s].place);
       if (!rays) {
         return;
       }
-      Spot spot;
-      spot.number = s;
-      spot.rays = *std::move(rays);
-      spot.errors = likelihood_.place(likelihood_.patch(spot.rays, kPlan), 1.0, model).close;
-      spot.empty = whiten(spot.errors, likelihood_.empty());
+      WhitenedPoint point;
+      point.number = s;
+      point.rays = *std::move(rays);
+      point.errors = likelihood_.place(likelihood_.patch(point.rays, kPlan), 1.0, model).close;
+      point.empty = whiten(point.errors, likelihood_.empty());
       double power = 0.0;
-      for (const Value& v : spot.empty) {
+      for (const Value& v : point.empty) {
         power += std::norm(v);
       }
-      for (Value& v : spot.empty) {
+      for (Value& v : point.empty) {
         v /= std::sqrt(power);
       }
-      const auto observed = likelihood_.observe(spots[s].h[number_]);
-      spot.y = whiten(spot.errors, observed.y[PersonLikelihood::kDelays / 2]);
-      take_out(spot.empty, spot.y);
-      found[s] = std::move(spot);
+      const auto observed = likelihood_.observe(points[s].h[number_]);
+      point.y = whiten(point.errors, observed.y[PersonLikelihood::kDelays / 2]);
+      take_out(point.empty, point.y);
+      found[s] = std::move(point);
     });
-    spots_.clear();
+    points_.clear();
     for (auto& one : found) {
       if (one) {
-        spots_.push_back(*std::move(one));
+        points_.push_back(*std::move(one));
       }
     }
     return {};
   }
 
-  std::size_t spots() const { return spots_.size(); }
+  std::size_t points() const { return points_.size(); }
 
-  // Log-likelihood of all spots at the best complex factor, with the transmitter moved.
+  // Log-likelihood of all points at the best complex factor, with the transmitter moved.
   double log_likelihood(const Vec3d& shift, std::span<const double> prior) const {
     std::vector<double> along_re;
     std::vector<double> along_im;
     std::vector<double> power;
-    for (const Spot& spot : spots_) {
-      const auto patch = likelihood_.patch(moved_transmitter(spot.rays, shift), kPlan);
+    for (const WhitenedPoint& point : points_) {
+      const auto patch = likelihood_.patch(moved_transmitter(point.rays, shift), kPlan);
       const std::size_t size = likelihood_.dimension();
       for (std::size_t p = 0; p < prior.size(); ++p) {
         const auto first = patch.sample.begin() + static_cast<std::ptrdiff_t>(p * size);
-        auto z = whiten(spot.errors,
+        auto z = whiten(point.errors,
                         std::vector<Value>(first, first + static_cast<std::ptrdiff_t>(size)));
-        take_out(spot.empty, z);
+        take_out(point.empty, z);
         Value along;
         double z_power = 0.0;
         for (std::size_t i = 0; i < size; ++i) {
-          along += std::conj(z[i]) * spot.y[i];
+          along += std::conj(z[i]) * point.y[i];
           z_power += std::norm(z[i]);
         }
         along_re.push_back(along.real());
@@ -138,7 +138,7 @@ class GeometryLink {
       for (int i = 0; i < kGeometryPhases; ++i) {
         const Value a = std::polar(level, 2.0 * std::numbers::pi * i / kGeometryPhases);
         double sum = -0.5 * off * off;
-        for (std::size_t s = 0; s < spots_.size(); ++s) {
+        for (std::size_t s = 0; s < points_.size(); ++s) {
           double top = -std::numeric_limits<double>::infinity();
           std::array<double, kPlan.count * kPlan.count> value{};
           for (std::size_t p = 0; p < prior.size(); ++p) {
@@ -163,7 +163,7 @@ class GeometryLink {
   const PersonLink& link_;
   std::size_t number_;
   PersonLikelihood likelihood_;
-  std::vector<Spot> spots_;
+  std::vector<WhitenedPoint> points_;
 };
 
 class GeometryFit {
@@ -232,7 +232,7 @@ class GeometryFit {
 
 Expected<PersonGeometry> fit_person_geometry(const RoomModel& room,
                                              const PersonReference& reference,
-                                             std::span<const PersonSpot> spots,
+                                             std::span<const PersonPoint> points,
                                              const PersonFitOptions& options) {
   const GeometryFit fit(options);
   std::vector<GeometryLink> links;
@@ -249,7 +249,7 @@ Expected<PersonGeometry> fit_person_geometry(const RoomModel& room,
     }
     body.semi_axes = {radius, radius};
     for (GeometryLink& link : links) {
-      RAYLOC_TRY(link.trace(room, reference, spots, body, options.depth));
+      RAYLOC_TRY(link.trace(room, reference, points, body, options.depth));
     }
     // The transmitter's place does not depend on the radius: it is scanned only once.
     auto here = std::isfinite(best.value)

@@ -3,7 +3,7 @@
 //
 // The empty room does not determine the transmitter's place well: one array receives it over few
 // strong paths. People at tens of places act as tens of mirrors around it. The squared residuals of
-// a spot, whitened, with the empty room and a delay projected out, are compared over all complex
+// a point, whitened, with the empty room and a delay projected out, are compared over all complex
 // factors of a link and all places near the known one, at little cost once the rays are known.
 #pragma once
 
@@ -22,7 +22,7 @@ struct PersonGeometry {
 
 Expected<PersonGeometry> fit_person_geometry(const RoomModel& room,
                                              const PersonReference& reference,
-                                             std::span<const PersonSpot> spots,
+                                             std::span<const PersonPoint> points,
                                              const PersonFitOptions& options);
 
 }  // namespace rayloc

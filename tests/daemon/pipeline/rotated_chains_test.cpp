@@ -28,7 +28,7 @@ constexpr double kQuarter = 0.5 * std::numbers::pi;
 constexpr int kJumpAt = 30;  // the burst from which on the chain is rotated
 constexpr int kBursts = 160;
 
-// Spots of half a second, two seconds apart: [x] of `columns`, [y] of `rows`.
+// Points of half a second, two seconds apart: [x] of `columns`, [y] of `rows`.
 std::string points(int begin, int columns, int rows, double shift) {
   std::string text = "t_start,t_end,x,y,z\n";
   for (int i = 0; i < columns * rows; ++i) {
@@ -105,8 +105,8 @@ Burst burst_of(std::vector<CsiFrame> frames) {
 TEST_F(RotatedChains, AreUsedOnlyOnceLearnedAndThenKept) {
   const Site site = load_site(path("calibrated")).value();
   const auto captures = resolve_captures({path("spots.pcap")}, {"ap1"}).value();
-  const auto spots = read_calibration_inputs(site, captures, path("spots.csv")).value();
-  ASSERT_EQ(spots.points.size(), static_cast<std::size_t>(kBursts));
+  const auto surveyed = read_calibration_inputs(site, captures, path("spots.csv")).value();
+  ASSERT_EQ(surveyed.points.size(), static_cast<std::size_t>(kBursts));
   DeviceEstimator::Options options;
   options.chains.write = path("chains.json");
   const auto estimator = DeviceEstimator::create(site, options).value();
@@ -115,7 +115,7 @@ TEST_F(RotatedChains, AreUsedOnlyOnceLearnedAndThenKept) {
   int coarse = 0;
   int held = 0;
   for (int i = 0; i < kBursts; ++i) {
-    auto frames = spots.points[static_cast<std::size_t>(i)].frames;
+    auto frames = surveyed.points[static_cast<std::size_t>(i)].frames;
     ASSERT_FALSE(frames.empty());
     if (i >= kJumpAt) {
       test::turn_chain(frames, 0, 3, kQuarter);
@@ -132,7 +132,7 @@ TEST_F(RotatedChains, AreUsedOnlyOnceLearnedAndThenKept) {
     } else if (is_named(out.locations.front())) {
       ++learning;
       coarse += snapshot.position ? 1 : 0;
-      const Vec3d truth = spots.points[static_cast<std::size_t>(i)].point.position;
+      const Vec3d truth = surveyed.points[static_cast<std::size_t>(i)].point.position;
       held += region_reaching(snapshot, truth).value_or(0.0) < 0.95 ? 1 : 0;
       // Without the phases the fix is coarse or missing; both state the reason.
       const std::string& why = snapshot.position ? snapshot.warnings.at(0) : snapshot.reason;
@@ -166,7 +166,7 @@ TEST_F(RotatedChains, AreUsedOnlyOnceLearnedAndThenKept) {
   EXPECT_EQ(known[0].knowledge, ChainKnowledge::kLearned);
   const auto& factor = known[0].factors.factor;
   EXPECT_NEAR(std::arg(factor[2] / factor[0]), kQuarter, 0.4);
-  auto frames = spots.points[3].frames;
+  auto frames = surveyed.points[3].frames;
   test::turn_chain(frames, 0, 3, kQuarter);
   Estimates out;
   next->estimate(burst_of(std::move(frames)), out);

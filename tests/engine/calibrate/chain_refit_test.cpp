@@ -35,7 +35,7 @@ RoomModel before_the_power_cycle(const std::vector<double>& turn_deg) {
   return room;
 }
 
-KnownSpot receive(const RoomModel& room, const Vec3d& position, unsigned seed = 1) {
+ReferencePoint receive(const RoomModel& room, const Vec3d& position, unsigned seed = 1) {
   const auto frames = test::frames_at(room, position, {8, 30.0, seed});
   return {position,
           room.device,
@@ -64,24 +64,24 @@ void expect_true_phases(const ChainRefit& refit, double tolerance) {
   }
 }
 
-TEST(RefitChains, FindsThePhasesFromOneSpot) {
+TEST(RefitChains, FindsThePhasesFromOnePoint) {
   const RoomModel room = before_the_power_cycle({0.0, 180.0, 90.0});
-  const std::vector<KnownSpot> spots = {receive(room, {0.4, -0.2, 1.1})};
-  const auto refit = refit_chains(room, 0, spots, {0.01, kUsual});
+  const std::vector<ReferencePoint> points = {receive(room, {0.4, -0.2, 1.1})};
+  const auto refit = refit_chains(room, 0, points, {0.01, kUsual});
   ASSERT_TRUE(refit) << refit.error().message;
-  EXPECT_EQ(refit->spots, 1U);
+  EXPECT_EQ(refit->points, 1U);
   EXPECT_FALSE(refit->ripple);
   EXPECT_GT(refit->fit, 0.98);
   expect_true_phases(*refit, 3.0 * kDegree);
 }
 
-TEST(RefitChains, ThreeSpotsStateASmallerUncertaintyThanOne) {
+TEST(RefitChains, ThreePointsStateASmallerUncertaintyThanOne) {
   const RoomModel room = before_the_power_cycle({30.0, -120.0, 75.0});
-  const std::vector<KnownSpot> spots = {receive(room, {0.4, -0.2, 1.1}, 1),
-                                        receive(room, {-0.5, -0.6, 1.2}, 2),
-                                        receive(room, {0.9, 0.3, 1.3}, 3)};
-  const auto one = refit_chains(room, 0, std::span(spots).first(1));
-  const auto three = refit_chains(room, 0, spots);
+  const std::vector<ReferencePoint> points = {receive(room, {0.4, -0.2, 1.1}, 1),
+                                              receive(room, {-0.5, -0.6, 1.2}, 2),
+                                              receive(room, {0.9, 0.3, 1.3}, 3)};
+  const auto one = refit_chains(room, 0, std::span(points).first(1));
+  const auto three = refit_chains(room, 0, points);
   ASSERT_TRUE(one && three);
   expect_true_phases(*three, 3.0 * kDegree);
   EXPECT_LT(three->sigma[1], one->sigma[1]);
@@ -97,10 +97,10 @@ TEST(RefitChains, ComparesATransmitterWithItsUsualChannel) {
     ap.error.plan_tolerance = 0.03;
   }
   const Vec3d place{0.4, -0.2, 1.1};
-  KnownSpot spot = receive(room, place, 2);
-  spot.usual = receive(room, place, 3).h;
-  remove_gains(test::make_gains(test::make_room(), 0), spot.usual);
-  const auto refit = refit_chains(room, 0, std::span(&spot, 1));
+  ReferencePoint point = receive(room, place, 2);
+  point.usual = receive(room, place, 3).h;
+  remove_gains(test::make_gains(test::make_room(), 0), point.usual);
+  const auto refit = refit_chains(room, 0, std::span(&point, 1));
   ASSERT_TRUE(refit) << refit.error().message;
   EXPECT_GT(refit->fit, 0.99);
   expect_true_phases(*refit, 3.0 * kDegree);
@@ -110,8 +110,8 @@ TEST(RefitChains, KeepsTheCouplingOfTheAntennas) {
   RoomModel room = before_the_power_cycle({0.0, 180.0, 90.0});
   room.access_points[0].gains.coupling = {
       1.0, {0.0, 0.2}, 0.1, {-0.2, 0.1}, 1.0, 0.15, 0.1, 0.2, 1.0};
-  const std::vector<KnownSpot> spots = {receive(room, {0.4, -0.2, 1.1})};
-  const auto refit = refit_chains(room, 0, spots, {0.01, kUsual});
+  const std::vector<ReferencePoint> points = {receive(room, {0.4, -0.2, 1.1})};
+  const auto refit = refit_chains(room, 0, points, {0.01, kUsual});
   ASSERT_TRUE(refit) << refit.error().message;
   EXPECT_EQ(refit->gains.coupling, room.access_points[0].gains.coupling);
   EXPECT_GT(refit->fit, 0.98);
@@ -120,16 +120,16 @@ TEST(RefitChains, KeepsTheCouplingOfTheAntennas) {
 
 // The prediction of a chain is not its measurement: the chain keeps about its former gain, and its
 // phase is rejected.
-TEST(RefitChains, KeepsGainsThatTheSpotCannotDetermine) {
+TEST(RefitChains, KeepsGainsThatThePointCannotDetermine) {
   RoomModel room = before_the_power_cycle({0.0, 0.0, 0.0});
   const std::size_t tones = room.grid.size();
-  KnownSpot spot = receive(room, {0.4, -0.2, 1.1});
+  ReferencePoint point = receive(room, {0.4, -0.2, 1.1});
   for (std::size_t k = 0; k < tones; ++k) {
-    spot.h[2 * tones + k] *= 0.2 * std::cos(0.2 * static_cast<double>(k));
+    point.h[2 * tones + k] *= 0.2 * std::cos(0.2 * static_cast<double>(k));
   }
-  EXPECT_THAT(refit_chains(room, 0, std::span(&spot, 1)).error().message,
+  EXPECT_THAT(refit_chains(room, 0, std::span(&point, 1)).error().message,
               HasSubstr("the phase of core 3 would be known to"));
-  const auto refit = refit_chains(room, 0, std::span(&spot, 1), {0.01, {}, 10.0});
+  const auto refit = refit_chains(room, 0, std::span(&point, 1), {0.01, {}, 10.0});
   ASSERT_TRUE(refit) << refit.error().message;
   const auto log_gain = [&](const ChainGains& gains, std::size_t m) {
     double sum = 0.0;
@@ -144,18 +144,18 @@ TEST(RefitChains, KeepsGainsThatTheSpotCannotDetermine) {
             2.0);
 }
 
-TEST(RefitChains, ManySpotsDetermineTheRipple) {
+TEST(RefitChains, ManyPointsDetermineTheRipple) {
   RoomModel room = before_the_power_cycle({0.0, 180.0, 90.0});
   for (std::size_t k = 0; k < room.grid.size(); ++k) {
     room.access_points[0].gains.gain[k] *=
         std::polar(1.0, 0.4 * std::sin(0.05 * static_cast<double>(k)));
   }
-  std::vector<KnownSpot> spots;
+  std::vector<ReferencePoint> points;
   for (unsigned i = 0; i < 16; ++i) {
     const unsigned row = i / 4;
-    spots.push_back(receive(room, {-0.9 + 0.6 * (i % 4), -0.8 + 0.5 * row, 1.2}, i + 1));
+    points.push_back(receive(room, {-0.9 + 0.6 * (i % 4), -0.8 + 0.5 * row, 1.2}, i + 1));
   }
-  const auto refit = refit_chains(room, 0, spots);
+  const auto refit = refit_chains(room, 0, points);
   ASSERT_TRUE(refit);
   EXPECT_TRUE(refit->ripple);
   EXPECT_GT(refit->fit, 0.98);
@@ -164,13 +164,13 @@ TEST(RefitChains, ManySpotsDetermineTheRipple) {
 
 TEST(RefitChains, RefusesPlacesThatContradictEachOther) {
   const RoomModel room = before_the_power_cycle({0.0, 0.0, 0.0});
-  std::vector<KnownSpot> spots;
+  std::vector<ReferencePoint> points;
   for (unsigned i = 0; i < 6; ++i) {
     const unsigned row = i / 3;
-    spots.push_back(receive(room, {-0.9 + 0.6 * (i % 3), -0.6 + 0.9 * row, 1.2}, i + 1));
-    spots.back().position.x *= -1.0;
+    points.push_back(receive(room, {-0.9 + 0.6 * (i % 3), -0.6 + 0.9 * row, 1.2}, i + 1));
+    points.back().position.x *= -1.0;
   }
-  const auto refit = refit_chains(room, 0, spots, {0.01, kUsual});
+  const auto refit = refit_chains(room, 0, points, {0.01, kUsual});
   ASSERT_FALSE(refit) << refit->fit;
   EXPECT_EQ(refit.error().kind, ErrorKind::kBadInput);
   EXPECT_THAT(refit.error().message, HasSubstr("access point a"));
@@ -179,9 +179,9 @@ TEST(RefitChains, RefusesPlacesThatContradictEachOther) {
 
 TEST(RefitChains, RefusesAPlaceThatNoRayReaches) {
   const RoomModel room = before_the_power_cycle({0.0, 0.0, 0.0});
-  std::vector<KnownSpot> spots = {receive(room, {0.4, -0.2, 1.1})};
-  spots[0].position = {20.0, 0.0, 1.1};
-  const auto refit = refit_chains(room, 0, spots);
+  std::vector<ReferencePoint> points = {receive(room, {0.4, -0.2, 1.1})};
+  points[0].position = {20.0, 0.0, 1.1};
+  const auto refit = refit_chains(room, 0, points);
   ASSERT_FALSE(refit);
   EXPECT_THAT(refit.error().message, HasSubstr("no ray"));
 }

@@ -30,7 +30,7 @@ constexpr double kWrong = 0.05;  // share of the regions of 95 % that may exclud
 // and the errors of the model fitted to surveyed points.
 struct Calibrated {
   RoomModel room;
-  std::vector<CalibrationPoint> spots;  // places of the device, and their channels
+  std::vector<CalibrationPoint> points;  // places of the device, and their channels
 };
 
 Calibrated calibrate() {
@@ -59,7 +59,7 @@ Calibrated calibrate() {
   }
   options.seed = 2;
   options.survey = 0.0;
-  result.spots = test::make_surveyed_room(options).points;
+  result.points = test::make_surveyed_room(options).points;
   return result;
 }
 
@@ -81,10 +81,10 @@ const Localizer& localizer(std::size_t access_points) {
   return access_points == 1 ? kOne : access_points == 2 ? kTwo : kThree;
 }
 
-Frames frames_at(const RoomModel& room, std::size_t spot) {
-  auto channels = calibrated().spots[spot].h;
+Frames frames_at(const RoomModel& room, std::size_t point) {
+  auto channels = calibrated().points[point].h;
   channels.resize(room.access_points.size());
-  return test::frames_of(room, channels, {10, 30.0, static_cast<unsigned>(spot + 1)});
+  return test::frames_of(room, channels, {10, 30.0, static_cast<unsigned>(point + 1)});
 }
 
 struct Tally {
@@ -103,12 +103,12 @@ struct Tally {
 };
 
 // Does it to the frames; returns what a warning that names it has in it.
-using Spoil = std::function<std::string(std::size_t spot, Frames& frames)>;
+using Spoil = std::function<std::string(std::size_t point, Frames& frames)>;
 Tally study(const std::string& name, const Localizer& by, const Spoil& spoil) {
   Tally tally;
-  for (std::size_t spot = 0; spot < kCases; ++spot) {
-    Frames frames = frames_at(by.room(), spot);
-    const std::string culprit = spoil(spot, frames);
+  for (std::size_t point = 0; point < kCases; ++point) {
+    Frames frames = frames_at(by.room(), point);
+    const std::string culprit = spoil(point, frames);
     const LocationEstimate estimate = by.locate(frames);
     ++tally.cases;
     if (!estimate.position) {
@@ -116,7 +116,7 @@ Tally study(const std::string& name, const Localizer& by, const Spoil& spoil) {
       ++tally.no_fix;
       continue;
     }
-    const Vec3d& truth = calibrated().spots[spot].position;
+    const Vec3d& truth = calibrated().points[point].position;
     const double error = std::hypot(estimate.position->x - truth.x, estimate.position->y - truth.y);
     // The residual probability may be anywhere: then the region of 95 % is everything.
     tally.wrong += error > estimate.accuracy_m && estimate.residual_probability < 0.05 ? 1U : 0U;
@@ -142,15 +142,15 @@ void expect_honest(const Tally& tally) {
 }
 
 // The access point with the fault, one after the other.
-std::size_t hit(const Localizer& by, std::size_t spot) {
-  return spot % by.room().access_points.size();
+std::size_t hit(const Localizer& by, std::size_t point) {
+  return point % by.room().access_points.size();
 }
-std::string name_of(const Localizer& by, std::size_t spot) {
-  return "access point " + by.room().access_points[hit(by, spot)].id;
+std::string name_of(const Localizer& by, std::size_t point) {
+  return "access point " + by.room().access_points[hit(by, point)].id;
 }
-std::uint8_t rx_chain_of(const Localizer& by, std::size_t spot) {
-  const auto& rx_chains = by.room().access_points[hit(by, spot)].rx_chains;
-  return rx_chains[(spot / by.room().access_points.size()) % rx_chains.size()];
+std::uint8_t rx_chain_of(const Localizer& by, std::size_t point) {
+  const auto& rx_chains = by.room().access_points[hit(by, point)].rx_chains;
+  return rx_chains[(point / by.room().access_points.size()) % rx_chains.size()];
 }
 
 TEST(Fault, NoFaultCausesNoAlarm) {
@@ -171,9 +171,9 @@ TEST(Fault, DeadChainIsNamedAndLeftOut) {
   for (const std::size_t access_points : {1U, 3U}) {
     const Localizer& by = localizer(access_points);
     std::mt19937 random(3);
-    const Tally tally = study("chain dead", by, [&](std::size_t spot, Frames& frames) {
-      test::kill_chain(frames, hit(by, spot), rx_chain_of(by, spot), random);
-      return name_of(by, spot) + ": the chain of core " + std::to_string(rx_chain_of(by, spot)) +
+    const Tally tally = study("chain dead", by, [&](std::size_t point, Frames& frames) {
+      test::kill_chain(frames, hit(by, point), rx_chain_of(by, point), random);
+      return name_of(by, point) + ": the chain of core " + std::to_string(rx_chain_of(by, point)) +
              " is dead";
     });
     EXPECT_EQ(tally.named + tally.no_fix, tally.cases);
@@ -192,11 +192,11 @@ TEST(Fault, WeakDevice) {
       const Tally tally =
           study("frames of " + std::to_string(std::lround(snr_db)) + " dB",
                 by,
-                [&](std::size_t spot, Frames& frames) {
-                  auto channels = calibrated().spots[spot].h;
+                [&](std::size_t point, Frames& frames) {
+                  auto channels = calibrated().points[point].h;
                   channels.resize(by.room().access_points.size());
                   frames = test::frames_of(
-                      by.room(), channels, {10, snr_db, static_cast<unsigned>(spot + 1)});
+                      by.room(), channels, {10, snr_db, static_cast<unsigned>(point + 1)});
                   return std::string();
                 });
       EXPECT_LE(tally.no_fix, 2U);
@@ -211,12 +211,12 @@ TEST(Fault, JumpedPhaseOfAChain) {
   Tally all;
   for (const std::size_t access_points : {1U, 2U, 3U}) {
     const Localizer& by = localizer(access_points);
-    const Tally tally = study("chain's phase jumped", by, [&](std::size_t spot, Frames& frames) {
+    const Tally tally = study("chain's phase jumped", by, [&](std::size_t point, Frames& frames) {
       test::turn_chain(frames,
-                       hit(by, spot),
-                       rx_chain_of(by, spot),
-                       0.5 * std::numbers::pi * static_cast<double>(1 + spot % 3));
-      return name_of(by, spot);
+                       hit(by, point),
+                       rx_chain_of(by, point),
+                       0.5 * std::numbers::pi * static_cast<double>(1 + point % 3));
+      return name_of(by, point);
     });
     all += tally;
   }
@@ -228,9 +228,9 @@ TEST(Fault, ObstructedAccessPoint) {
   Tally all;
   for (const std::size_t access_points : {1U, 2U, 3U}) {
     const Localizer& by = localizer(access_points);
-    const Tally tally = study("access point covered", by, [&](std::size_t spot, Frames& frames) {
-      test::obstruct(frames, hit(by, spot), by.room(), calibrated().spots[spot].position);
-      return name_of(by, spot);
+    const Tally tally = study("access point covered", by, [&](std::size_t point, Frames& frames) {
+      test::obstruct(frames, hit(by, point), by.room(), calibrated().points[point].position);
+      return name_of(by, point);
     });
     if (access_points > 1) {
       EXPECT_GE(tally.named, tally.cases / 2);
@@ -250,12 +250,12 @@ TEST(Fault, ChannelOfAnotherRoom) {
     for (std::size_t k = 0; k < by.room().grid.size(); ++k) {
       offset_hz.push_back(by.room().grid.offset_hz(k));
     }
-    const Tally tally = study("another room's channel", by, [&](std::size_t spot, Frames& frames) {
+    const Tally tally = study("another room's channel", by, [&](std::size_t point, Frames& frames) {
       std::vector<std::vector<std::complex<double>>> channels;
       for (std::size_t a = 0; a < by.room().access_points.size(); ++a) {
         channels.push_back(test::strange_channel(3, offset_hz, random));
       }
-      frames = test::frames_of(by.room(), channels, {10, 30.0, static_cast<unsigned>(spot + 1)});
+      frames = test::frames_of(by.room(), channels, {10, 30.0, static_cast<unsigned>(point + 1)});
       return std::string();
     });
     all += tally;
@@ -266,10 +266,10 @@ TEST(Fault, ChannelOfAnotherRoom) {
 TEST(Fault, AbsentTransmitterLeavesNoise) {
   for (const std::size_t access_points : {1U, 3U}) {
     const Localizer& by = localizer(access_points);
-    const Tally tally = study("noise alone", by, [&](std::size_t spot, Frames& frames) {
-      auto channels = calibrated().spots[spot].h;
+    const Tally tally = study("noise alone", by, [&](std::size_t point, Frames& frames) {
+      auto channels = calibrated().points[point].h;
       channels.resize(by.room().access_points.size());
-      frames = test::frames_of(by.room(), channels, {10, -40.0, static_cast<unsigned>(spot + 1)});
+      frames = test::frames_of(by.room(), channels, {10, -40.0, static_cast<unsigned>(point + 1)});
       return std::string();
     });
     EXPECT_EQ(tally.no_fix, tally.cases);
@@ -283,12 +283,12 @@ TEST(Fault, DeviceOutsideOfTheArea) {
     RoomModel half = *room_of(3);
     (upper ? half.bounds_min.x : half.bounds_max.x) = 0.0;
     const Localizer by = *Localizer::create(std::make_shared<const RoomModel>(half), {});
-    for (std::size_t spot = 0; spot < kCases; ++spot) {
-      const double x = calibrated().spots[spot].position.x;
+    for (std::size_t point = 0; point < kCases; ++point) {
+      const double x = calibrated().points[point].position.x;
       if (upper ? x > -0.3 : x < 0.3) {
         continue;
       }
-      const LocationEstimate estimate = by.locate(frames_at(half, spot));
+      const LocationEstimate estimate = by.locate(frames_at(half, point));
       ++tally.cases;
       tally.no_fix += estimate.position ? 0U : 1U;
       tally.wrong += estimate.position && estimate.residual_probability < 0.05 ? 1U : 0U;

@@ -19,19 +19,20 @@ TargetBody body() {
 }
 
 // A person at places that are stated up to 8 mm wrong.
-std::vector<PersonSpot> spots(const RoomModel& room, std::size_t count) {
-  std::vector<PersonSpot> result;
+std::vector<PersonPoint> points(const RoomModel& room, std::size_t count) {
+  std::vector<PersonPoint> result;
   for (std::size_t i = 0; i < count; ++i) {
     const auto t = static_cast<double>(i);
     const TargetPosition place{1.0 * std::sin(2.4 * t), 0.7 * std::sin(1.7 * t + 0.5)};
     const auto frames =
         test::frames_past(room, {place}, body(), {.count = 6, .seed = static_cast<unsigned>(i)});
-    PersonSpot spot{{place.x + 0.008 * std::sin(5.0 * t), place.y + 0.008 * std::cos(7.0 * t)}, {}};
+    PersonPoint point{{place.x + 0.008 * std::sin(5.0 * t), place.y + 0.008 * std::cos(7.0 * t)},
+                      {}};
     std::vector<std::string> warnings;
     for (std::size_t a = 0; a < room.access_points.size(); ++a) {
-      spot.h.push_back(preprocess_burst(room, a, frames, {}, warnings)->h);
+      point.h.push_back(preprocess_burst(room, a, frames, {}, warnings)->h);
     }
-    result.push_back(std::move(spot));
+    result.push_back(std::move(point));
   }
   return result;
 }
@@ -46,13 +47,13 @@ PersonReference displaced(const RoomModel& room) {
 
 TEST(PersonFit, FindsTheTransmitterAndTheBody) {
   const RoomModel room = test::make_room();
-  const auto received = spots(room, 20);
+  const auto received = points(room, 20);
   const auto fit = fit_person(room, displaced(room), received);
   ASSERT_TRUE(fit) << fit.error().message;
   const Vec3d off = fit->reference.transmitter.position - test::fixed_transmitter().position;
   EXPECT_LT(std::hypot(off.x, off.y), 0.004) << off.x << " " << off.y;
   EXPECT_NEAR(fit->reference.person.body.semi_axes[0], kRadius, 0.01);
-  EXPECT_EQ(fit->spots, 20U);
+  EXPECT_EQ(fit->points, 20U);
   for (const PersonLink& link : fit->reference.links) {
     EXPECT_NEAR(std::abs(link.scale), 1.0, 0.35);
   }
@@ -62,7 +63,7 @@ TEST(PersonFit, FindsTheTransmitterAndTheBody) {
 
 TEST(PersonFit, NeedsEnoughPlaces) {
   const RoomModel room = test::make_room();
-  const auto received = spots(room, 4);
+  const auto received = points(room, 4);
   const auto fit = fit_person(room, displaced(room), received);
   ASSERT_FALSE(fit);
   EXPECT_NE(fit.error().message.find("4 places"), std::string::npos) << fit.error().message;

@@ -10,12 +10,12 @@
 namespace rayloc::tempering_exponent_test {
 namespace {
 
-constexpr std::size_t kSpots = 140;
+constexpr std::size_t kPoints = 140;
 constexpr double kSigma = 0.08;  // [m], of what is estimated with the exponent 1
 constexpr std::array kOneWidth = {0.01};
 
 struct Survey {
-  KnownSpots spots;
+  KnownPlaces known;
   std::vector<Vec3d> estimated;
 };
 
@@ -24,10 +24,10 @@ Survey survey(double error, double place_sigma, unsigned seed = 1) {
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;
   Survey result{{{}, place_sigma, 12.0}, {}};
-  for (std::size_t i = 0; i < kSpots; ++i) {
+  for (std::size_t i = 0; i < kPoints; ++i) {
     const Vec3d truth{0.02 * static_cast<double>(i), 1.0, 0.0};
     result.estimated.push_back(truth + error * Vec3d{normal(random), normal(random), 0.0});
-    result.spots.places.push_back(truth + place_sigma * Vec3d{normal(random), normal(random), 0.0});
+    result.known.places.push_back(truth + place_sigma * Vec3d{normal(random), normal(random), 0.0});
   }
   return result;
 }
@@ -51,7 +51,7 @@ std::vector<TemperingExponent> evaluate_all(const Survey& survey) {
   evaluated.reserve(kExponents.size());
   for (const double exponent : kExponents) {
     evaluated.push_back(evaluate_exponent(
-        exponent, estimates(survey, exponent, 0.01), kOneWidth[0], survey.spots, kOneWidth));
+        exponent, estimates(survey, exponent, 0.01), kOneWidth[0], survey.known, kOneWidth));
   }
   return evaluated;
 }
@@ -73,7 +73,7 @@ TEST(TemperingExponent, MatchesEstimateWidthsToTheirErrors) {
 TEST(TemperingExponent, DoesNotTakeTheSurveyForAnError) {
   Survey exact = survey(kSigma, 0.1);
   EXPECT_GE(chosen(exact), 0.8);
-  exact.spots.place_sigma = 0.0;  // as if the places were certain
+  exact.known.place_sigma = 0.0;  // as if the places were certain
   EXPECT_LE(chosen(exact), 0.6);
 }
 
@@ -82,7 +82,7 @@ TEST(TemperingExponent, CalibratedRegionsHaveADishonestyOfAboutOne) {
   constexpr unsigned kSurveys = 40;
   for (unsigned seed = 0; seed < kSurveys; ++seed) {
     const Survey one = survey(std::hypot(kSigma, kOneWidth[0]), 0.0, seed);
-    sum += evaluate_exponent(1.0, estimates(one, 1.0, 0.0), kOneWidth[0], one.spots, kOneWidth)
+    sum += evaluate_exponent(1.0, estimates(one, 1.0, 0.0), kOneWidth[0], one.known, kOneWidth)
                .dishonesty;
   }
   // The statistic of Anderson and Darling has a mean of 1 and a standard deviation of 0.76.
@@ -93,20 +93,20 @@ TEST(TemperingExponent, CalibratedRegionsHaveADishonestyOfAboutOne) {
 
 TEST(TemperingExponent, FindsTheWidthThatIsLeft) {
   const Survey one = survey(std::hypot(kSigma, 0.03), 0.0);
-  const auto evaluated = evaluate_exponent(1.0, estimates(one, 1.0, 0.0), kOneWidth[0], one.spots);
+  const auto evaluated = evaluate_exponent(1.0, estimates(one, 1.0, 0.0), kOneWidth[0], one.known);
   EXPECT_GE(evaluated.sigma_floor, 0.014);
 }
 
-TEST(TemperingExponent, CountsASpotWithoutAFixAsUniform) {
+TEST(TemperingExponent, CountsAPointWithoutAFixAsUniform) {
   const Survey one = survey(kSigma, 0.0);
   auto all = estimates(one, 1.0, 0.0);
   all.front() = {};
-  const auto evaluated = evaluate_exponent(1.0, all, kOneWidth[0], one.spots, kOneWidth);
-  EXPECT_NEAR(evaluated.scores.front(), -std::log(one.spots.area), 1e-12);
+  const auto evaluated = evaluate_exponent(1.0, all, kOneWidth[0], one.known, kOneWidth);
+  EXPECT_NEAR(evaluated.scores.front(), -std::log(one.known.area), 1e-12);
 }
 
-// Worse than 0 by `mean` [nat] a spot, by 0.3 more at every other one and by 0.3 less at the rest:
-// the standard error of 20 spots is 0.07.
+// Worse than 0 by `mean` [nat] a point, by 0.3 more at every other one and by 0.3 less at the rest:
+// the standard error of 20 points is 0.07.
 TemperingExponent evaluated(double exponent, double dishonesty, double mean) {
   TemperingExponent one{exponent, 0.01, {}, -mean, dishonesty};
   for (int i = 0; i < 20; ++i) {

@@ -62,8 +62,8 @@ void print_reference(const ReferenceInputs& inputs, const LearnedReference& lear
       "person %s: radius %.3f m, strength variance %g, way variance %g, front %g m, diffuse %g, "
       "noise %g, "
       "likelihood_exponent %g\n",
-      learned.spots > 0 ? ("from " + std::to_string(learned.spots) + " places").c_str()
-                        : "as stated (no --people)",
+      learned.points > 0 ? ("from " + std::to_string(learned.points) + " places").c_str()
+                         : "as stated (no --people)",
       person.body.semi_axes[0],
       person.strength_variance,
       person.path_variance,

@@ -159,7 +159,7 @@ class RechainVerb : public ::testing::Test {
   fs::path folder_;
 };
 
-TEST_F(RechainVerb, FindsTheNewPhasesFromOneSpotThreeSpotsAndTheFixedTransmitter) {
+TEST_F(RechainVerb, FindsTheNewPhasesFromOnePointThreePointsAndTheFixedTransmitter) {
   const std::string one = write("one.csv", std::string(kHeader) + "5000,5001,0.4,-0.2,1.2\n");
   const std::string three = write("three.csv",
                                   std::string(kHeader) +
@@ -232,12 +232,12 @@ std::vector<std::vector<CalibrationWarning>> warnings_of(const std::string& site
 }
 
 TEST_F(RechainVerb, ThePipelineWarnsOfANewPowerCycleAndNotOfTheOldOne) {
-  std::string spots = kHeader;
+  std::string points = kHeader;
   for (int i = 0; i < 20; ++i) {
-    spots +=
+    points +=
         std::to_string(5000 + 2 * i) + "," + std::to_string(5000.2 + 2 * i) + ",1.2,-0.4,0.6\n";
   }
-  const std::string plug = write("plug.csv", spots);
+  const std::string plug = write("plug.csv", points);
   simulate("1", "same", plug, "plug");
   simulate("7", "other", plug, "plug");
   const auto warnings =

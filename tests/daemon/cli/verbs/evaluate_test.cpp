@@ -29,7 +29,7 @@ class EvaluatedFiles {
     return folder_ / name;
   }
 
-  // 0.3 m off at the first spot, NO_FIX at the second, nothing at the third; the clock of the
+  // 0.3 m off at the first test point, NO_FIX at the second, nothing at the third; the clock of the
   // estimates is 100 s ahead.
   std::string estimates() const {
     return file("e.jsonl",

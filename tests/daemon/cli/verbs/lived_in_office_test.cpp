@@ -76,7 +76,7 @@ std::string office_points(int columns, int rows, double shift, int start) {
 }
 
 // A regression test of the whole process: leaning devices, moved chairs and bumped access points.
-// Devices are located after the chains were renewed from three known spots or from a device that
+// Devices are located after the chains were renewed from three known points or from a device that
 // was carried about, and are not located without.
 TEST_F(LivedInOffice, IsLocatedOnTheSecondDayOnceItsChainsAreRenewed) {
   if (std::getenv("RAYLOC_LIVED_IN") == nullptr) {

@@ -206,9 +206,9 @@ class SurveyOfTwoPoints : public CalibrationInputsTest {
 TEST_F(SurveyOfTwoPoints, SelectsTheListedDeviceAmongOthers) {
   const auto inputs = read(bundled_site(), {"first", "second"});
   ASSERT_TRUE(inputs) << inputs.error().message;
-  for (const SurveyedFrames& spot : inputs->points) {
-    ASSERT_EQ(spot.frames.size(), 3U);
-    for (const CsiFrame& frame : spot.frames) {
+  for (const SurveyedFrames& surveyed : inputs->points) {
+    ASSERT_EQ(surveyed.frames.size(), 3U);
+    for (const CsiFrame& frame : surveyed.frames) {
       EXPECT_EQ(to_string(frame.transmitter), "02:52:4c:00:00:01");
     }
   }

@@ -12,7 +12,7 @@
 namespace rayloc::held_out_fixes_test {
 namespace {
 
-constexpr int kSpots = 16;
+constexpr int kPoints = 16;
 
 // A room without errors of its model, and the frames of a device received in it.
 struct Recorded {
@@ -30,7 +30,7 @@ Recorded record() {
   Recorded result{std::make_shared<const RoomModel>(std::move(room)), {}, {}};
   std::mt19937 random(1);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
-  for (int i = 0; i < kSpots; ++i) {
+  for (int i = 0; i < kPoints; ++i) {
     const double x = 1.2 * uniform(random);
     result.places.push_back({x, 0.8 * uniform(random), 1.2});
     result.frames.push_back(test::frames_at(
@@ -44,18 +44,18 @@ const Recorded& recorded() {
   return kRecorded;
 }
 
-// The results for each tried exponent, with spots whose stated positions have an error of `survey`
+// The results for each tried exponent, with points whose stated positions have an error of `survey`
 // [m] on the x and y axes.
 std::vector<HeldOutFixes> fit_all(double survey, double survey_sigma) {
   std::mt19937 random(7);
   std::normal_distribution<double> normal;
-  std::vector<HeldOutSpot> spots;
+  std::vector<HeldOutPoint> points;
   for (std::size_t i = 0; i < recorded().places.size(); ++i) {
     const double x = survey * normal(random);
-    spots.push_back(
+    points.push_back(
         {recorded().places[i] + Vec3d{x, survey * normal(random), 0.0}, recorded().frames[i]});
   }
-  return fit_certainty_of(recorded().room, spots, survey_sigma).value();
+  return fit_certainty_of(recorded().room, points, survey_sigma).value();
 }
 
 HeldOutFixes fit(double survey, double survey_sigma) {
@@ -64,7 +64,7 @@ HeldOutFixes fit(double survey, double survey_sigma) {
 
 TEST(HeldOutFixes, PositionsOfARoomThatIsAsItsModelAreStatedToMillimetres) {
   const HeldOutFixes fixes = fit(0.0, 0.0);
-  EXPECT_EQ(fixes.fixes, static_cast<std::size_t>(kSpots));
+  EXPECT_EQ(fixes.fixes, static_cast<std::size_t>(kPoints));
   EXPECT_LT(fixes.median_error_m.value(), 0.01);
   EXPECT_LE(fixes.sigma_floor, 0.007);
 }
@@ -75,7 +75,7 @@ TEST(HeldOutFixes, TheExponentIsNotAboveTheModelAndItsRegionsHonest) {
   const HeldOutFixes fixes = fit(0.01, 0.01);
   EXPECT_LE(fixes.likelihood_exponent, 0.8);
   EXPECT_LT(fixes.dishonesty, 3.9);  // calibrated regions are below it in 99 of 100 cases
-  // With wrong positions of the spots, the regions are wrong at the highest exponent.
+  // With wrong positions of the points, the regions are wrong at the highest exponent.
   const std::vector<HeldOutFixes> displaced = fit_all(0.3, 0.0);
   const auto sure = std::max_element(
       displaced.begin(), displaced.end(), [](const HeldOutFixes& a, const HeldOutFixes& b) {
@@ -93,26 +93,26 @@ TEST(HeldOutFixes, ErrorsOfTheSurveyDoNotWidenTheRegions) {
 }
 
 // A survey at two heights gives more information on the room; a fix assumes one height.
-TEST(HeldOutFixes, SpotsAtOtherHeightsDoNotCount) {
-  std::vector<HeldOutSpot> spots;
+TEST(HeldOutFixes, PointsAtOtherHeightsDoNotCount) {
+  std::vector<HeldOutPoint> points;
   for (std::size_t i = 0; i < recorded().places.size(); ++i) {
-    spots.push_back({recorded().places[i], recorded().frames[i]});
-    // Fixes of these frames are right, and they would be a metre off this spot.
-    spots.push_back({recorded().places[i] + Vec3d{1.0, 0.0, 0.4}, recorded().frames[i]});
+    points.push_back({recorded().places[i], recorded().frames[i]});
+    // Fixes of these frames are right, and they would be a metre off this point.
+    points.push_back({recorded().places[i] + Vec3d{1.0, 0.0, 0.4}, recorded().frames[i]});
   }
-  const HeldOutFixes fixes = fit_certainty_of(recorded().room, spots, 0.0).value().back();
-  EXPECT_EQ(fixes.points, static_cast<std::size_t>(kSpots));
+  const HeldOutFixes fixes = fit_certainty_of(recorded().room, points, 0.0).value().back();
+  EXPECT_EQ(fixes.points, static_cast<std::size_t>(kPoints));
   EXPECT_LT(fixes.median_error_m.value(), 0.01);
   EXPECT_LE(fixes.sigma_floor, 0.007);
-  const std::vector<HeldOutSpot> displaced{spots[1], spots[3]};
+  const std::vector<HeldOutPoint> displaced{points[1], points[3]};
   const HeldOutFixes none = fit_certainty_of(recorded().room, displaced, 0.0).value().back();
   EXPECT_EQ(none.points, 0U);
   EXPECT_FALSE(none.median_error_m);
   EXPECT_EQ(none.sigma_floor, recorded().room->sigma_floor);
 }
 
-TEST(HeldOutFixes, FewSpotsLeaveTheCertaintyUnchanged) {
-  const HeldOutSpot alone{recorded().places.front(), recorded().frames.front()};
+TEST(HeldOutFixes, FewPointsLeaveTheCertaintyUnchanged) {
+  const HeldOutPoint alone{recorded().places.front(), recorded().frames.front()};
   const auto fixes = fit_certainty_of(recorded().room, std::vector(3, alone), 0.005);
   ASSERT_TRUE(fixes);
   ASSERT_EQ(fixes->size(), 1U);

@@ -19,7 +19,7 @@ const MacAddress kPhone = *parse_mac_address("02:52:4c:00:00:02");
 constexpr std::size_t kReceivedBy = 2;
 constexpr double kDiffuse = 0.4;  // as fitted, not as the room has it
 
-// Every spot has the power that is traced there, 30 dB lower, and every second one is 2 dB above
+// Every point has the power that is traced there, 30 dB lower, and every second one is 2 dB above
 // that, the others 2 dB below.
 class PowerOffsetStage : public ::testing::Test {
  protected:
@@ -57,9 +57,9 @@ class PowerOffsetStage : public ::testing::Test {
     site_.transmitters[1].constant_power = true;
   }
 
-  std::vector<TransmitterPower> fit(std::size_t spots = 12) {
-    std::vector<HeldOutSpot> received;
-    for (std::size_t i = 0; i < spots; ++i) {
+  std::vector<TransmitterPower> fit(std::size_t points = 12) {
+    std::vector<HeldOutPoint> received;
+    for (std::size_t i = 0; i < points; ++i) {
       received.push_back({places_[i], frames_[i]});
     }
     return fit_power_offsets(site_, room_, result_, received, refused_);

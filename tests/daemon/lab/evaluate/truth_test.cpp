@@ -30,13 +30,13 @@ std::vector<double> answers(const std::vector<TruthPoint>& truth,
   return xs;
 }
 
-TEST(Truth, ReadsSpotsAndInstants) {
-  const auto spots = read("t_start,t_end,x,y,z,los\n10.5,11,1,2,3,0\n");
-  ASSERT_TRUE(spots) << spots.error().message;
-  EXPECT_FALSE(spots->at(0).instant);
-  EXPECT_EQ(spots->at(0).begin.time_since_epoch(), 10500ms);
-  EXPECT_EQ(spots->at(0).end.time_since_epoch(), 11s);
-  EXPECT_EQ(spots->at(0).position, (Vec3d{1, 2, 3}));
+TEST(Truth, ReadsPointsAndInstants) {
+  const auto points = read("t_start,t_end,x,y,z,los\n10.5,11,1,2,3,0\n");
+  ASSERT_TRUE(points) << points.error().message;
+  EXPECT_FALSE(points->at(0).instant);
+  EXPECT_EQ(points->at(0).begin.time_since_epoch(), 10500ms);
+  EXPECT_EQ(points->at(0).end.time_since_epoch(), 11s);
+  EXPECT_EQ(points->at(0).position, (Vec3d{1, 2, 3}));
 
   const auto instants = read("t,x,y,z\n10.5,1,2,3\n10.6,1,2,4\n");
   ASSERT_TRUE(instants) << instants.error().message;
@@ -55,7 +55,7 @@ TEST(Truth, ErrorsNameFileLineAndColumn) {
             "t_start,t_end,x,y,z");
 }
 
-TEST(Truth, ASpotTakesTheLastEstimateUpToATenthOfASecondAfterIt) {
+TEST(Truth, APointTakesTheLastEstimateUpToATenthOfASecondAfterIt) {
   const std::vector<TruthPoint> truth{{Timestamp(10s), Timestamp(11s), false, {}},
                                       {Timestamp(20s), Timestamp(21s), false, {}},
                                       {Timestamp(30s), Timestamp(31s), false, {}}};

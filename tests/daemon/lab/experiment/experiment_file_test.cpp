@@ -41,7 +41,7 @@ TEST(ExperimentFile, ValuesAreHeldAndListsAreAxes) {
   EXPECT_EQ(fifth.boxes, 4.0);
   EXPECT_EQ(fifth.paper_options().descent.alpha, 1.0);
   EXPECT_FALSE(fifth.paper_options().descent.is_smoothed);
-  EXPECT_EQ(fifth.spots, 3.0);
+  EXPECT_EQ(fifth.test_points, 3.0);
   EXPECT_EQ(fifth.room, "folder/rooms/a.toml");
   EXPECT_EQ(experiment.seed, 1U);
 }
@@ -51,7 +51,7 @@ TEST(ExperimentFile, WithoutListsThereIsOneCondition) {
   EXPECT_EQ(study.conditions.size(), 1U);
   EXPECT_TRUE(study.axes.empty());
   EXPECT_EQ(study.over, "");
-  EXPECT_EQ(study.conditions.front().spots, 7.0);
+  EXPECT_EQ(study.conditions.front().test_points, 7.0);
 }
 
 TEST(ExperimentFile, ChartsRunOverTheAxisThatIsNamed) {

@@ -22,7 +22,7 @@ class LivedInStudy : public ::testing::Test {
  protected:
   LivedInStudy() : folder_("lived-in-test"), condition_(default_condition()) {
     condition_.room = folder_.path() / "room.toml";
-    condition_.spots = 3;
+    condition_.test_points = 3;
     condition_.frames = 1;
     condition_.depth = 1;
   }
@@ -31,9 +31,9 @@ class LivedInStudy : public ::testing::Test {
     EXPECT_TRUE(layouts) << layouts.error().message;
     return std::move(layouts->front());
   }
-  // The first row of CSI of the first frame at the first spot.
+  // The first row of CSI of the first frame at the first test point.
   static std::vector<std::complex<float>> received(const StudyLayout& layout) {
-    const auto row = layout.spots.at(0).frames.at(0).csi.row(0, 0);
+    const auto row = layout.test_points.at(0).frames.at(0).csi.row(0, 0);
     return {row.begin(), row.end()};
   }
   Expected<Experiment> experiment(const std::string& study) const {
@@ -54,22 +54,22 @@ class LivedInStudy : public ::testing::Test {
 };
 
 TEST_F(LivedInStudy, HeightsAreDrawnAroundTheModelHeight) {
-  condition_.spots = 400;
+  condition_.test_points = 400;
   condition_.depth = 0;
   const StudyLayout flat = world();
   condition_.height_sigma_m = 0.3;
   const StudyLayout layout = world();
   double sum = 0.0;
   double squares = 0.0;
-  for (const StudySpot& spot : layout.spots) {
-    EXPECT_GE(spot.position.z, 0.1);
-    EXPECT_LE(spot.position.z, 2.4);
-    sum += spot.position.z - 1.2;
-    squares += std::pow(spot.position.z - 1.2, 2);
+  for (const StudyPoint& test_point : layout.test_points) {
+    EXPECT_GE(test_point.position.z, 0.1);
+    EXPECT_LE(test_point.position.z, 2.4);
+    sum += test_point.position.z - 1.2;
+    squares += std::pow(test_point.position.z - 1.2, 2);
   }
   EXPECT_NEAR(sum / 400, 0.0, 3 * 0.3 / 20);
   EXPECT_NEAR(std::sqrt(squares / 400), 0.3, 3 * 0.3 / 28);
-  EXPECT_EQ(layout.spots[0].position.x, flat.spots[0].position.x);
+  EXPECT_EQ(layout.test_points[0].position.x, flat.test_points[0].position.x);
   EXPECT_EQ(layout.model.device.height, 1.2);
   EXPECT_EQ(layout.model.device.height_sigma, 0.0);
   EXPECT_NE(received(layout), received(flat));
@@ -87,7 +87,7 @@ TEST_F(LivedInStudy, TiltsAndPowersChangeReceivedFramesButNotPositions) {
   condition_.power_sigma_db = 4;
   const StudyLayout varied = world();
   for (const StudyLayout* other : {&tilted, &varied}) {
-    EXPECT_EQ(other->spots[0].position, plain.spots[0].position);
+    EXPECT_EQ(other->test_points[0].position, plain.test_points[0].position);
     EXPECT_NE(received(*other), received(plain));
   }
 }

@@ -1,5 +1,5 @@
-// Tests deploy/experiments/paper_figures.toml in a form of two spots: every system has its row, and
-// conditions outside its domain state the reason.
+// Tests deploy/experiments/paper_figures.toml in a form of two test points: every system has its
+// row, and conditions outside its domain state the reason.
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -24,7 +24,7 @@ std::string content(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-// One room, two spots, twelve points, one epoch, hardly any descent.
+// One room, two test points, twelve points, one epoch, hardly any descent.
 std::string short_form() {
   std::string text = content(test::source_path("/deploy/experiments/paper_figures.toml"));
   const auto replace = [&](const char* pattern, const std::string& by) {

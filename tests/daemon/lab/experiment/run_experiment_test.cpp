@@ -59,7 +59,7 @@ TEST_F(RunExperiment, ComparesMethodsOnTheSameWorld) {
   EXPECT_EQ(reported_, 4);
   const ConditionResult& ours = results[0].conditions[0];
   const ConditionResult& papers = results[0].conditions[1];
-  EXPECT_EQ(ours.points.size(), 6U);  // 3 spots, twice
+  EXPECT_EQ(ours.points.size(), 6U);  // 3 test points, twice
   EXPECT_LT(ours.statistics.median_m, 0.15);
   EXPECT_TRUE(ours.statistics.coverage_95.has_value());
   EXPECT_GT(papers.statistics.median_m, ours.statistics.median_m);

@@ -102,7 +102,7 @@ class SimulateWorld : public ::testing::Test {
  protected:
   SimulateWorld() : folder_("world-test"), condition_(default_condition()) {
     condition_.room = folder_.path() / "room.toml";
-    condition_.spots = 3;
+    condition_.test_points = 3;
     condition_.frames = 2;
     condition_.depth = 1;
   }
@@ -110,39 +110,39 @@ class SimulateWorld : public ::testing::Test {
   Condition condition_;
 };
 
-TEST_F(SimulateWorld, ReceivesEverySpotAtEveryAccessPoint) {
+TEST_F(SimulateWorld, ReceivesEveryPointAtEveryAccessPoint) {
   condition_.access_points = 2;
   condition_.layouts = 2;
   const auto layouts = simulate_world(condition_, 1);
   ASSERT_TRUE(layouts) << layouts.error().message;
   ASSERT_EQ(layouts->size(), 2U);
   for (const StudyLayout& layout : *layouts) {
-    ASSERT_EQ(layout.spots.size(), 3U);
-    for (const StudySpot& spot : layout.spots) {
-      EXPECT_EQ(spot.frames.size(), 4U);
-      EXPECT_DOUBLE_EQ(spot.position.z, 1.2);
+    ASSERT_EQ(layout.test_points.size(), 3U);
+    for (const StudyPoint& test_point : layout.test_points) {
+      EXPECT_EQ(test_point.frames.size(), 4U);
+      EXPECT_DOUBLE_EQ(test_point.position.z, 1.2);
     }
     for (const RoomAccessPoint& ap : layout.model.access_points) {
       EXPECT_EQ(ap.gains.gain.size(), 3 * layout.model.grid.size());
     }
   }
-  EXPECT_NE((*layouts)[0].spots[0].position, (*layouts)[1].spots[0].position);
+  EXPECT_NE((*layouts)[0].test_points[0].position, (*layouts)[1].test_points[0].position);
 }
 
-TEST_F(SimulateWorld, SpotsAreWhereTheyWereAskedFor) {
+TEST_F(SimulateWorld, PointsAreWhereTheyWereAskedFor) {
   const Vec3d ap{0.3, 0.3, 1.2};
   condition_.distance_m = 2.0;
   const auto at_distance = simulate_world(condition_, 1);
   ASSERT_TRUE(at_distance) << at_distance.error().message;
-  for (const StudySpot& spot : at_distance->front().spots) {
-    EXPECT_NEAR(norm(spot.position - ap), 2.0, 0.25);
+  for (const StudyPoint& test_point : at_distance->front().test_points) {
+    EXPECT_NEAR(norm(test_point.position - ap), 2.0, 0.25);
   }
   condition_.distance_m = 0.0;
   condition_.sight = "nlos";
   const auto hidden = simulate_world(condition_, 1);
   ASSERT_TRUE(hidden) << hidden.error().message;
-  for (const StudySpot& spot : hidden->front().spots) {
-    EXPECT_TRUE(hidden->front().model.scene->is_blocked({ap, spot.position}));
+  for (const StudyPoint& test_point : hidden->front().test_points) {
+    EXPECT_TRUE(hidden->front().model.scene->is_blocked({ap, test_point.position}));
   }
   condition_.distance_m = 40.0;
   EXPECT_THAT(simulate_world(condition_, 1).error().message,
@@ -157,11 +157,11 @@ TEST_F(SimulateWorld, ReceivesAFixedTransmitterWithAndWithoutPeople) {
   const StudyLayout& layout = layouts->front();
   ASSERT_TRUE(layout.transmitter);
   EXPECT_EQ(layout.empty.size(), 40U);
-  for (const StudySpot& spot : layout.spots) {
-    EXPECT_EQ(spot.frames.size(), 4U);
-    EXPECT_GT(norm(spot.position - layout.transmitter->position), condition_.person_radius_m);
+  for (const StudyPoint& test_point : layout.test_points) {
+    EXPECT_EQ(test_point.frames.size(), 4U);
+    EXPECT_GT(norm(test_point.position - layout.transmitter->position), condition_.person_radius_m);
   }
-  EXPECT_GT(layout.spots.front().frames.front().time, layout.empty.back().time);
+  EXPECT_GT(layout.test_points.front().frames.front().time, layout.empty.back().time);
   condition_.kind = "device";
   EXPECT_FALSE(simulate_world(condition_, 1)->front().transmitter);
 }

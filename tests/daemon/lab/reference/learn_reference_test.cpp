@@ -79,7 +79,7 @@ TEST(LearnReference, LearnsTheLinksOfTheEmptyRoom) {
   EXPECT_EQ(reference.person.body.semi_axes[0], 0.18) << "as the site states";
   const Vec3d moved = reference.transmitter.position - kPlace;
   EXPECT_LT(std::hypot(moved.x, moved.y), 0.01);
-  EXPECT_EQ(learned->spots, 0U);
+  EXPECT_EQ(learned->points, 0U);
   EXPECT_TRUE(learned->changes.empty());
   EXPECT_TRUE(learned->refused.empty());
   EXPECT_EQ(learned->room.calibration_id, "0123456789abcdef");

@@ -30,17 +30,17 @@ CaptureOptions options_with(const Impairments& impairments) {
   return options;
 }
 
-SimulatedSpot spot_with(int frames) {
-  SimulatedSpot spot{2, kPlace, {}};
+SimulatedPoint test_point_with(int frames) {
+  SimulatedPoint test_point{2, kPlace, {}};
   for (int n = 0; n < frames; ++n) {
-    spot.frames.push_back({Timestamp(milliseconds(1000 + 10 * n)),
-                           static_cast<std::uint16_t>(16 * n),
-                           static_cast<std::uint64_t>(n)});
+    test_point.frames.push_back({Timestamp(milliseconds(1000 + 10 * n)),
+                                 static_cast<std::uint16_t>(16 * n),
+                                 static_cast<std::uint64_t>(n)});
   }
-  return spot;
+  return test_point;
 }
 
-std::vector<CsiFrame> receive(const SpotCapture& capture) {
+std::vector<CsiFrame> receive(const PointCapture& capture) {
   test::Recording recording;
   for (const SimulatedDatagram& datagram : capture.datagrams) {
     recording.push_back({datagram.time, datagram.payload});
@@ -52,7 +52,7 @@ std::vector<CsiFrame> receive(const SpotCapture& capture) {
 TEST(CaptureSimulator, WithoutImpairmentsTheDecoderGivesTheTracersChannel) {
   const RoomModel room = test::make_room();
   CaptureSimulator simulator(room, 1, options_with(no_impairments()));
-  const auto frames = receive(*simulator.capture(spot_with(3)));
+  const auto frames = receive(*simulator.capture(test_point_with(3)));
   ASSERT_EQ(frames.size(), 3U);
 
   const RoomAccessPoint& ap = room.access_points[1];
@@ -89,12 +89,12 @@ TEST(CaptureSimulator, HopsGiveTheChannelAtEachFrequency) {
     ASSERT_TRUE(other);
     rooms[i].scene = std::make_shared<const Scene>(*std::move(other));
   }
-  SimulatedSpot spot = spot_with(6);
-  for (std::size_t n = 0; n < spot.frames.size(); ++n) {
-    spot.frames[n].channel = n % 3;
+  SimulatedPoint test_point = test_point_with(6);
+  for (std::size_t n = 0; n < test_point.frames.size(); ++n) {
+    test_point.frames[n].channel = n % 3;
   }
   CaptureSimulator simulator(rooms, 0, options_with(no_impairments()));
-  auto frames = receive(*simulator.capture(spot));
+  auto frames = receive(*simulator.capture(test_point));
   std::sort(frames.begin(), frames.end(), [](const CsiFrame& a, const CsiFrame& b) {
     return a.time < b.time;  // the first ones wait for a time-out
   });
@@ -103,7 +103,7 @@ TEST(CaptureSimulator, HopsGiveTheChannelAtEachFrequency) {
     const RoomModel& room = rooms[n % 3];
     EXPECT_EQ(frames[n].channel, (RadioChannel{room.grid.centre_hz, 40}));
     EXPECT_EQ(frames[n].sequence, frames[0].sequence + static_cast<int>(n));
-    SimulatedSpot alone = spot_with(1);
+    SimulatedPoint alone = test_point_with(1);
     const auto there =
         receive(*CaptureSimulator(room, 0, options_with(no_impairments())).capture(alone));
     ASSERT_EQ(there.size(), 1U);
@@ -117,11 +117,11 @@ TEST(CaptureSimulator, HopsGiveTheChannelAtEachFrequency) {
 
 TEST(CaptureSimulator, FramesOfAHopHaveNoiseOfTheirOwn) {
   const std::vector<RoomModel> rooms(2, test::make_room());
-  SimulatedSpot spot = spot_with(2);
-  spot.frames[1].channel = 1;
+  SimulatedPoint test_point = test_point_with(2);
+  test_point.frames[1].channel = 1;
   CaptureSimulator simulator(rooms, 0, options_with(default_impairments()));
   EXPECT_EQ(simulator.chains(0).gain, simulator.chains(1).gain);
-  const auto frames = receive(*simulator.capture(spot));
+  const auto frames = receive(*simulator.capture(test_point));
   ASSERT_EQ(frames.size(), 2U);
   const auto first = frames[0].csi.row(0, 0);
   const auto second = frames[1].csi.row(0, 0);
@@ -131,7 +131,7 @@ TEST(CaptureSimulator, FramesOfAHopHaveNoiseOfTheirOwn) {
 TEST(CaptureSimulator, DecodesToTheSimulatedFrames) {
   const RoomModel room = test::make_room();
   CaptureSimulator simulator(room, 0, options_with(default_impairments()));
-  const auto frames = receive(*simulator.capture(spot_with(2)));
+  const auto frames = receive(*simulator.capture(test_point_with(2)));
   ASSERT_EQ(frames.size(), 2U);
   EXPECT_EQ(frames[0].transmitter, (MacAddress{{2, 0x52, 0x4c, 0, 0, 7}}));
   EXPECT_EQ(frames[0].phy, PhyFormat::kVht);
@@ -156,7 +156,7 @@ TEST(CaptureSimulator, RoughWallsScatterWhereThatIsAskedFor) {
     options.trace.diffuse = diffuse;
     options.seed = seed;
     CaptureSimulator simulator(room, 1, options);
-    const auto frames = receive(*simulator.capture(spot_with(1)));
+    const auto frames = receive(*simulator.capture(test_point_with(1)));
     std::vector<Value> h;
     for (std::size_t rx_chain = 0; rx_chain < frames.at(0).rx_chains.size(); ++rx_chain) {
       for (const auto& value : frames[0].csi.row(rx_chain, 0)) {
@@ -192,7 +192,7 @@ TEST_P(CaptureOfChannel, ComesBackOnAllItsTones) {
   CaptureOptions options = options_with(impairments);
   options.bandwidth_mhz = GetParam().bandwidth_mhz;
   CaptureSimulator simulator(room, 2, options);
-  const auto frames = receive(*simulator.capture(spot_with(1)));
+  const auto frames = receive(*simulator.capture(test_point_with(1)));
   ASSERT_EQ(frames.size(), 1U);
   EXPECT_EQ(frames[0].phy, GetParam().phy);
   EXPECT_EQ(frames[0].bandwidth_mhz, GetParam().bandwidth_mhz);
@@ -232,7 +232,7 @@ TEST(CaptureSimulator, TheSameSeedGivesTheSameBytes) {
     CaptureOptions options = options_with(default_impairments());
     options.seed = seed;
     std::vector<std::vector<std::byte>> payloads;
-    auto received = CaptureSimulator(room, access_point, options).capture(spot_with(2));
+    auto received = CaptureSimulator(room, access_point, options).capture(test_point_with(2));
     for (auto& datagram : received->datagrams) {
       payloads.push_back(std::move(datagram.payload));
     }
@@ -247,7 +247,7 @@ TEST(CaptureSimulator, LosesTheStatedShareOfDatagramsAndCountsThem) {
   Impairments impairments = no_impairments();
   impairments.loss_share = 0.2;
   CaptureSimulator simulator(room, 0, options_with(impairments));
-  const SpotCapture capture = *simulator.capture(spot_with(500));
+  const PointCapture capture = *simulator.capture(test_point_with(500));
   EXPECT_EQ(capture.datagrams.size() + capture.lost, 1500U);
   EXPECT_NEAR(static_cast<double>(capture.lost), 300.0, 3 * 15.5);
 }
@@ -256,9 +256,9 @@ TEST(CaptureSimulator, LosesTheStatedShareOfDatagramsAndCountsThem) {
 TEST(CaptureSimulator, CountsNoPathFromOutsideOfTheRoom) {
   const RoomModel room = test::make_room();
   CaptureSimulator simulator(room, 0, options_with(default_impairments()));
-  SimulatedSpot outside = spot_with(1);
+  SimulatedPoint outside = test_point_with(1);
   outside.position = {9.0, 0.0, 1.2};
-  const SpotCapture capture = *simulator.capture(outside);
+  const PointCapture capture = *simulator.capture(outside);
   EXPECT_EQ(capture.paths, 0U);
   EXPECT_EQ(capture.datagrams.size(), 3U);
 }

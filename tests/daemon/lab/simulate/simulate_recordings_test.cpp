@@ -59,7 +59,7 @@ TEST_F(SimulateRecordings, ReturnsTheTruthAndReportsToTheObserver) {
   ASSERT_EQ(truth->captures.size(), 1U);
   EXPECT_THAT(truth->captures[0].lines_without_path, ElementsAre(3));
   EXPECT_GT(truth->captures[0].datagrams, 0U);
-  EXPECT_EQ(truth->spots.size(), 2U);
+  EXPECT_EQ(truth->test_points.size(), 2U);
   EXPECT_FALSE(truth->is_walk);
   EXPECT_FALSE(truth->day);
   EXPECT_THAT(notes, ElementsAre(HasSubstr("no path reaches ap1 from 1 points")));

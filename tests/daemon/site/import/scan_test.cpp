@@ -132,10 +132,10 @@ double matched_power(const std::shared_ptr<const Scene>& truth,
   constexpr double kNear = 0.15;  // [m]
   double power = 0.0;
   double matched = 0.0;
-  const std::vector<Vec3d> spots{
+  const std::vector<Vec3d> points{
       {0.9, -0.8, 1.2}, {-0.4, 0.6, 1.0}, {1.2, 0.4, 1.2}, {-0.9, -0.3, 1.3}};
   const std::vector<Vec3d> access_points{{-1.4, 1.05, 2.2}, {1.4, -1.1, 2.2}};
-  for (const Vec3d& tx : spots) {
+  for (const Vec3d& tx : points) {
     for (const Vec3d& rx : access_points) {
       const auto paths = [&](const std::shared_ptr<const Scene>& scene) {
         return PathTracer(scene, {.max_depth = 2}).trace(Transmitter{{tx, {}}}, Receiver{{rx, {}}});

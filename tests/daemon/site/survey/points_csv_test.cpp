@@ -147,7 +147,7 @@ TEST(Field, PointsThatAreTooLongAreNotReadIntoMemory) {
   std::filesystem::remove(file);
 }
 
-TEST(Field, PointsOfMoreSpotsThanAPersonWalksAreRefused) {
+TEST(Field, MorePointsThanAPersonWalksAreRefused) {
   const std::string file = ::testing::TempDir() + "field_points_too_many.csv";
   std::ofstream stream(file);
   stream << kHeader;

@@ -1,4 +1,4 @@
-#include "engine/likelihood/spot_arrays.h"
+#include "engine/likelihood/point_arrays.h"
 
 #include <cmath>
 
@@ -15,21 +15,21 @@ double power(const std::vector<std::complex<double>>& h) {
 
 }  // namespace
 
-SpotArrays::SpotArrays(const RoomModel& room, std::size_t access_point)
+PointArrays::PointArrays(const RoomModel& room, std::size_t access_point)
     : room_(room),
       aligner_(room.grid),
       access_point_(room.access_points.at(access_point)),
       model_(room.grid, access_point_.rx_chains.size()),
       tracer_(PathTracer(room.scene, room.trace).at(array_origin<Receiver>(access_point_.array))) {}
 
-std::vector<Ray> SpotArrays::rays(const Vec3d& position, const DeviceModel& device) const {
+std::vector<Ray> PointArrays::rays(const Vec3d& position, const DeviceModel& device) const {
   const Transmitter transmitter{{position, {}, device.pattern, device.polarization}};
   return rays_of(tracer_.trace(transmitter), room_, position, kMaxRays);
 }
 
-std::vector<std::complex<double>> SpotArrays::expected(const std::vector<Ray>& rays,
-                                                       double plan_tolerance,
-                                                       const ArrayMotion& motion) const {
+std::vector<std::complex<double>> PointArrays::expected(const std::vector<Ray>& rays,
+                                                        double plan_tolerance,
+                                                        const ArrayMotion& motion) const {
   AntennaArray array = access_point_.array;
   array.pose.orientation.yaw += motion.yaw;
   std::vector<Vec3d> offsets;
@@ -41,7 +41,7 @@ std::vector<std::complex<double>> SpotArrays::expected(const std::vector<Ray>& r
   return model_.expected({rays, offsets, 0.0}, error);
 }
 
-double SpotArrays::known_share(const std::vector<Ray>& rays, double plan_tolerance) const {
+double PointArrays::known_share(const std::vector<Ray>& rays, double plan_tolerance) const {
   double known = 0.0;
   double whole = 0.0;
   for (const Ray& ray : rays) {
@@ -51,10 +51,10 @@ double SpotArrays::known_share(const std::vector<Ray>& rays, double plan_toleran
   return whole > 0.0 ? known / whole : 0.0;
 }
 
-std::vector<double> SpotArrays::place_phase_sigma(const Vec3d& position,
-                                                  const DeviceModel& device,
-                                                  double plan_tolerance,
-                                                  double place_sigma) const {
+std::vector<double> PointArrays::place_phase_sigma(const Vec3d& position,
+                                                   const DeviceModel& device,
+                                                   double plan_tolerance,
+                                                   double place_sigma) const {
   const std::size_t tones = room_.grid.size();
   const auto here = expected(rays(position, device), plan_tolerance);
   std::vector<double> sigma(access_point_.rx_chains.size());

@@ -1,4 +1,4 @@
-// SpotArrays: the array that a calibrated room predicts for a transmitter at a known position.
+// PointArrays: the array that a calibrated room predicts for a transmitter at a known position.
 #pragma once
 
 #include <complex>
@@ -21,9 +21,9 @@ struct ArrayMotion {
 };
 
 // Thread safety: const members may be used from many threads.
-class SpotArrays {
+class PointArrays {
  public:
-  SpotArrays(const RoomModel& room, std::size_t access_point);
+  PointArrays(const RoomModel& room, std::size_t access_point);
 
   // The paths from the position to the centre of the array; empty if no ray arrives.
   std::vector<Ray> rays(const Vec3d& position, const DeviceModel& device) const;

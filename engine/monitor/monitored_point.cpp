@@ -1,4 +1,4 @@
-#include "engine/monitor/monitored_spot.h"
+#include "engine/monitor/monitored_point.h"
 
 #include <cmath>
 #include <cstddef>
@@ -10,19 +10,19 @@ double phase_difference(double phase, double other) {
   return std::remainder(phase - other, 2.0 * std::numbers::pi);
 }
 
-void settle(MonitoredSpot& spot, const std::vector<std::complex<double>>& phasor) {
-  if (spot.settled) {
+void settle(MonitoredPoint& point, const std::vector<std::complex<double>>& phasor) {
+  if (point.settled) {
     return;
   }
-  bool agrees = !spot.usual.empty();
+  bool agrees = !point.usual.empty();
   for (std::size_t m = 1; agrees && m < phasor.size(); ++m) {
     const double now = std::arg(phasor[m] * std::conj(phasor[0]));
-    const double before = std::arg(spot.usual[m] * std::conj(spot.usual[0]));
+    const double before = std::arg(point.usual[m] * std::conj(point.usual[0]));
     agrees = std::abs(phase_difference(now, before)) < 0.5 * CalibrationMonitor::kJump;
   }
-  spot.settled = agrees;
+  point.settled = agrees;
   if (!agrees) {
-    spot.usual = phasor;
+    point.usual = phasor;
   }
 }
 
