@@ -17,7 +17,7 @@ struct DrawnLoss {
   LossInPlan loss;
 };
 
-double square_in_plan(const Vec3d& a, const Vec3d& b) {
+double squared_plan_distance(const Vec3d& a, const Vec3d& b) {
   const double x = a.x - b.x;
   const double y = a.y - b.y;
   return x * x + y * y;
@@ -48,7 +48,7 @@ std::array<double, 2> smoothed_gradient(const std::vector<DrawnLoss>& samples,
   std::array<double, 2> gradient{};
   const double share = 1.0 / static_cast<double>(samples.size());
   for (const DrawnLoss& sample : samples) {
-    const double square = square_in_plan(sample.position, centre);
+    const double square = squared_plan_distance(sample.position, centre);
     const double weight = share * std::exp(-0.5 * square / (deviation * deviation)) *
                           std::exp(-alpha * sample.loss.value);
     gradient[0] += weight * sample.loss.by_x;
@@ -62,7 +62,8 @@ double decay_of_deviation(const std::vector<DrawnLoss>& samples,
                           double alpha) {
   const auto nearest =
       std::min_element(samples.begin(), samples.end(), [&](const DrawnLoss& a, const DrawnLoss& b) {
-        return square_in_plan(a.position, centre) < square_in_plan(b.position, centre);
+        return squared_plan_distance(a.position, centre) <
+               squared_plan_distance(b.position, centre);
       });
   // B is in [0, 1], so no exponential overflows.
   const auto exponential = [&](const DrawnLoss& sample) {

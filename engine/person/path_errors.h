@@ -5,7 +5,7 @@
 //   sum_q g_q g_q^H o K_q
 //
 // g_q holds the rays of path q at all antennas. They were traced for one place, and their relative
-// phases change if the body is at another place in its square: K_q is their remaining coherence,
+// phases change if the body is at another place in its patch: K_q is their remaining coherence,
 // averaged over the places.
 #pragma once
 

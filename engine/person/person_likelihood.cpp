@@ -72,7 +72,7 @@ void add_samples(const ScatteredRay& ray,
   }
 }
 
-// W of a square for its detailed evaluation.
+// W of a patch for its detailed evaluation.
 Eigen::MatrixXcd whitener_of(const PersonPlace& place) {
   const auto n = static_cast<Index>(place.close.mean.size() / place.mean_power.size());
   Eigen::MatrixXcd whitener = Eigen::MatrixXcd::Zero(n, n);
@@ -287,7 +287,7 @@ PersonGaussian PersonLikelihood::changed(double share, const PersonModel& model)
   return gaussian_of(std::move(sigma), empty_, model);
 }
 
-// Sums the covariances of the people's squares, without the noise and the delay that every Gaussian
+// Sums the covariances of the people's patches, without the noise and the delay that every Gaussian
 // has; keeps the directions in which the sum exceeds the noise.
 OtherPeople PersonLikelihood::co_occupants(std::span<const PersonCandidate> people,
                                            const PersonModel& model) const {
@@ -367,7 +367,7 @@ struct PersonLikelihood::PlaceEvaluation {
   double mean_power = 0.0;              // mu^H Sigma^-1 mu
 };
 
-// The sample places of a square with other people present.
+// The sample places of a patch with other people present.
 class PersonLikelihood::AccompaniedPlace {
  public:
   AccompaniedPlace(const PersonPlace& place,

@@ -1,4 +1,4 @@
-// PersonLikelihood: likelihood of a burst of one access point for a person in a small square of the
+// PersonLikelihood: likelihood of a burst of one access point for a person in a small patch of the
 // room (METHODS B5). In the coordinates of DelayBasis, with the empty room's array x0 of power 1
 // and the person's rays z_p = a dH_p:
 //
@@ -12,7 +12,7 @@
 // the burst is aligned to the empty room, a few delays about that are tried, and x0', the change of
 // x0 by a delay, covers those between.
 //
-// A square has two representations: in detail, its sample places a fraction of a wavelength apart;
+// A patch has two representations: in detail, its sample places a fraction of a wavelength apart;
 // as a whole, their mean and covariance, which decide whether the detail is evaluated.
 //
 // Thread safety: const members may be used from many threads.
@@ -38,23 +38,23 @@
 
 namespace rayloc {
 
-// A square of places and its samples of dH: count x count places, x outermost.
+// A square patch of places and its samples of dH: count x count places, x outermost.
 struct PatchPlan {
-  double offset_x = 0.0;  // [m], of the square's centre from where the rays were traced
+  double offset_x = 0.0;  // [m], of the patch's centre from where the rays were traced
   double offset_y = 0.0;
   double size = 0.05;  // [m]
   std::size_t count = 7;
-  // [m], deviation of a place in the square along each axis; 0: it may be anywhere in the square.
+  // [m], deviation of a place in the patch along each axis; 0: it may be anywhere in the patch.
   double known_to = 0.0;
 
   double place_sigma() const { return known_to > 0.0 ? known_to : size / std::sqrt(12.0); }
   double step() const { return size / static_cast<double>(count); }
-  double at(std::size_t i) const {  // from the centre of the square
+  double at(std::size_t i) const {  // from the centre of the patch
     return (static_cast<double>(i) + 0.5) * step() - 0.5 * size;
   }
 };
 
-// dH over a square, for a = 1.
+// dH over a patch, for a = 1.
 struct ScatteredPatch {
   std::vector<std::complex<float>> sample;     // [place][coordinate]
   std::vector<std::complex<double>> strength;  // sum |z_p|^2 s_p s_p^H, lower triangle by rows
@@ -69,7 +69,7 @@ struct PersonGaussian : WhitenedGaussian {
   double mean_power = 0.0;  // |W mu|^2
 };
 
-// A square with the errors of a model.
+// A patch with the errors of a model.
 struct PersonPlace {
   PersonGaussian whole;
   // Without the spread of the samples; the means are those of the sample places.
@@ -82,7 +82,7 @@ struct PersonPlace {
   }
 };
 
-// One of the sample places of a square.
+// One of the sample places of a patch.
 struct PersonCandidate {
   const PersonPlace* place = nullptr;
   std::size_t sample = 0;

@@ -20,10 +20,10 @@
 namespace rayloc {
 namespace {
 
-// Squares for detailed evaluation: those within this of the best as a whole, in units of the
+// Cells for detailed evaluation: those within this of the best as a whole, in units of the
 // tempered log-likelihood, and no more than kMaxClose.
 constexpr double kCloseMargin = 25.0;
-constexpr std::size_t kMaxClose = 600;  // a count of squares, chosen: bounds the time of a fix
+constexpr std::size_t kMaxClose = 600;  // a count of cells, chosen: bounds the time of a fix
 constexpr double kNoMass = -1e4;        // [nat], chosen: no mass at all
 // Radius about a place [m].
 constexpr double kAbout = 0.3;
@@ -36,7 +36,7 @@ constexpr double kStrongEcho = 0.05;
 // Probability of a changed transmitter, where the observation cannot distinguish it.
 constexpr double kSuspect = 0.5;
 
-// Evidence of one array on every square as a whole.
+// Evidence of one array on every cell as a whole.
 struct ArrayMap {
   const PersonObservation::Array* array;
   OtherPeople co_occupants;
@@ -76,12 +76,12 @@ class PersonLocalizer::Impl {
   Impl(std::shared_ptr<const RoomModel> room,
        PersonReference reference,
        const PersonLocalizerOptions& options,
-       PersonSquares squares)
+       PersonCells person_cells)
       : room_(std::move(room)),
         reference_(std::move(reference)),
         options_(options),
-        squares_(std::move(squares)),
-        places_(squares_.samples * squares_.samples) {
+        person_cells_(std::move(person_cells)),
+        places_(person_cells_.samples * person_cells_.samples) {
     options_.burst.leaves_out_absent = true;
   }
 
@@ -91,7 +91,7 @@ class PersonLocalizer::Impl {
                 const PersonContext& context) const;
   LocationEstimate summarise(LocationEstimate estimate, const PersonMap& map) const;
 
-  const PersonSquares& squares() const { return squares_; }
+  const PersonCells& person_cells() const { return person_cells_; }
   const RoomModel& room() const { return *room_; }
   const PersonReference& reference() const { return reference_; }
   const PersonLocalizerOptions& options() const { return options_; }
@@ -115,7 +115,7 @@ class PersonLocalizer::Impl {
   std::shared_ptr<const RoomModel> room_;
   PersonReference reference_;
   PersonLocalizerOptions options_;
-  PersonSquares squares_;
+  PersonCells person_cells_;
   std::size_t places_;  // sample places of a cell
 };
 
@@ -128,8 +128,8 @@ PersonObservation PersonLocalizer::Impl::receive(std::span<const CsiFrame> frame
     return observation;
   }
   ObservationTally tally;
-  for (std::size_t number = 0; number < squares_.links.size(); ++number) {
-    const PersonLinkMap& link = squares_.links[number];
+  for (std::size_t number = 0; number < person_cells_.links.size(); ++number) {
+    const PersonLinkMap& link = person_cells_.links[number];
     const std::size_t access_point = reference_.links[number].access_point;
     auto burst = preprocess_burst(*room_, access_point, frames, options_.burst, estimate.warnings);
     if (!burst) {
@@ -142,7 +142,7 @@ PersonObservation PersonLocalizer::Impl::receive(std::span<const CsiFrame> frame
       continue;
     }
     auto observed = link.likelihood.observe(burst->h);
-    // The squares' covariances hold the model's noise only; a burst with more noise counts less.
+    // The cells' covariances hold the model's noise only; a burst with more noise counts less.
     const double weight = std::min(1.0, reference_.person.noise / observed.noise);
     tally.add(room_->access_points[access_point], *burst);
     observation.arrays.push_back({number, std::move(observed), weight});
@@ -156,16 +156,17 @@ PersonObservation PersonLocalizer::Impl::receive(std::span<const CsiFrame> frame
 
 // Cells that a person can occupy, clear of the others.
 std::vector<std::size_t> PersonLocalizer::Impl::clear_cells(const PersonContext& context) const {
-  const Grid& grid = squares_.walkable.grid;
+  const Grid& grid = person_cells_.walkable.grid;
   const TargetBody& body = reference_.person.body;
   const double apart = 2.0 * std::max(body.semi_axes[0], body.semi_axes[1]);
   std::vector<std::size_t> cells;
   for (std::size_t cell = 0; cell < grid.size(); ++cell) {
     const Vec3d centre = grid.centre(cell);
     const auto off = [&](const PersonSample& sample) {
-      return norm(centre - squares_.place_of(sample));
+      return norm(centre - person_cells_.place_of(sample));
     };
-    if (squares_.walkable.free[cell] != 0 && (!context.about || off(*context.about) < kAbout) &&
+    if (person_cells_.walkable.free[cell] != 0 &&
+        (!context.about || off(*context.about) < kAbout) &&
         std::none_of(context.others.begin(), context.others.end(), [&](const PersonSample& other) {
           return off(other) < apart;
         })) {
@@ -179,14 +180,15 @@ CellSet PersonLocalizer::Impl::evaluated_cells(const PersonContext& context) con
   if (context.cells.empty()) {
     return {};
   }
-  const auto free = std::count(squares_.walkable.free.begin(), squares_.walkable.free.end(), 1);
+  const auto free =
+      std::count(person_cells_.walkable.free.begin(), person_cells_.walkable.free.end(), 1);
   return CellSet::with_sample(context.cells, context.sample, static_cast<std::size_t>(free));
 }
 
 ArrayMap PersonLocalizer::Impl::whole_map(const PersonObservation::Array& array,
                                           std::span<const std::size_t> cells,
                                           std::span<const PersonSample> others) const {
-  const PersonLinkMap& link = squares_.links[array.link];
+  const PersonLinkMap& link = person_cells_.links[array.link];
   std::vector<PersonCandidate> people;
   for (const PersonSample& other : others) {
     people.push_back({&link.cells[other.cell], other.sample});
@@ -203,7 +205,7 @@ ArrayMap PersonLocalizer::Impl::whole_map(const PersonObservation::Array& array,
     map.floor = std::max(map.floor, likelihood(changed) + std::log(kStrange));
   }
   map.no_person = likelihood(link.no_person);
-  map.whole.resize(squares_.walkable.grid.size());
+  map.whole.resize(person_cells_.walkable.grid.size());
   parallel_for(cells.size(), 32, [&](std::size_t n) {
     if (n + 1 < cells.size()) {
       fetch(link.cells[cells[n + 1]].whole.whitener);
@@ -221,7 +223,7 @@ std::vector<double> PersonLocalizer::Impl::close_map(const std::vector<ArrayMap>
     const std::span<double> sum(samples.data() + n * places_, places_);
     std::vector<double> one(places_);
     for (const ArrayMap& map : arrays) {
-      const PersonLinkMap& link = squares_.links[map.array->link];
+      const PersonLinkMap& link = person_cells_.links[map.array->link];
       link.likelihood.log_likelihood(
           link.cells[cells[n]], map.array->observed, map.co_occupants, one);
       for (std::size_t p = 0; p < places_; ++p) {
@@ -245,10 +247,10 @@ void PersonLocalizer::Impl::choose_places(std::span<const std::size_t> cells,
   std::stable_sort(
       best.begin(), best.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
   for (const auto& [value, sample] : best) {
-    const Vec3d here = squares_.place_of(sample);
+    const Vec3d here = person_cells_.place_of(sample);
     const bool is_apart =
         std::none_of(map.places.begin(), map.places.end(), [&](const PersonSample& better) {
-          return norm(here - squares_.place_of(better)) < PersonMap::kApart;
+          return norm(here - person_cells_.place_of(better)) < PersonMap::kApart;
         });
     if (is_apart) {
       map.places.push_back(sample);
@@ -267,7 +269,7 @@ double PersonLocalizer::Impl::misfit_of(const std::vector<ArrayMap>& arrays,
   double explained = 0.0;
   std::vector<double> one(places_);
   for (const ArrayMap& of : arrays) {
-    const PersonLinkMap& link = squares_.links[of.array->link];
+    const PersonLinkMap& link = person_cells_.links[of.array->link];
     const PersonPlace& place = link.cells[best.cell];
     link.likelihood.log_likelihood(place, of.array->observed, of.co_occupants, one);
     map.best_log_likelihood += of.array->weight * log_add(one[best.sample], of.floor);
@@ -292,12 +294,12 @@ double PersonLocalizer::Impl::misfit_of(const std::vector<ArrayMap>& arrays,
 // right beside it explains that best, because its echoes are strong and not known well.
 bool PersonLocalizer::Impl::is_transmitter_suspect(const std::vector<ArrayMap>& arrays,
                                                    const PersonSample& best) const {
-  const Vec3d off = squares_.walkable.grid.centre(best.cell) - reference_.transmitter.position;
+  const Vec3d off = person_cells_.walkable.grid.centre(best.cell) - reference_.transmitter.position;
   if (std::hypot(off.x, off.y) > kBesideTransmitter) {
     return false;
   }
   const auto strong = std::count_if(arrays.begin(), arrays.end(), [&](const ArrayMap& of) {
-    const PersonLinkMap& link = squares_.links[of.array->link];
+    const PersonLinkMap& link = person_cells_.links[of.array->link];
     return link.likelihood.echo_power({&link.cells[best.cell], best.sample}) > kStrongEcho;
   });
   return strong > 1;
@@ -308,7 +310,7 @@ PersonMap PersonLocalizer::Impl::map(const PersonObservation& observation,
                                      const PersonContext& context) const {
   PersonMap map;
   std::vector<double>& total = map.log_likelihood;
-  total.assign(squares_.walkable.grid.size(), kNoMass);
+  total.assign(person_cells_.walkable.grid.size(), kNoMass);
   map.evaluated = evaluated_cells(context);
   const std::vector<std::size_t> cells =
       map.evaluated.is_all() ? clear_cells(context) : map.evaluated.cells;
@@ -334,7 +336,7 @@ PersonMap PersonLocalizer::Impl::map(const PersonObservation& observation,
   map.misfit = misfit_of(arrays, map.places.front(), map);
   const double exponent = likelihood_exponent / map.misfit;
   map.is_transmitter_suspect = is_transmitter_suspect(arrays, map.places.front());
-  const Lattice lattice = squares_.lattice();
+  const Lattice lattice = person_cells_.lattice();
   for (std::size_t n = 0; n < close.size(); ++n) {
     const auto [log_mean, mass] =
         summarise_places(lattice, {samples.data() + n * places_, places_}, exponent);
@@ -367,7 +369,7 @@ LocationEstimate PersonLocalizer::Impl::summarise(LocationEstimate estimate,
     estimate.reason = "no person detected: the room is as it was when empty";
     return estimate;
   }
-  summarise_posterior(squares_.walkable.grid,
+  summarise_posterior(person_cells_.walkable.grid,
                       map.log_likelihood,
                       {1.0,
                        options_.accuracy_confidence,
@@ -391,10 +393,10 @@ Expected<PersonLocalizer> PersonLocalizer::create(std::shared_ptr<const RoomMode
   if (reference.links.empty()) {
     return make_error(ErrorKind::kConfiguration, "the reference is of no access point");
   }
-  auto squares = make_person_squares(*room, reference, options.cell, options.depth);
-  RAYLOC_TRY(squares);
-  return PersonLocalizer(
-      std::make_unique<Impl>(std::move(room), std::move(reference), options, *std::move(squares)));
+  auto person_cells = make_person_cells(*room, reference, options.cell, options.depth);
+  RAYLOC_TRY(person_cells);
+  return PersonLocalizer(std::make_unique<Impl>(
+      std::move(room), std::move(reference), options, *std::move(person_cells)));
 }
 
 PersonLocalizer::PersonLocalizer(std::unique_ptr<const Impl> impl) : impl_(std::move(impl)) {}
@@ -426,7 +428,9 @@ PersonMap PersonLocalizer::map(const PersonObservation& observation,
 LocationEstimate PersonLocalizer::summarise(LocationEstimate estimate, const PersonMap& map) const {
   return impl_->summarise(std::move(estimate), map);
 }
-const WalkableArea& PersonLocalizer::walkable_area() const { return impl_->squares().walkable; }
+const WalkableArea& PersonLocalizer::walkable_area() const {
+  return impl_->person_cells().walkable;
+}
 const RoomModel& PersonLocalizer::room() const { return impl_->room(); }
 const PersonReference& PersonLocalizer::reference() const { return impl_->reference(); }
 const PersonLocalizerOptions& PersonLocalizer::options() const { return impl_->options(); }

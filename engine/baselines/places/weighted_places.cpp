@@ -24,7 +24,7 @@ constexpr double kNextTemperature = 1.15;  // a ratio, chosen: step between temp
 constexpr std::size_t kRings = 12;         // rings of equal probability of a Gaussian, a count
 constexpr std::size_t kSpokes = 8;         // directions, a count
 
-double square_in_plan(const Vec3d& a, const Vec3d& b) {
+double squared_plan_distance(const Vec3d& a, const Vec3d& b) {
   return (a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y);
 }
 
@@ -111,7 +111,7 @@ double WeightedPlaces::log_density(const Vec3d& place) const {
   const double variance = sigma * sigma;
   double sum = 0.0;
   for (std::size_t i = 0; i < places.size(); ++i) {
-    sum += probabilities[i] * std::exp(-0.5 * square_in_plan(place, places[i]) / variance);
+    sum += probabilities[i] * std::exp(-0.5 * squared_plan_distance(place, places[i]) / variance);
   }
   return std::log(std::max(sum, std::numeric_limits<double>::min()) /
                   (2.0 * std::numbers::pi * variance));
@@ -139,7 +139,7 @@ double surroundings_of(const std::vector<Vec3d>& places) {
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t j = 0; j < places.size(); ++j) {
       if (i != j) {
-        least = std::min(least, square_in_plan(places[i], places[j]));
+        least = std::min(least, squared_plan_distance(places[i], places[j]));
       }
     }
     nearest.push_back(std::sqrt(least));
@@ -194,7 +194,7 @@ void summarise_places(const RoomModel& room,
       [&](const Vec3d& cell) {
         double sum = std::numeric_limits<double>::min();
         for (const auto& [place, weight] : informative) {
-          sum += weight * std::exp(-half_precision * square_in_plan(cell, place));
+          sum += weight * std::exp(-half_precision * squared_plan_distance(cell, place));
         }
         return std::log(sum);
       },
@@ -215,7 +215,7 @@ void summarise_places(const RoomModel& room,
   covariance[3] = covariance[1];
   estimate.covariance = covariance;
   estimate.accuracy_m = quantile_of(weighted, answer.accuracy_confidence, [&](const Vec3d& place) {
-    return std::sqrt(square_in_plan(place, position));
+    return std::sqrt(squared_plan_distance(place, position));
   });
 }
 

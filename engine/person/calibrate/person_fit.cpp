@@ -16,8 +16,8 @@ namespace {
 
 using Value = std::complex<double>;
 
-constexpr double kSquare = 0.06;      // [m], about a known place
-constexpr std::size_t kSamples = 11;  // a count along a side, chosen: 6 mm apart over kSquare
+constexpr double kPatchSide = 0.06;   // [m], about a known place
+constexpr std::size_t kSamples = 11;  // a count along a side, chosen: 6 mm apart over kPatchSide
 constexpr int kFitPhases = 24;        // a count, chosen: 15 degrees apart
 // Ratios to a body's wave, chosen: 2 to 4 dB apart.
 constexpr std::array<double, 6> kFitLevels = {0.4, 0.6, 0.8, 1.0, 1.25, 1.6};
@@ -55,7 +55,7 @@ class PersonFitter {
                std::span<const PersonPoint> points,
                const PersonFitOptions& options)
       : room_(room), reference_(reference), points_(points), options_(options) {
-    const PatchPlan plan{0.0, 0.0, kSquare, kSamples};
+    const PatchPlan plan{0.0, 0.0, kPatchSide, kSamples};
     const double scale = -0.5 / (options.place_sigma * options.place_sigma);
     for (std::size_t i = 0; i < kSamples; ++i) {
       for (std::size_t j = 0; j < kSamples; ++j) {
@@ -92,7 +92,7 @@ class PersonFitter {
 };
 
 Expected<std::vector<FitLink>> PersonFitter::listen(const PersonModel& person) const {
-  const PatchPlan plan{0.0, 0.0, kSquare, kSamples, options_.place_sigma};
+  const PatchPlan plan{0.0, 0.0, kPatchSide, kSamples, options_.place_sigma};
   std::vector<FitLink> links;
   for (std::size_t l = 0; l < reference_.links.size(); ++l) {
     const PersonLink& link = reference_.links[l];

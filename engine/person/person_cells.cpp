@@ -1,4 +1,4 @@
-#include "engine/person/person_squares.h"
+#include "engine/person/person_cells.h"
 
 #include <algorithm>
 #include <array>
@@ -14,19 +14,20 @@ namespace {
 
 // Sample places are at most this far apart, in wavelengths.
 constexpr double kSampleStep = 0.125;
-// Squares along each side for which the rays are traced together.
+// Cells along each side for which the rays are traced together.
 constexpr std::size_t kBlock = 2;
 // Shares of the power that are tried for a change that no person causes.
 constexpr std::array<double, 8> kChanges = {0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0};
 
-class SquaresBuilder {
+class PersonCellsBuilder {
  public:
-  SquaresBuilder(const RoomModel& room, const PersonReference& reference, double cell)
+  PersonCellsBuilder(const RoomModel& room, const PersonReference& reference, double cell)
       : room_(room),
         reference_(reference),
-        squares_{make_walkable_area(room, reference.person.body, reference.area, cell), 0, {}} {}
+        person_cells_{
+            make_walkable_area(room, reference.person.body, reference.area, cell), 0, {}} {}
 
-  Expected<PersonSquares> build(int depth);
+  Expected<PersonCells> build(int depth);
 
  private:
   Expected<PersonLinkMap> make_link_map(const PersonLink& link, int depth) const;
@@ -34,10 +35,10 @@ class SquaresBuilder {
 
   const RoomModel& room_;
   const PersonReference& reference_;
-  PersonSquares squares_;
+  PersonCells person_cells_;
 };
 
-Expected<PersonLinkMap> SquaresBuilder::make_link_map(const PersonLink& link, int depth) const {
+Expected<PersonLinkMap> PersonCellsBuilder::make_link_map(const PersonLink& link, int depth) const {
   RAYLOC_TRY(check_link(room_, link));
   const RoomAccessPoint& ap = room_.access_points[link.access_point];
   auto scattering = PersonScattering::create(
@@ -48,7 +49,7 @@ Expected<PersonLinkMap> SquaresBuilder::make_link_map(const PersonLink& link, in
                               link,
                               norm(ap.array.pose.position - reference_.transmitter.position));
   PersonLinkMap map{std::move(likelihood), *std::move(scattering), {}, {}, {}};
-  map.cells.resize(squares_.walkable.grid.size());
+  map.cells.resize(person_cells_.walkable.grid.size());
   map.no_person = map.likelihood.no_person(reference_.person);
   for (const double share : kChanges) {
     map.changed.push_back(map.likelihood.changed(share, reference_.person));
@@ -56,9 +57,9 @@ Expected<PersonLinkMap> SquaresBuilder::make_link_map(const PersonLink& link, in
   return map;
 }
 
-// The rays are traced once, in the middle of a block of squares.
-void SquaresBuilder::build_block(std::size_t block_x, std::size_t block_y) {
-  WalkableArea& walkable = squares_.walkable;
+// The rays are traced once, in the middle of a block of cells.
+void PersonCellsBuilder::build_block(std::size_t block_x, std::size_t block_y) {
+  WalkableArea& walkable = person_cells_.walkable;
   const Grid& grid = walkable.grid;
   std::vector<std::size_t> cells;
   for (std::size_t x = block_x; x < std::min(block_x + kBlock, grid.count_x); ++x) {
@@ -75,8 +76,8 @@ void SquaresBuilder::build_block(std::size_t block_x, std::size_t block_y) {
   for (const std::size_t cell : cells) {
     middle = middle + (1.0 / static_cast<double>(cells.size())) * grid.centre(cell);
   }
-  for (std::size_t number = 0; number < squares_.links.size(); ++number) {
-    PersonLinkMap& link = squares_.links[number];
+  for (std::size_t number = 0; number < person_cells_.links.size(); ++number) {
+    PersonLinkMap& link = person_cells_.links[number];
     const auto rays = link.scattering.at({middle.x, middle.y});
     for (const std::size_t cell : cells) {
       if (!rays) {  // the body would contain a device
@@ -85,7 +86,7 @@ void SquaresBuilder::build_block(std::size_t block_x, std::size_t block_y) {
       }
       const Vec3d offset = grid.centre(cell) - middle;
       const PatchPlan plan{
-          offset.x, offset.y, std::max(grid.step_x, grid.step_y), squares_.samples};
+          offset.x, offset.y, std::max(grid.step_x, grid.step_y), person_cells_.samples};
       const PersonModel& person = reference_.person;
       link.cells[cell] =
           link.likelihood.place(link.likelihood.patch(*rays, plan, person.front_sigma),
@@ -95,42 +96,42 @@ void SquaresBuilder::build_block(std::size_t block_x, std::size_t block_y) {
   }
 }
 
-Expected<PersonSquares> SquaresBuilder::build(int depth) {
+Expected<PersonCells> PersonCellsBuilder::build(int depth) {
   for (const PersonLink& link : reference_.links) {
     auto map = make_link_map(link, depth);
     RAYLOC_TRY(map);
-    squares_.links.push_back(*std::move(map));
+    person_cells_.links.push_back(*std::move(map));
   }
-  const Grid& grid = squares_.walkable.grid;
+  const Grid& grid = person_cells_.walkable.grid;
   const double wavelength = kSpeedOfLight / room_.grid.centre_hz;
-  squares_.samples = static_cast<std::size_t>(
+  person_cells_.samples = static_cast<std::size_t>(
       std::ceil(std::max(grid.step_x, grid.step_y) / (kSampleStep * wavelength)));
   const std::size_t blocks_x = (grid.count_x + kBlock - 1) / kBlock;
   const std::size_t blocks_y = (grid.count_y + kBlock - 1) / kBlock;
   parallel_for(blocks_x * blocks_y, 1, [&](std::size_t block) {
     build_block(block / blocks_y * kBlock, block % blocks_y * kBlock);
   });
-  return std::move(squares_);
+  return std::move(person_cells_);
 }
 
 }  // namespace
 
-Lattice PersonSquares::lattice() const {
+Lattice PersonCells::lattice() const {
   const Grid& grid = walkable.grid;
   const PatchPlan plan{0.0, 0.0, std::max(grid.step_x, grid.step_y), samples};
   return {samples, samples, plan.step(), plan.step()};
 }
 
-Vec3d PersonSquares::place_of(const PersonSample& sample) const {
+Vec3d PersonCells::place_of(const PersonSample& sample) const {
   return walkable.grid.centre(sample.cell) +
          lattice().offset(sample.sample / samples, sample.sample % samples);
 }
 
-Expected<PersonSquares> make_person_squares(const RoomModel& room,
-                                            const PersonReference& reference,
-                                            double cell,
-                                            int depth) {
-  return SquaresBuilder(room, reference, cell).build(depth);
+Expected<PersonCells> make_person_cells(const RoomModel& room,
+                                        const PersonReference& reference,
+                                        double cell,
+                                        int depth) {
+  return PersonCellsBuilder(room, reference, cell).build(depth);
 }
 
 }  // namespace rayloc

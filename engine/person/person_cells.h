@@ -1,4 +1,4 @@
-// PersonSquares: likelihood models of every access point for a person at every place of the room
+// PersonCells: likelihood models of every access point for a person at every place of the room
 // that a person can occupy. Traced once; localization is then a table look-up.
 #pragma once
 
@@ -31,9 +31,9 @@ struct PersonLinkMap {
   std::vector<PersonGaussian> changed;  // the room, changed but not by a person, by some shares
 };
 
-struct PersonSquares {
+struct PersonCells {
   WalkableArea walkable;
-  std::size_t samples = 0;           // along the side of a square
+  std::size_t samples = 0;           // along the side of a cell
   std::vector<PersonLinkMap> links;  // one per link of the reference
 
   Lattice lattice() const;                           // of the sample places of a cell
@@ -42,9 +42,9 @@ struct PersonSquares {
 
 // An Error when reference, access point or body cannot be used. `cell` [m], approximate; `depth`:
 // reflections on the paths to and from the person together. Takes seconds to a minute.
-Expected<PersonSquares> make_person_squares(const RoomModel& room,
-                                            const PersonReference& reference,
-                                            double cell,
-                                            int depth);
+Expected<PersonCells> make_person_cells(const RoomModel& room,
+                                        const PersonReference& reference,
+                                        double cell,
+                                        int depth);
 
 }  // namespace rayloc
