@@ -89,7 +89,7 @@ void PersonCellsBuilder::build_block(std::size_t block_x, std::size_t block_y) {
           offset.x, offset.y, std::max(grid.step_x, grid.step_y), person_cells_.samples};
       const PersonModel& person = reference_.person;
       link.cells[cell] =
-          link.likelihood.place(link.likelihood.patch(*rays, plan, person.front_sigma),
+          link.likelihood.place(link.likelihood.patch(*rays, plan, person.front_offset_sigma),
                                 reference_.links[number].scale,
                                 person);
     }

@@ -157,7 +157,7 @@ PersonLikelihood::Observed PersonLikelihood::observe(std::span<const Value> h) c
 
 ScatteredPatch PersonLikelihood::patch(const ScatteredRays& rays,
                                        const PatchPlan& plan,
-                                       double front_sigma) const {
+                                       double front_offset_sigma) const {
   RAYLOC_CHECK(rays.size() == antennas_);
   const std::size_t q = basis_.size();
   const std::size_t size = dimension();
@@ -179,7 +179,7 @@ ScatteredPatch PersonLikelihood::patch(const ScatteredRays& rays,
       const double turn_y = ray.slope_y.imag();
       const double turn = turn_x * turn_x + turn_y * turn_y;  // [rad^2/m^2]
       // A front that is nearer by d is equivalent to a body that is nearer by d.
-      const double unknown = -std::expm1(-front_sigma * front_sigma * turn);
+      const double unknown = -std::expm1(-front_offset_sigma * front_offset_sigma * turn);
       add_samples(ray, std::sqrt(1.0 - unknown) * field, s, plan, {sample.data() + m * q, size});
       const double power = std::norm(field);
       const double phase = plan.step() * plan.step() * turn / 12.0;

@@ -115,10 +115,10 @@ class PersonLikelihood {
   // h: [rx_chain][tone], chain gains removed.
   Observed observe(std::span<const std::complex<double>> h) const;
 
-  // `front_sigma`: PersonModel::front_sigma.
+  // `front_offset_sigma`: PersonModel::front_offset_sigma.
   ScatteredPatch patch(const ScatteredRays& rays,
                        const PatchPlan& plan,
-                       double front_sigma = 0.0) const;
+                       double front_offset_sigma = 0.0) const;
 
   PersonPlace place(const ScatteredPatch& patch,
                     std::complex<double> scale,

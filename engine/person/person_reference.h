@@ -35,7 +35,7 @@ struct PersonModel {
   double path_variance = 0.0;
   // [m], deviation of a body's front from the round one's: people are oval, turn, and have arms.
   // Waves that pass straight on are not affected.
-  double front_sigma = 0.0;
+  double front_offset_sigma = 0.0;
   double diffuse = 0.1;               // d: scattered power that is not traced, share of the traced
   double noise = 5e-4;                // n: share of the power that no model explains
   double likelihood_exponent = 0.35;  // exponent of the likelihood

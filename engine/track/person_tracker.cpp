@@ -185,7 +185,7 @@ PersonTracker::Sight PersonTracker::weigh(const PersonObservation& observation) 
   }
   const double change = life_->last.empty() ? 1.0 : change_of(observation);
   const double credit = life_->credit * (1.0 - change);
-  const bool is_one_sided = person.front_sigma > 0.0 && observation.arrays.size() == 1;
+  const bool is_one_sided = person.front_offset_sigma > 0.0 && observation.arrays.size() == 1;
   const Duration same = is_one_sided ? options_.one_sided_evidence_time : options_.evidence_time;
   const double share = std::min(1.0, to_seconds(time - life_->weighed) / to_seconds(same));
   const double weight = share * (1.0 - credit);

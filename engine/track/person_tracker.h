@@ -42,8 +42,8 @@ struct PersonTrackerOptions {
   // Correlation time of the model error along a walk: the moments within it together weigh as much
   // as one snapshot.
   Duration evidence_time = std::chrono::milliseconds(250);
-  // The same for a body that is not round (PersonModel::front_sigma) and one access point: the
-  // error persists while the body keeps its direction. Several access points see other sides.
+  // The same for a body that is not round (PersonModel::front_offset_sigma) and one access point:
+  // the error persists while the body keeps its direction. Several access points see other sides.
   Duration one_sided_evidence_time = std::chrono::milliseconds(500);
   // Share by which the person's contribution must change to count as new evidence; 1: the whole
   // contribution. Shadows change slowly and are most of the contribution.

@@ -36,7 +36,7 @@ std::string person_text(const PersonModel& person, std::size_t points) {
          "\nconductivity = " + to_text(body.conductivity) +
          "\nstrength_variance = " + to_text(person.strength_variance) +
          "\nway_variance = " + to_text(person.path_variance) +
-         "\nfront_sigma_m = " + to_text(person.front_sigma) +
+         "\nfront_sigma_m = " + to_text(person.front_offset_sigma) +
          "\ndiffuse = " + to_text(person.diffuse) + "\nnoise = " + to_text(person.noise) +
          "\ntemper = " + to_text(person.likelihood_exponent) + "\n" +
          (person.second_person
@@ -63,7 +63,8 @@ PersonModel read_person(const TomlTable& root) {
   person.strength_variance =
       table->number("strength_variance", {0.0, 100.0}).value_or(person.strength_variance);
   person.path_variance = table->number("way_variance", {0.0, 100.0}).value_or(person.path_variance);
-  person.front_sigma = table->number("front_sigma_m", {0.0, 1.0, "m"}).value_or(person.front_sigma);
+  person.front_offset_sigma =
+      table->number("front_sigma_m", {0.0, 1.0, "m"}).value_or(person.front_offset_sigma);
   person.diffuse = table->number("diffuse", {0.0, 100.0}).value_or(person.diffuse);
   person.noise = table->number("noise", {1e-9, 1.0}).value_or(person.noise);
   person.likelihood_exponent =

@@ -110,7 +110,7 @@ Expected<std::vector<FitLink>> PersonFitter::listen(const PersonModel& person) c
       const auto rays = points_[s].h[l].empty() ? std::nullopt : scattering->at(points_[s].place);
       if (rays) {
         received[s] = ReceivedPoint{s,
-                                    fit.likelihood.patch(*rays, plan, person.front_sigma),
+                                    fit.likelihood.patch(*rays, plan, person.front_offset_sigma),
                                     fit.likelihood.observe(points_[s].h[l])};
       }
     });
@@ -283,7 +283,7 @@ Expected<PersonFit> fit_person(const RoomModel& room,
   tried.transmitter.position = reference.transmitter.position + geometry->shift;
   std::optional<PersonFit> best;
   for (const double front : kFronts) {
-    tried.person.front_sigma = front;
+    tried.person.front_offset_sigma = front;
     auto fit = fit_body(room, tried, points, options);
     if (!fit) {
       return fit;

@@ -57,12 +57,12 @@ TEST(PathErrors, AFrontOffsetAffectsOnlyBackscatteredPhases) {
   const PersonReference reference = test::learn_reference(room);
   const std::size_t antennas = room.access_points[0].rx_chains.size();
   const PersonLikelihood likelihood(room.grid, antennas, reference.links[0], 2.0);
-  const auto power = [&](double turn, double front_sigma) {
+  const auto power = [&](double turn, double front_offset_sigma) {
     ScatteredRay one = ray(0, turn);
     one.amplitude = 1.0;
     one.length = 2.0;
     const ScatteredRays rays(antennas, std::vector<ScatteredRay>(1, one));
-    const auto patch = likelihood.patch(rays, {0.0, 0.0, 0.01, 1}, front_sigma);
+    const auto patch = likelihood.patch(rays, {0.0, 0.0, 0.01, 1}, front_offset_sigma);
     double known = 0.0;
     for (const auto& value : patch.sample) {
       known += static_cast<double>(std::norm(value));

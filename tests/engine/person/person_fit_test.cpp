@@ -58,7 +58,7 @@ TEST(PersonFit, FindsTheTransmitterAndTheBody) {
     EXPECT_NEAR(std::abs(link.scale), 1.0, 0.35);
   }
   EXPECT_LE(fit->reference.person.strength_variance, 0.5);
-  EXPECT_EQ(fit->reference.person.front_sigma, 0.0);  // a round body
+  EXPECT_EQ(fit->reference.person.front_offset_sigma, 0.0);  // a round body
 }
 
 TEST(PersonFit, NeedsEnoughPlaces) {

@@ -297,7 +297,7 @@ TEST_F(PersonTracking, NumbersTracksAsConfigured) {
 // The error of a body that is not round stays while one access point sees one side of it.
 TEST_F(PersonTracking, WidensRegionsAfterOneSidedEvidence) {
   PersonReference reference = test::learn_reference(*room());
-  reference.person.front_sigma = 0.03;
+  reference.person.front_offset_sigma = 0.03;
   const auto uneven = std::make_shared<const PersonLocalizer>(
       *PersonLocalizer::create(room(), std::move(reference), {}));
   const auto walk = [&](Duration one_sided, bool is_one) {

@@ -67,7 +67,7 @@ void print_reference(const ReferenceInputs& inputs, const LearnedReference& lear
       person.body.semi_axes[0],
       person.strength_variance,
       person.path_variance,
-      person.front_sigma,
+      person.front_offset_sigma,
       person.diffuse,
       person.noise,
       person.likelihood_exponent);
