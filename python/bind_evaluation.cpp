@@ -14,6 +14,7 @@
 #include "daemon/site/model/site_copy.h"
 #include "python/arrays.h"
 #include "python/bindings.h"
+#include "python/progress.h"
 #include "python/raising.h"
 
 namespace py = pybind11;
@@ -84,8 +85,9 @@ std::string calibration_of(const Comparison& comparison) {
              : std::string();
 }
 
-// Statistics as JSON, the site's calibration, the seed of the intervals, and arrays.
-py::tuple evaluate(const py::dict& given) {
+// Statistics as JSON, the site's calibration, the seed of the intervals, and arrays. `progress` is
+// called with Python's lock before each step and at the end.
+py::tuple evaluate(const py::dict& given, const py::function& progress) {
   ComparisonRequest request;
   request.estimates = given["estimates"].cast<std::string>();
   request.truth = given["truth"].cast<std::string>();
@@ -101,13 +103,18 @@ py::tuple evaluate(const py::dict& given) {
   std::string calibration;
   {
     const py::gil_scoped_release unlocked;
+    const auto report = progress_caller(progress);
+    report(0.0, "reading");
     comparison = std::make_unique<const Comparison>(value_of(compare_with_truth(request)));
+    report(0.5, "statistics of " + std::to_string(comparison->results.size()) + " points");
     statistics = to_json(compute_statistics(comparison->results, comparison->controls, {})).dump();
     calibration = calibration_of(*comparison);
     if (!plots.empty()) {
+      report(0.8, "plots");
       check(prepare_output(plots, force));
       check(write_comparison_plots(plots, *comparison));
     }
+    report(1.0, "done");
   }
   return py::make_tuple(
       statistics, calibration, BootstrapOptions{}.seed, comparison_arrays(*comparison));
@@ -117,7 +124,7 @@ py::tuple evaluate(const py::dict& given) {
 
 void bind_evaluation(py::module_& module) {
   module.def("version", [] { return RAYLOC_VERSION; });
-  module.def("evaluate", evaluate, py::arg("arguments"));
+  module.def("evaluate", evaluate, py::arg("arguments"), py::arg("progress"));
 }
 
 }  // namespace rayloc::python

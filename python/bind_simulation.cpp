@@ -7,6 +7,7 @@
 
 #include "daemon/lab/simulate/simulate_recordings.h"
 #include "python/bindings.h"
+#include "python/progress.h"
 #include "python/raising.h"
 
 namespace py = pybind11;
@@ -47,13 +48,7 @@ py::tuple simulate(const py::dict& given, const py::function& progress) {
   const auto folder = given["site"].cast<std::string>();
   std::vector<std::string> notes;
   SimulationObserver observer;
-  observer.on_progress = [&progress](double share, const std::string& access_point) {
-    const py::gil_scoped_acquire locked;
-    if (PyErr_CheckSignals() != 0) {
-      throw py::error_already_set();
-    }
-    progress(share, access_point);
-  };
+  observer.on_progress = progress_caller(progress);
   observer.on_note = [&notes](const std::string& note) { notes.push_back(note); };
   observer.on_scene_note = [&notes](const SceneNote& note) { notes.push_back(to_line(note)); };
   std::string truth;

@@ -1,4 +1,4 @@
-"""A long calibration that is left: by Ctrl-C before its end, and by the death of who asked for it."""
+"""Calibrations and experiments that end early: by Ctrl-C, and by the death of the process that started them."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import time
 from pathlib import Path
 from typing import Callable
 
-from conftest import MEETING_ROOM
+from conftest import MEETING_ROOM, ROOT
 from patience import patient
 
 PROGRAM = """
@@ -20,6 +20,30 @@ site, out = sys.argv[1:]
 captures = [f"ap{i}={site}/calibration-ap{i}.pcap.gz" for i in (1, 2, 3)]
 try:
     rayloc.calibrate(site, captures, f"{site}/calibration.csv", out)
+except KeyboardInterrupt:
+    print("interrupted", flush=True)
+"""
+# The first condition takes a moment, the second minutes.
+EXPERIMENT = f"""
+name = "Interrupted"
+[defaults]
+room = "{ROOT / 'deploy/experiments/rooms/meeting_room.toml'}"
+[[study]]
+name = "short"
+method = "centre"
+spots = 1
+survey_points = 5
+[[study]]
+name = "long"
+method = "rayloc"
+spots = 2000
+repeats = 20
+"""
+EXPERIMENT_PROGRAM = """
+import sys, rayloc
+file, out = sys.argv[1:]
+try:
+    rayloc.experiment(file, out, progress=lambda share, text: print(share, flush=True))
 except KeyboardInterrupt:
     print("interrupted", flush=True)
 """
@@ -98,3 +122,46 @@ def test_ctrl_c_ends_a_calibration_and_leaves_its_last_state(tmp_path: Path) -> 
             end(processes_of(out))
     # A calibration that comes to its end leaves none.
     assert checkpoint.stat().st_size > 0
+
+
+def start_experiment(folder: Path) -> subprocess.Popen[str]:
+    file = folder / "study.toml"
+    file.write_text(EXPERIMENT)
+    words = [sys.executable, "-c", EXPERIMENT_PROGRAM, str(file), str(folder / "out")]
+    return subprocess.Popen(words, stdout=subprocess.PIPE, text=True)
+
+
+def in_the_second_condition(process: subprocess.Popen[str], out: Path) -> bool:
+    """Waits for it. True if the experiment runs, as a process besides the one that waits."""
+    assert process.stdout is not None
+    shares = [float(process.stdout.readline()) for _ in range(2)]
+    return shares == [0.0, 0.5] and bool(set(processes_of(out)) - {process.pid})
+
+
+def test_ctrl_c_ends_an_experiment_and_leaves_its_conditions(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    with start_experiment(tmp_path) as process:
+        try:
+            assert in_the_second_condition(process, out)
+            os.kill(process.pid, signal.SIGINT)
+            assert process.stdout is not None
+            assert process.stdout.readline() == "interrupted\n"
+            process.wait(PATIENCE)
+            assert wait_until(lambda: not processes_of(out), PATIENCE), "a process is left behind"
+        finally:
+            end(processes_of(out))
+    assert len(list((out / "conditions").glob("*.json"))) == 1
+    assert not (out / "report.json").exists()
+
+
+def test_an_experiment_does_not_outlive_its_process(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    with start_experiment(tmp_path) as process:
+        try:
+            assert in_the_second_condition(process, out)
+            process.kill()
+            process.wait(PATIENCE)
+            assert wait_until(lambda: not processes_of(out), PATIENCE), "a process is left behind"
+        finally:
+            end(processes_of(out))
+    assert len(list((out / "conditions").glob("*.json"))) == 1

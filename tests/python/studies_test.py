@@ -75,6 +75,22 @@ def test_an_evaluation_is_that_of_the_command_line(files: tuple[Path, Path], tmp
         rayloc.evaluate(estimates, truth, plots=plots)
 
 
+def test_an_evaluation_reports_its_steps(files: tuple[Path, Path], tmp_path: Path) -> None:
+    steps: list[tuple[float, str]] = []
+    rayloc.evaluate(
+        *files, plots=tmp_path / "plots", progress=lambda share, step: steps.append((share, step))
+    )
+    assert steps == [(0.0, "reading"), (0.5, "statistics of 3 points"), (0.8, "plots"), (1.0, "done")]
+
+    def stop(share: float, step: str) -> None:
+        if step == "plots":
+            raise LookupError(step)
+
+    with pytest.raises(LookupError, match="plots"):
+        rayloc.evaluate(*files, plots=tmp_path / "none", progress=stop)
+    assert not (tmp_path / "none").exists()
+
+
 def test_what_does_not_match_is_an_error(files: tuple[Path, Path], tmp_path: Path) -> None:
     estimates, truth = files
     with pytest.raises(rayloc.Error, match="none of 2 estimates is a snapshot of a person"):
@@ -105,11 +121,47 @@ def test_an_experiment_is_that_of_the_command_line(tmp_path: Path) -> None:
     np.testing.assert_array_equal(only[0].conditions[0].error, another.conditions[0].error)
 
 
+def test_an_experiment_reports_its_progress(tmp_path: Path) -> None:
+    file = tmp_path / "study.toml"
+    file.write_text(STUDY)
+    reported: list[tuple[float, str]] = []
+    rayloc.experiment(
+        file, tmp_path / "out", progress=lambda share, text: reported.append((share, text))
+    )
+    shares = [share for share, _ in reported]
+    assert shares == [0.0, 0.333, 0.667, 1.0]  # three decimal places
+    assert reported[0][1] == "0 of 3 conditions"
+    assert reported[1][1].startswith("who answers the middle: 1 of 2, median ")
+    assert reported[3][1].startswith("another: 1 of 1, median ")
+
+
+@pytest.mark.parametrize("kind", [LookupError, KeyboardInterrupt])
+def test_an_exception_of_the_progress_ends_an_experiment(kind: type[BaseException], tmp_path: Path) -> None:
+    """It leaves the conditions that are done, and `resume` does not run them again."""
+    file, out = tmp_path / "study.toml", tmp_path / "out"
+    file.write_text(STUDY)
+
+    def stop(share: float, text: str) -> None:
+        if share > 0.0:
+            raise kind(text)
+
+    with pytest.raises(kind, match="1 of 2"):
+        rayloc.experiment(file, out, progress=stop)
+    done = sorted((out / "conditions").glob("*.json"))
+    assert done
+    before = [one.stat().st_mtime_ns for one in done]
+    first, another = rayloc.experiment(file, out, resume=True)
+    assert [one.stat().st_mtime_ns for one in done] == before
+    assert len(first.conditions) == 2 and len(another.conditions) == 1
+
+
 def test_what_the_program_refuses_is_an_error(tmp_path: Path) -> None:
     file = tmp_path / "study.toml"
     file.write_text(STUDY)
-    with pytest.raises(rayloc.Error, match="the file has no such study"):
+    with pytest.raises(rayloc.Error, match="the file has no such study") as caught:
         rayloc.experiment(file, tmp_path / "other", studies=["none"])
+    assert caught.value.kind == "usage"
     file.write_text(STUDY.replace("spots", "sports"))
-    with pytest.raises(rayloc.Error, match="sports"):
-        rayloc.experiment(file, tmp_path / "other")
+    with pytest.raises(rayloc.Error, match="sports") as caught:
+        rayloc.experiment(file, tmp_path / "other", progress=lambda share, text: None)
+    assert caught.value.kind == "configuration"

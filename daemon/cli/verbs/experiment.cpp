@@ -15,6 +15,7 @@
 #include "daemon/lab/experiment/experiment_report.h"
 #include "daemon/lab/experiment/run_experiment.h"
 #include "daemon/site/model/site_copy.h"
+#include "engine/base/printable.h"
 
 namespace rayloc::cli {
 namespace {
@@ -25,6 +26,7 @@ struct ExperimentArguments {
   std::vector<std::string> studies;  // names; empty: all
   bool resume = false;
   bool force = false;
+  bool progress = false;
   bool quiet = false;
 };
 
@@ -38,6 +40,46 @@ void show_progress(const Study& study, std::size_t done, const ConditionResult& 
                done == study.conditions.size() ? "\n" : "");
 }
 
+// Lines "progress SHARE TEXT" for programs, the share of all conditions of the experiment.
+class ProgressLines {
+ public:
+  explicit ProgressLines(const Experiment& experiment) {
+    for (const Study& study : experiment.studies) {
+      all_ += study.conditions.size();
+    }
+    std::fprintf(stderr, "progress 0.000 0 of %zu conditions\n", all_);
+  }
+
+  void print(const Study& study, std::size_t done, const ConditionResult& result) {
+    ++done_;
+    std::fprintf(stderr,
+                 "progress %.3f %s: %zu of %zu, median %.3f m\n",
+                 static_cast<double>(done_) / static_cast<double>(all_),
+                 printable(study.name).c_str(),
+                 done,
+                 study.conditions.size(),
+                 result.statistics.median_m);
+  }
+
+ private:
+  std::size_t all_ = 0;
+  std::size_t done_ = 0;
+};
+
+// The progress as the arguments request it: for programs, on a terminal, or none.
+StudyProgress progress_of(const ExperimentArguments& arguments, const Experiment& experiment) {
+  if (arguments.progress) {
+    const auto lines = std::make_shared<ProgressLines>(experiment);
+    return [lines](const Study& study, std::size_t done, const ConditionResult& result) {
+      lines->print(study, done, result);
+    };
+  }
+  if (!arguments.quiet && ::isatty(STDERR_FILENO) == 1) {
+    return show_progress;
+  }
+  return [](const Study& /*study*/, std::size_t /*done*/, const ConditionResult& /*result*/) {};
+}
+
 Expected<void> run_experiment_verb(const ExperimentArguments& arguments) {
   auto experiment = load_experiment(arguments.file);
   if (!experiment) {
@@ -46,15 +88,9 @@ Expected<void> run_experiment_verb(const ExperimentArguments& arguments) {
   RAYLOC_TRY(keep_studies(arguments.studies, *experiment));
   const std::filesystem::path directory = arguments.out;
   RAYLOC_TRY(prepare_output(directory, arguments.force || arguments.resume));
-  const bool shown = !arguments.quiet && ::isatty(STDERR_FILENO) == 1;
-  const auto results = run_experiment(
-      *experiment,
-      [&](const Study& study, std::size_t done, const ConditionResult& result) {
-        if (shown) {
-          show_progress(study, done, result);
-        }
-      },
-      condition_store(directory, arguments.resume));
+  const auto results = run_experiment(*experiment,
+                                      progress_of(arguments, *experiment),
+                                      condition_store(directory, arguments.resume));
   RAYLOC_TRY(results);
   RAYLOC_TRY(write_experiment_report(directory, *experiment, *results));
   if (!arguments.quiet) {
@@ -75,6 +111,9 @@ RunVerb declare_experiment(OptionParser& app) {
                arguments->resume,
                "Continue an interrupted run in --out; completed conditions are not run again");
   app.add_flag("--force", arguments->force, "Write into a directory that is not empty");
+  app.add_flag("--progress",
+               arguments->progress,
+               "For programs: lines \"progress SHARE TEXT\" on standard error, also with --quiet");
   app.add_flag("--quiet", arguments->quiet, "Print no progress and no messages except errors");
   app.footer(app.get_footer() + R"(
 

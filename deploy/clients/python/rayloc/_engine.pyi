@@ -239,5 +239,5 @@ def simulate(
     arguments: dict[str, Any], progress: Callable[[float, str], None]
 ) -> tuple[str, list[str]]: ...
 def evaluate(
-    arguments: dict[str, Any],
+    arguments: dict[str, Any], progress: Callable[[float, str], None]
 ) -> tuple[str, str, int, dict[str, NDArray[np.float64]]]: ...

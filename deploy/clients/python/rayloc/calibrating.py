@@ -1,20 +1,16 @@
-"""The calibration of a site, in a process of its own.
-
-A step of the fit takes longer than anybody waits who has pressed Ctrl-C, and no thread of C++ can be
-ended from outside. A process can, and what it has written stays.
-"""
+"""The calibration of a site, in a separate process: a step of its fit can take longer than Ctrl-C may (`child`)."""
 
 from __future__ import annotations
 
 import contextlib
 import json
 import os
-import signal
 import subprocess
 import sys
 from os import PathLike
 from typing import Callable, Optional, Sequence, Union
 
+from rayloc import child
 from rayloc.needs import explained
 
 try:
@@ -23,9 +19,6 @@ except ModuleNotFoundError as error:
     raise explained(error) from None
 
 __all__ = ["calibrate"]
-
-# Seconds in which the process may end by itself, within the second that Ctrl-C may take.
-PATIENCE = 0.7
 
 CHILD = """
 import json, sys
@@ -113,49 +106,26 @@ def calibrate(
     return bool(answer["explains"])
 
 
-def _answer_of_child(question: str, out: str, progress: Optional[Callable[[float, str], None]]) -> str:
-    # In a separate session: a terminal sends Ctrl-C only to this process, which forwards it. The child
-    # does not read `out`; the argument identifies its calibration in a list of processes.
-    with subprocess.Popen(
-        [sys.executable, "-c", CHILD, out, str(os.getpid())],
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        stderr=None if progress is None else subprocess.PIPE,
-        text=True,
-        start_new_session=True,
-        env={**os.environ, "PYTHONPATH": os.pathsep.join(path for path in sys.path if path)},
-    ) as child:
+def _answer_of_child(question: str, out: str, progress: Optional[child.Progress]) -> str:
+    # The process does not read `out`; the argument identifies its calibration in a list of processes.
+    with child.start(CHILD, out, str(os.getpid()), reads=True, reports=progress is not None) as process:
         try:
             if progress is not None:
-                _follow(child, question, progress)
-            answer, _ = child.communicate(question if progress is None else None)
+                _follow(process, question, progress)
+            answer, _ = process.communicate(question if progress is None else None)
         except BaseException:
-            _end(child)
+            child.end(process)
             raise
-    if child.returncode != 0:
-        raise RuntimeError(f"the calibration ended with status {child.returncode}")
+    if process.returncode != 0:
+        raise RuntimeError(f"the calibration ended with status {process.returncode}")
     return answer
 
 
-def _follow(child: subprocess.Popen[str], question: str, progress: Callable[[float, str], None]) -> None:
+def _follow(process: subprocess.Popen[str], question: str, progress: child.Progress) -> None:
     """Asks, and reports the progress until the child closes its standard error; its answer is short."""
-    assert child.stdin is not None and child.stderr is not None
+    assert process.stdin is not None and process.stderr is not None
     with contextlib.suppress(BrokenPipeError):  # the child has ended; its status is checked
-        child.stdin.write(question)
-        child.stdin.close()
-    child.stdin = None
-    for line in child.stderr:
-        word, _, rest = line.rstrip("\n").partition(" ")
-        if word == "progress":
-            share, _, text = rest.partition(" ")
-            progress(float(share), text)
-        else:
-            sys.stderr.write(line)
-
-
-def _end(child: subprocess.Popen[str]) -> None:
-    child.send_signal(signal.SIGINT)
-    try:
-        child.wait(PATIENCE)
-    except subprocess.TimeoutExpired:
-        child.kill()
+        process.stdin.write(question)
+        process.stdin.close()
+    process.stdin = None
+    child.follow(process.stderr, progress, sys.stderr.write)

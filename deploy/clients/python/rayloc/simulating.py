@@ -7,6 +7,7 @@ import os
 from os import PathLike
 from typing import Any, Callable, Mapping, NamedTuple, Optional, Union
 
+from rayloc.child import no_progress
 from rayloc.needs import explained
 
 try:
@@ -128,13 +129,9 @@ def simulate(
             "truth": os.fspath(truth),
             "force": force,
         },
-        progress if progress is not None else _no_progress,
+        progress if progress is not None else no_progress,
     )
     return Simulation(truth=json.loads(text), notes=notes, version=_engine.version())
-
-
-def _no_progress(share: float, access_point: str) -> None:
-    del share, access_point
 
 
 def _check(name: str, value: float, low: float, high: float) -> None:

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
 from os import PathLike
 from pathlib import Path
-from typing import Any, NamedTuple, Sequence, Union
+from typing import Any, Callable, NamedTuple, Optional, Sequence, Union
 
+from rayloc import child
 from rayloc.needs import explained
 
 try:
@@ -22,6 +24,18 @@ except ModuleNotFoundError as error:
     raise explained(error) from None
 
 __all__ = ["Evaluation", "StudiedCondition", "Study", "evaluate", "experiment"]
+
+# Becomes the program, and ends when the process that started it is killed.
+LAUNCHER = """
+import os, signal, sys
+from rayloc import _engine
+if not _engine.end_with_parent(int(sys.argv[1])):
+    sys.exit("the process that started this experiment has ended")
+signal.signal(signal.SIGPIPE, signal.SIG_DFL)
+os.execv(sys.argv[2], sys.argv[2:])
+"""
+
+KINDS = {64: "usage", 65: "bad_input", 69: "unavailable", 70: "internal", 78: "configuration"}
 
 
 class Evaluation(NamedTuple):
@@ -108,6 +122,7 @@ def evaluate(
     site: Union[str, PathLike[str]] = "",
     plots: Union[str, PathLike[str]] = "",
     force: bool = False,
+    progress: Optional[Callable[[float, str], None]] = None,
 ) -> Evaluation:
     """Compares estimates with surveyed truth, as `rayloc evaluate` does.
 
@@ -121,6 +136,8 @@ def evaluate(
         site: for the control by the room's centre, the map and the calibration's name.
         plots: folder for cdf.svg, coverage.svg, reliability.svg and, with a site, map.svg.
         force: also into a folder that is not empty.
+        progress: called with the share done, 0 to 1, and the step that begins. An exception that it
+            raises, or Ctrl-C, ends the evaluation before that step.
 
     Shapes: as of Evaluation.
     Units: metres, seconds.
@@ -143,7 +160,8 @@ def evaluate(
             "site": os.fspath(site),
             "plots": os.fspath(plots),
             "force": force,
-        }
+        },
+        progress if progress is not None else child.no_progress,
     )
     return Evaluation(
         statistics=json.loads(statistics),
@@ -161,6 +179,7 @@ def experiment(
     studies: Sequence[str] = (),
     resume: bool = False,
     force: bool = False,
+    progress: Optional[Callable[[float, str], None]] = None,
 ) -> list[Study]:
     """Runs studies on simulated captures, by the program `rayloc experiment`.
 
@@ -170,26 +189,30 @@ def experiment(
         studies: names of those to run; none: all.
         resume: continues a run in `out`; completed conditions are not run again.
         force: also into a folder that is not empty.
+        progress: called with the share of all conditions, 0 to 1, at the start and after each
+            condition, and a text such as "boxes: 3 of 10, median 0.212 m". An exception that it
+            raises ends the experiment as Ctrl-C does. None: a terminal shows the progress.
 
-    A terminal shows its progress. Ctrl-C ends it at once; resume=True goes on.
+    Ctrl-C ends it within a second and raises KeyboardInterrupt; `out` then holds the conditions
+    that are done, from which resume=True continues. It also ends when this process is killed.
 
     Shapes: as of StudiedCondition.
     Units: metres.
     Frame: none.
-    Errors: Error has the words of the program; FileNotFoundError names the package.
+    Errors: Error has the text of the program; FileNotFoundError names the package.
     Source: daemon/lab/experiment/run_experiment.h.
     """
-    words = [_program(), "experiment", os.fspath(file), "--out", os.fspath(out)]
+    program = _program()
+    words = ["experiment", os.fspath(file), "--out", os.fspath(out), "--progress"]
     for name in studies:
         words += ["--study", name]
     words += ["--resume"] if resume else []
     words += ["--force"] if force else []
-    words += [] if sys.stderr.isatty() else ["--quiet"]
-    version = subprocess.run([words[0], "--version"], stdout=subprocess.PIPE, text=True, check=True)
-    shown = None if sys.stderr.isatty() else subprocess.PIPE
-    done = subprocess.run(words, stderr=shown, text=True)
-    if done.returncode != 0:
-        raise _engine.Error((done.stderr or f"rayloc experiment ended with {done.returncode}").strip())
+    version = subprocess.run([program, "--version"], stdout=subprocess.PIPE, text=True, check=True)
+    if progress is None and sys.stderr.isatty():
+        sys.stderr.write(_run([program, *words], _show))
+    else:
+        _run([program, *words, "--quiet"], progress)
     report = json.loads((Path(out) / "report.json").read_text())
     errors = _errors_of(Path(out) / "errors.csv")
     return [
@@ -207,6 +230,33 @@ def experiment(
         )
         for s, study in enumerate(report["studies"], 1)
     ]
+
+
+def _run(words: Sequence[str], progress: Optional[child.Progress]) -> str:
+    """Runs the program, and returns what it writes to standard error beside the progress."""
+    written: list[str] = []
+    with child.start(LAUNCHER, str(os.getpid()), *words, reads=False, reports=True) as process:
+        assert process.stderr is not None
+        try:
+            child.follow(process.stderr, progress, written.append)
+            process.communicate()
+        except BaseException:
+            child.end(process)
+            raise
+    text = "".join(written)
+    if process.returncode != 0:
+        error = _engine.Error(text.strip() or f"rayloc experiment ended with {process.returncode}")
+        error.kind = KINDS.get(process.returncode, "internal")
+        raise error
+    return text
+
+
+def _show(share: float, text: str) -> None:
+    """On the terminal, as the program does: one line, which stays when its study is done."""
+    del share
+    done = re.search(r": (\d+) of \1, median [^:]*$", text)
+    sys.stderr.write(f"\r\033[K{text}" + ("\n" if done else ""))
+    sys.stderr.flush()
 
 
 def _program() -> str:

@@ -43,6 +43,23 @@ TEST(ExperimentVerb, WritesOneReportInThreeFormats) {
   EXPECT_NE(RaylocProcess({"experiment", file, "--out", out}).wait().status, 0);  // not empty
 }
 
+TEST(ExperimentVerb, ReportsItsProgressToPrograms) {
+  const test::SmallRoomFolder folder("experiment-verb-test");
+  const std::string file = folder.write("e.toml", kExperiment);
+  const std::string out = folder.path() / "out";
+  const auto lines_of = [&](const char* option) {
+    return RaylocProcess({"experiment", file, "--out", out, "--progress", "--quiet", option})
+        .wait()
+        .err;
+  };
+  const std::string lines = lines_of("--force");
+  EXPECT_EQ(lines.find("progress 0.000 0 of 2 conditions\nprogress 0.500 steps: 1 of 2, median "),
+            0U)
+      << lines;
+  EXPECT_NE(lines.find(" m\nprogress 1.000 steps: 2 of 2, median "), std::string::npos) << lines;
+  EXPECT_EQ(lines_of("--resume"), lines);  // conditions that are kept are reported, too
+}
+
 TEST(ExperimentVerb, ExitsWith78AtAWrongFile) {
   const test::SmallRoomFolder folder("experiment-verb-test");
   const std::string file = folder.write("e.toml", std::string(kExperiment) + "bxes = 1\n");
