@@ -1,5 +1,7 @@
 // Paths of a link, their channel, and its derivatives.
 #include <algorithm>
+#include <cmath>
+#include <complex>
 #include <cstdint>
 #include <limits>
 #include <utility>
@@ -186,6 +188,11 @@ py::array_t<double> loss_gradient(const LinkDerivatives& derivatives,
            std::to_string(grid.size()));
   }
   const std::span<const std::complex<double>> given(adjoint.data(), grid.size());
+  if (!std::all_of(given.begin(), given.end(), [](const std::complex<double>& value) {
+        return std::isfinite(value.real()) && std::isfinite(value.imag());
+      })) {
+    refuse("loss_gradient: csi_adjoint has a value that is not finite");
+  }
   std::vector<double> gradient;
   {
     const py::gil_scoped_release unlocked;
@@ -234,7 +241,7 @@ Shapes: `a` and `tau` (paths, parameters), `cfr(grid)` (parameters, tones),
     `loss_gradient(grid, csi_adjoint)` (parameters,).
 Units: unit of the value per unit of the parameter: metre, radian, S/m, or 1 for gains and eps_r.
 Frame: world, right-handed, z up.
-Errors: `loss_gradient` raises rayloc.Error where the adjoint is not one value a tone.
+Errors: `loss_gradient` raises rayloc.Error where the adjoint is not one finite value a tone.
 Source: engine/trace/path_derivatives.h, engine/trace/parameter.h.)";
 
 void bind_link_paths(py::module_& module) {

@@ -141,6 +141,11 @@ def test_frames_that_do_not_fit_the_localizer_are_refused(calibrated: Path) -> N
     localizer = rayloc.Localizer(calibrated)
     with pytest.raises(rayloc.Error, match="read_frames"):
         localizer.locate(rayloc.read_frames(WALK["ap1"]))
+    file: Any = WALK["ap1"]
+    with pytest.raises(TypeError, match="read_frames"):
+        localizer.locate(file)
+    with pytest.raises(TypeError, match="read_frames"):
+        localizer.log_likelihood(file)
     everything = rayloc.read_frames(WALK, site=calibrated)
     with pytest.raises(rayloc.Error, match="no frame"):
         localizer.locate(everything.where(np.zeros(len(everything), bool)))

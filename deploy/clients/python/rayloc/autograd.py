@@ -31,7 +31,7 @@ class Channel(torch.autograd.Function):
     Shapes: values (parameters,), the result (tones,).
     Units: metres, radians, S/m, or 1 of gains and eps_r.
     Frame: world, right-handed, z up.
-    Errors: as rayloc.changed and Paths.derivatives raise them; ValueError in backward() where a gain
+    Errors: as rayloc.changed and rayloc.gradient raise them; ValueError in backward() where a gain
         is -1.
     Source: engine/trace/path_derivatives.h.
     """
@@ -101,8 +101,9 @@ def channel(
     Shapes: values (parameters,), the result (tones,).
     Units: metres, radians, S/m, or 1 of gains and eps_r.
     Frame: world, right-handed, z up.
-    Errors: Error for a name that the scene has not and for a parameter without derivative;
-        ValueError in backward() where a gain is -1; ModuleNotFoundError without torch.
+    Errors: Error for a name that the scene has not and for a parameter without derivative; in
+        backward() Error where the gradient of the loss is not finite, ValueError where a gain is -1;
+        ModuleNotFoundError without torch.
     Source: engine/trace/path_derivatives.h, engine/trace/link_change.h.
     """
     options = {

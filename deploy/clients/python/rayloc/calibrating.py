@@ -81,6 +81,8 @@ def calibrate(
         raise ValueError("holdout is a share of the points from 0 to 0.8")
     if survey_error is not None and not 0.0005 <= survey_error <= 0.1:
         raise ValueError("survey_error is from 0.0005 to 0.1 m")
+    if not 0 <= seed < 2**64:
+        raise ValueError("seed is from 0 to 2**64 - 1")
     if method not in ("joint", "paper", "gains-only"):
         raise ValueError(f"there is no method {method!r}: joint, paper or gains-only")
     if resume and method != "joint":

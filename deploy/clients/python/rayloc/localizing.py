@@ -11,7 +11,7 @@ try:
     import numpy as np
     from numpy.typing import NDArray
 
-    from rayloc._engine import LocationEstimate, NativeLocalizer
+    from rayloc._engine import FrameTable, LocationEstimate, NativeLocalizer
     from rayloc.recording import Frames
 except ModuleNotFoundError as error:
     raise explained(error) from None
@@ -32,7 +32,7 @@ class Localizer:
     Units: metres.
     Frame: the world of the site, right-handed, z up.
     Errors: Error for a site that cannot be read or modelled, for frames of several transmitters, and
-        for frames that were read without the site.
+        for frames that were read without the site; TypeError for an argument that is no Frames.
     Source: engine/localize/localizer.h; METHODS B2, B3, B7.
     """
 
@@ -49,8 +49,14 @@ class Localizer:
         self, frames: Frames, likelihood_exponent: Optional[float] = None
     ) -> LocationEstimate:
         """The estimate of frames of one transmitter; None: the exponent of the calibration."""
-        return self._native.locate(frames._table, likelihood_exponent)
+        return self._native.locate(_table(frames), likelihood_exponent)
 
     def log_likelihood(self, frames: Frames) -> NDArray[np.float64]:
         """Log-likelihood of each cell, (x, y), relative to the null model of a device anywhere; not tempered."""
-        return self._native.log_likelihood(frames._table)
+        return self._native.log_likelihood(_table(frames))
+
+
+def _table(frames: Frames) -> FrameTable:
+    if not isinstance(frames, Frames):
+        raise TypeError(f"frames of read_frames(captures, site=...) are needed, not {type(frames).__name__}")
+    return frames._table

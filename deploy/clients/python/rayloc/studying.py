@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import re
 import shutil
@@ -149,6 +150,8 @@ def evaluate(
         raise ValueError(f"there is no kind {kind!r}: device or person")
     if estimate not in ("snapshot", "filtered"):
         raise ValueError(f"there is no estimate {estimate!r}: snapshot or filtered")
+    if not math.isfinite(time_offset):
+        raise ValueError("time_offset is a finite number of seconds")
     statistics, calibration, seed, arrays = _engine.evaluate(
         {
             "estimates": os.fspath(estimates),

@@ -249,7 +249,7 @@ def gradient(
     Units: unit of L per metre, radian, S/m, or 1 of gains and eps_r.
     Frame: world, right-handed, z up.
     Errors: Error for a name that the scene has not, for a parameter without derivative, and for an
-        adjoint that is not one value a tone.
+        adjoint that is not one finite value a tone.
     Source: engine/trace/path_derivatives.h. The bits are those of the engine in C++.
     """
     derivatives = paths.derivatives(parameters)
