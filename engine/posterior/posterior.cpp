@@ -23,7 +23,6 @@ constexpr double kAmbiguousRatio = 0.3;    // weight of another place's hypothes
 // Neighbouring parts are 1.5 to 2 apart, peaks with a valley between them 3 and more.
 constexpr double kTouch = 0.65;
 constexpr double kSpreads = 2.3;           // a ratio to the sum of both spreads
-constexpr double kMaxSpread = 0.5;         // share of the room's area: above it the map is flat
 constexpr double kMaxConfidence = 0.9999;  // largest confidence with a reported radius
 constexpr double kHeightSigma = 0.05;      // [m], of the assumed height
 constexpr double kHeightShare = 0.5;       // of the prior's variance: below it z was estimated
@@ -379,7 +378,7 @@ void summarise_posterior(const Grid& grid,
                       uniform_moments(grid),
                       options.sigma_floor};
   const double cells = std::max(static_cast<double>(grid.size()), options.cells_of_room);
-  if (effective_cells(masses.mass) > kMaxSpread * cells) {
+  if (effective_cells(masses.mass) > options.max_spread * cells) {
     estimate.reason = "the likelihood is flat: the frames fit everywhere in the room";
     return;
   }

@@ -20,6 +20,9 @@ struct PosteriorOptions {
   // Number of cells of the room, if the grid is a part of it that holds all but `outlier` of the
   // mass; 0: the grid is the whole room.
   double cells_of_room = 0.0;
+  // Largest share of the room's cells that the map may cover (by its entropy): with more it is flat
+  // and gives no position.
+  double max_spread = 0.5;
 };
 
 // Sets position, covariance, accuracy, hypotheses, residual probability and `ambiguous` of the

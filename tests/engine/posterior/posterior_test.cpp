@@ -211,6 +211,25 @@ TEST(SmallestHalfMassDisc, HoldsHalfAndIsTheSmallest) {
   EXPECT_TRUE(smallest_half_mass_disc(g, corner, 0.12).contains(g.centre(g.size() - 1)));
 }
 
+// A region of most of the room is correct: its accuracy states its size.
+TEST(Posterior, AWideMapGivesAPositionIfItIsWanted) {
+  const Grid g = grid();
+  const auto map = map_of(g, [](const Vec3d& p) { return p.x > 0.0 ? 0.0 : -1.0; });
+  LocationEstimate refused;
+  summarise_posterior(g, map, {}, refused);
+  EXPECT_FALSE(refused.position);
+  LocationEstimate wide;
+  summarise_posterior(g, map, {.max_spread = 0.95}, wide);
+  ASSERT_TRUE(wide.position);
+  EXPECT_GT(wide.position->x, 0.0);
+  const double side = std::sqrt(static_cast<double>(g.size()) * g.step_x * g.step_y);
+  EXPECT_GT(wide.accuracy_m, 0.5 * side);
+  EXPECT_GT(wide.residual_probability, 0.5);
+  LocationEstimate flat;
+  summarise_posterior(g, std::vector<double>(g.size(), -7.0), {.max_spread = 0.95}, flat);
+  EXPECT_FALSE(flat.position);
+}
+
 TEST(Posterior, AFlatMapGivesNoPosition) {
   const Grid g = grid();
   LocationEstimate estimate;
