@@ -4,12 +4,14 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "engine/base/timestamp.h"
 #include "engine/base/vec3.h"
+#include "engine/chains/chain_record.h"
 #include "engine/chains/chain_state.h"
 #include "engine/channel/csi_frame.h"
 #include "engine/channel/mac_address.h"
@@ -82,9 +84,11 @@ class ChainCapability {
 
   // In order of access points, for those with received frames or a restored state.
   virtual std::vector<ChainState> states() const = 0;
+  // Evidence on the chains of an access point that are being learned; empty without evidence.
+  virtual std::optional<ChainRecord> record(std::size_t access_point) const = 0;
   virtual std::uint64_t changes() const = 0;  // equal counts mean equal states
   // Replaces a state by one that another instance found; restore(): by one of an earlier
-  // run, which outlives restart().
+  // run, with its evidence (ChainState::record), which outlives restart().
   virtual void adopt(const ChainState& state) = 0;
   virtual void restore(const ChainState& state) = 0;
   // The access point was powered off: its chains have probably changed.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "daemon/methods/device_capabilities.h"
@@ -38,6 +39,9 @@ class LocalizerChains final : public ChainCapability {
   }
 
   std::vector<ChainState> states() const override { return learner_.states(); }
+  std::optional<ChainRecord> record(std::size_t access_point) const override {
+    return learner_.record(access_point);
+  }
   std::uint64_t changes() const override { return learner_.changes(); }
   void adopt(const ChainState& state) override { learner_.adopt(state); }
   void restore(const ChainState& state) override { learner_.restore(state); }

@@ -31,6 +31,11 @@ void ChainBelief::settle() {
   suspect(kChange);
 }
 
+void ChainBelief::resume(std::span<const double> probability) {
+  RAYLOC_CHECK(probability.size() == probability_.size());
+  probability_.assign(probability.begin(), probability.end());
+}
+
 void ChainBelief::receive(std::span<const double> log_evidence) {
   RAYLOC_CHECK(log_evidence.size() == probability_.size());
   const double best = *std::max_element(log_evidence.begin(), log_evidence.end());

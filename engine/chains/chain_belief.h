@@ -29,6 +29,8 @@ class ChainBelief {
   void suspect(double probability);
   // The accepted state has changed: state 0 now denotes the new one.
   void settle();
+  // Continues from the probabilities of an earlier run, [state]. REQUIRES: grid().size() values.
+  void resume(std::span<const double> probability);
 
   // Probability of a state and those near it.
   double near(std::size_t state) const;

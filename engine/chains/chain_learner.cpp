@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <iterator>
 #include <set>
 #include <utility>
 
 #include "engine/chains/cell_belief.h"
 #include "engine/chains/chain_evidence.h"
 #include "engine/chains/chain_frames.h"
+#include "engine/chains/chain_record.h"
 
 namespace rayloc {
 namespace {
@@ -26,7 +28,6 @@ constexpr double kWithdrawnLead = 5.0;     // [nat], required lead of another st
 constexpr double kUnsuspectedLead = 12.0;  // the same, while the belief indicates no change
 constexpr double kOthersWrong = 0.1;       // least probability that other access points are wrong
 constexpr double kMinEvidence = 3.0;       // [nat], of a burst that the room explains in a state
-constexpr double kKnownPlaceSigma = 0.02;  // [m], per axis: a surveyed place
 constexpr double kSameCorrelation = 0.9;   // correlation of bursts with the same information
 constexpr double kMaxNoise = 2e-3;  // of a burst, as share of its power, like ModelError::noise
 // Counts of bursts, chosen.
@@ -150,6 +151,7 @@ ChainLearner::NewArrays ChainLearner::new_of(std::span<const CsiFrame> frames,
     }
     ChainMemory& ap = of(a);
     ap.*last = fresh.time;
+    evaluate_waiting(*received.map, localizer_->room().likelihood_exponent, ap);
     if (is_new(received, ap)) {
       fresh.arrays.push_back(&received);
     }
@@ -261,8 +263,8 @@ void ChainLearner::weigh_known(const ArrayObservation& received,
                                Timestamp time,
                                ChainMemory& ap) {
   RememberedBurst burst;
-  burst.known_place = std::make_shared<const PlaceModel>(
-      received.map->model_of(received.map->rays_to(place), kKnownPlaceSigma));
+  burst.known_place = known_place_model(*received.map, place);
+  burst.place = place;
   if (!burst.known_place->reachable) {
     return;
   }
@@ -284,6 +286,7 @@ void ChainLearner::remember(RememberedBurst burst,
   if (most < kMinEvidence) {
     return;
   }
+  ap.before_last = ap.belief.probability();
   ap.belief.receive(log_evidence);
   ++changes_;
   ++ap.state.bursts;
@@ -295,6 +298,9 @@ void ChainLearner::remember(RememberedBurst burst,
       most + localizer_->room().likelihood_exponent * received.map->null_model(received.observed) -
       ChainBelief::kMaxOfBurst;
   burst.since.assign(ap.gain.size(), 1.0);
+  std::transform(ap.gain.begin(), ap.gain.end(), std::back_inserter(burst.gain), [](auto one) {
+    return std::abs(one);
+  });
   ap.remember(std::move(burst));
   decide(*received.map, time, ap);
 }
@@ -415,12 +421,6 @@ void ChainLearner::notice_silence(const CsiFrame& frame) {
   last->second = frame.time;
 }
 
-bool ChainLearner::leaves_alone() const {
-  return std::all_of(aps_.begin(), aps_.end(), [](const auto& one) {
-    return one.second.state.knowledge == ChainKnowledge::kAsCalibrated;
-  });
-}
-
 FrameFault ChainLearner::fault_of(std::span<const CsiFrame> accepted) const {
   std::set<std::size_t> received;
   FrameFault suspect{1.0};
@@ -432,14 +432,6 @@ FrameFault ChainLearner::fault_of(std::span<const CsiFrame> accepted) const {
     }
   }
   return received.empty() ? FrameFault() : suspect;
-}
-
-std::vector<ChainState> ChainLearner::states() const {
-  std::vector<ChainState> result;
-  for (const auto& [access_point, ap] : aps_) {
-    result.push_back(ap.state);
-  }
-  return result;
 }
 
 void ChainLearner::adopt(const ChainState& state) {
@@ -455,6 +447,10 @@ void ChainLearner::adopt(const ChainState& state) {
   if (state.knowledge == ChainKnowledge::kLearning) {
     ap.belief.suspect(kRotatedAfterCycle);
   }
+  resume(ap);
+  if (ap.waiting != nullptr && !ap.waiting->received.empty()) {
+    received_.try_emplace(state.access_point, ap.waiting->received.back().time);
+  }
 }
 
 void ChainLearner::restore(const ChainState& state) {
@@ -468,6 +464,7 @@ void ChainLearner::power_cycled(std::size_t access_point, Timestamp time) {
   ++changes_;
   ap.belief.suspect(kRotatedAfterCycle);
   ap.received.clear();
+  ap.waiting.reset();
   ap.last_sure = time;
   withdraw(time, ap);
 }

@@ -20,12 +20,14 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "engine/base/timestamp.h"
 #include "engine/base/vec3.h"
 #include "engine/chains/chain_memory.h"
+#include "engine/chains/chain_record.h"
 #include "engine/chains/chain_refinement.h"
 #include "engine/chains/chain_state.h"
 #include "engine/chains/close_bursts.h"
@@ -59,6 +61,12 @@ class ChainLearner {
 
   // In order of access points, for those with received frames or a restored state.
   std::vector<ChainState> states() const;
+  // Evidence on the chains of an access point that are being learned, for a later run: restore() a
+  // state that has it. Empty without evidence.
+  std::optional<ChainRecord> record(std::size_t access_point) const;
+  // Probability of each state of the chains, [access point of the room][state], without the
+  // evidence of `frames`; empty for access points that are not being learned.
+  std::vector<std::vector<double>> beliefs_before(std::span<const CsiFrame> frames) const;
   std::uint64_t changes() const { return changes_; }  // equal counts mean equal states
   // Number of times that the last accepted access point was given up: all estimates from frames up
   // to then may have been wrong.

@@ -1,4 +1,4 @@
-// Frames with the factors of their chains removed.
+// ChainLearner: frames with the factors of their chains removed, and its state for others.
 #include <algorithm>
 #include <complex>
 #include <vector>
@@ -31,6 +31,39 @@ std::vector<CsiFrame> ChainLearner::accepted(std::span<const CsiFrame> frames) c
     return found != aps_.end() && found->second.state.knowledge == ChainKnowledge::kLearning;
   });
   return kept;
+}
+
+bool ChainLearner::leaves_alone() const {
+  return std::all_of(aps_.begin(), aps_.end(), [](const auto& one) {
+    return one.second.state.knowledge == ChainKnowledge::kAsCalibrated;
+  });
+}
+
+std::vector<ChainState> ChainLearner::states() const {
+  std::vector<ChainState> result;
+  for (const auto& [access_point, ap] : aps_) {
+    result.push_back(ap.state);
+  }
+  return result;
+}
+
+std::optional<ChainRecord> ChainLearner::record(std::size_t access_point) const {
+  const auto found = aps_.find(access_point);
+  return found == aps_.end() ? std::nullopt : record_of(found->second);
+}
+
+// receive() counts a burst at the time of its last frame.
+std::vector<std::vector<double>> ChainLearner::beliefs_before(
+    std::span<const CsiFrame> frames) const {
+  std::vector<std::vector<double>> beliefs(localizer_->room().access_points.size());
+  for (const auto& [access_point, ap] : aps_) {
+    if (ap.state.knowledge == ChainKnowledge::kLearning) {
+      const bool is_counted = !frames.empty() && !ap.received.empty() && !ap.before_last.empty() &&
+                              ap.received.back().time == frames.back().time;
+      beliefs[access_point] = is_counted ? ap.before_last : ap.belief.probability();
+    }
+  }
+  return beliefs;
 }
 
 }  // namespace rayloc

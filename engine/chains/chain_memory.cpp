@@ -59,6 +59,7 @@ void ChainMemory::correct(const ChainFactors& refined) {
     multiply(undoing, one.h);
     for (std::size_t m = 0; m < one.since.size(); ++m) {
       one.since[m] *= refined.factor[m];
+      one.gain[m] /= std::abs(refined.factor[m]);
     }
   }
   for (std::size_t m = 0; m < gain.size(); ++m) {

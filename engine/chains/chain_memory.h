@@ -4,6 +4,7 @@
 
 #include <complex>
 #include <cstddef>
+#include <memory>
 #include <vector>
 
 #include "engine/base/timestamp.h"
@@ -24,7 +25,9 @@ struct ChainMemory {
 
   ChainState state;
   ChainBelief belief;
+  std::vector<double> before_last;  // ChainBelief::probability() before the last of `received`
   std::vector<RememberedBurst> received;        // oldest first
+  std::shared_ptr<const ChainRecord> waiting;   // bursts of an earlier run, not yet evaluated
   std::vector<std::complex<double>> gain;       // of the best state, relative to factors
   std::vector<std::complex<double>> favourite;  // factors of that state
   std::size_t unrefined = 0;                    // bursts since factors were refined or compared

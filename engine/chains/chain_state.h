@@ -2,11 +2,14 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 
 #include "engine/base/timestamp.h"
 #include "engine/chains/chain_refinement.h"
 
 namespace rayloc {
+
+struct ChainRecord;
 
 enum class ChainKnowledge {
   kAsCalibrated,
@@ -25,6 +28,8 @@ struct ChainState {
   // While learning, for the best state at the last comparison of states:
   double evidence = 0.0;     // [nat], lead over every other state
   double phase_sigma = 0.0;  // [rad], largest over its phases
+  // Evidence to continue from, for a learner that restores this state, and for a file; else null.
+  std::shared_ptr<const ChainRecord> record;
 };
 
 // Requirements for using a state of the chains.

@@ -5,13 +5,15 @@
 #include <utility>
 
 #include "engine/base/parallel.h"
+#include "engine/chains/chain_belief.h"
 
 namespace rayloc {
 namespace {
 
 using Value = std::complex<double>;
 
-constexpr double kPlaceMargin = 7.0;  // [nat], tempered: lower places have no weight
+constexpr double kPlaceMargin = 7.0;       // [nat], tempered: lower places have no weight
+constexpr double kKnownPlaceSigma = 0.02;  // [m], per axis: a surveyed place
 
 ChainFactors refined_from(const AccessPointMap& map,
                           std::span<const RememberedBurst> received,
@@ -56,6 +58,19 @@ ChainFactors refined_from(const AccessPointMap& map,
 }
 
 }  // namespace
+
+std::shared_ptr<const PlaceModel> known_place_model(const AccessPointMap& map, const Vec3d& place) {
+  return std::make_shared<const PlaceModel>(map.model_of(map.rays_to(place), kKnownPlaceSigma));
+}
+
+double burst_floor(const AccessPointMap& map,
+                   const RememberedBurst& burst,
+                   double likelihood_exponent) {
+  const std::vector<double>& log_evidence = burst.evidence.log_evidence;
+  return *std::max_element(log_evidence.begin(), log_evidence.end()) +
+         likelihood_exponent * map.null_model(map.observe(burst.h, burst.noise)) -
+         ChainBelief::kMaxOfBurst;
+}
 
 // [rad], maximum phase difference over the chains.
 double distance(const std::vector<Value>& a, const std::vector<Value>& b) {

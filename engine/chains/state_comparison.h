@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "engine/base/timestamp.h"
+#include "engine/base/vec3.h"
 #include "engine/chains/chain_evidence.h"
 #include "engine/chains/chain_refinement.h"
 #include "engine/localize/access_point_map.h"
@@ -22,9 +23,17 @@ struct RememberedBurst {
   TurnEvidence evidence;
   std::vector<float> log_weight;  // [cell], ln of the device's probability there, from the others
   std::vector<std::complex<double>> since;  // change of the factors since the evidence
+  std::vector<double> level;                // [chain], amplitudes removed for the evidence
   // Model of a transmitter's known place; null: unknown place, candidates are in `evidence`.
   std::shared_ptr<const PlaceModel> known_place = nullptr;
+  Vec3d place;  // [m], of known_place
 };
+// Model of a transmitter at a surveyed place [m].
+std::shared_ptr<const PlaceModel> known_place_model(const AccessPointMap& map, const Vec3d& place);
+// RememberedBurst::floor. REQUIRES: h, noise and evidence are set.
+double burst_floor(const AccessPointMap& map,
+                   const RememberedBurst& burst,
+                   double likelihood_exponent);
 
 // States nearer than this [rad] are the same state.
 inline constexpr double kSameState = 0.7;

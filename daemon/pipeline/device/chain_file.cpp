@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <memory>
 #include <string_view>
 #include <utility>
 
 #include <nlohmann/json.hpp>
 
+#include "daemon/pipeline/device/chain_record_json.h"
 #include "daemon/site/model/site_copy.h"
+#include "engine/chains/chain_record.h"
 
 namespace rayloc {
 namespace {
@@ -19,20 +22,25 @@ using Json = nlohmann::ordered_json;
 constexpr int kFormat = 1;  // a count, of the versions of the file
 constexpr std::string_view kLearning = "learning";
 constexpr std::string_view kLearned = "learned";
+constexpr const char* kEvidence = "evidence";
 
 Json to_json(const ChainState& state, const RoomAccessPoint& ap) {
   Json factors = Json::array();
   for (const std::complex<double>& factor : state.factors.factor) {
     factors.push_back({factor.real(), factor.imag()});
   }
-  return {{"id", ap.id},
-          {"chains", state.knowledge == ChainKnowledge::kLearned ? kLearned : kLearning},
-          {"cores", ap.rx_chains},
-          {"factor", std::move(factors)},
-          {"phase_sigma_rad", state.factors.sigma},
-          {"level_sigma", state.factors.log_gain_sigma},
-          {"since_ns", state.since.time_since_epoch().count()},
-          {"bursts", state.bursts}};
+  Json json = {{"id", ap.id},
+               {"chains", state.knowledge == ChainKnowledge::kLearned ? kLearned : kLearning},
+               {"cores", ap.rx_chains},
+               {"factor", std::move(factors)},
+               {"phase_sigma_rad", state.factors.sigma},
+               {"level_sigma", state.factors.log_gain_sigma},
+               {"since_ns", state.since.time_since_epoch().count()},
+               {"bursts", state.bursts}};
+  if (state.record != nullptr) {
+    json[kEvidence] = to_json(*state.record);
+  }
+  return json;
 }
 
 ChainState from_json(const Json& json, std::size_t access_point) {
@@ -59,13 +67,15 @@ bool is_usable(const ChainState& state, std::size_t chains) {
          });
 }
 
-std::vector<ChainState> states_of(const Json& json, const RoomModel& room) {
+Expected<std::vector<ChainState>> states_of(const Json& json, const RoomModel& room) {
   std::vector<ChainState> states;
   if (json.at("format").get<int>() != kFormat ||
       json.at("calibration").get<std::string>() != room.calibration_id) {
     return states;
   }
-  for (const Json& one : json.at("access_points")) {
+  const Json& all = json.at("access_points");
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const Json& one = all[i];
     for (std::size_t a = 0; a < room.access_points.size(); ++a) {
       const RoomAccessPoint& ap = room.access_points[a];
       if (ap.id != one.at("id").get<std::string>() ||
@@ -73,9 +83,16 @@ std::vector<ChainState> states_of(const Json& json, const RoomModel& room) {
         continue;
       }
       ChainState state = from_json(one, a);
-      if (is_usable(state, ap.rx_chains.size())) {
-        states.push_back(std::move(state));
+      if (!is_usable(state, ap.rx_chains.size())) {
+        continue;
       }
+      if (state.knowledge == ChainKnowledge::kLearning && one.contains(kEvidence)) {
+        auto record = record_from_json(
+            one[kEvidence], "access_points[" + std::to_string(i) + "]." + kEvidence, room, a);
+        RAYLOC_TRY(record);
+        state.record = std::make_shared<const ChainRecord>(*std::move(record));
+      }
+      states.push_back(std::move(state));
     }
   }
   return states;
@@ -89,7 +106,11 @@ Expected<std::vector<ChainState>> read_chain_file(const fs::path& file, const Ro
     return std::vector<ChainState>();
   }
   try {
-    return states_of(Json::parse(in), room);
+    auto states = states_of(Json::parse(in), room);
+    if (!states) {
+      return bad_input(file.string() + ": " + states.error().message);
+    }
+    return states;
   } catch (const nlohmann::json::exception& error) {
     return bad_input(file.string() + " is broken: " + error.what());
   }

@@ -12,8 +12,9 @@
 namespace rayloc {
 
 // JSON: by access point, for those whose chains differ from the calibration, the learned state and
-// the calibration that it refers to. Reading returns no state without a file, for a file of another
-// calibration, and for access points that no longer exist. An Error for a broken file.
+// the calibration that it refers to; the evidence of chains that are being learned
+// (ChainState::record) where it is set. Reading returns no state without a file, for a file of
+// another calibration, and for access points that no longer exist. An Error for a broken file.
 Expected<std::vector<ChainState>> read_chain_file(const std::filesystem::path& file,
                                                   const RoomModel& room);
 // Writes the file atomically.

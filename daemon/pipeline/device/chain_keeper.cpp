@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <optional>
 #include <utility>
 
 #include "daemon/pipeline/device/chain_file.h"
 #include "engine/base/constants.h"
 #include "engine/chains/chain_progress.h"
+#include "engine/chains/chain_record.h"
 
 namespace rayloc {
 namespace {
@@ -33,6 +36,41 @@ bool differs(const ChainState& a, const ChainState& b) {
   return a.knowledge != b.knowledge || a.factors.factor != b.factors.factor;
 }
 
+// True if a learner has restored evidence on the same unknown chains from the file.
+bool has_evidence(const ChainState& state, const std::vector<ChainCapability*>& learners) {
+  return std::any_of(learners.begin(), learners.end(), [&](const ChainCapability* learner) {
+    const std::vector<ChainState> own = learner->states();
+    return learner->record(state.access_point) &&
+           std::any_of(own.begin(), own.end(), [&](const ChainState& one) {
+             return one.access_point == state.access_point && one.since == state.since &&
+                    !differs(one, state);
+           });
+  });
+}
+
+// The evidence of the learner that has the most bursts; null if none has evidence.
+std::shared_ptr<const ChainRecord> most_evidence(std::size_t access_point,
+                                                 const std::vector<ChainCapability*>& learners) {
+  std::optional<ChainRecord> most;
+  for (std::size_t i = 0; i < learners.size(); ++i) {
+    std::optional<ChainRecord> record = learners[i]->record(access_point);
+    if (record && (!most || record->received.size() > most->received.size())) {
+      most = std::move(record);
+      most->learner = i;
+      most->learners = learners.size();
+    }
+  }
+  return most ? std::make_shared<const ChainRecord>(*std::move(most)) : nullptr;
+}
+
+std::size_t bursts_while_learning(const std::vector<ChainState>& states) {
+  std::size_t bursts = 0;
+  for (const ChainState& state : states) {
+    bursts += state.knowledge == ChainKnowledge::kLearning ? state.bursts : 0;
+  }
+  return bursts;
+}
+
 }  // namespace
 
 void ChainKeeper::notify(std::string line) {
@@ -51,12 +89,17 @@ void ChainKeeper::restore(const std::vector<ChainCapability*>& learners, const R
   }
   for (ChainState state : *states) {
     const bool is_learned = state.knowledge == ChainKnowledge::kLearned;
-    if (!is_learned) {
-      state.bursts = 0;  // not stored in the file
+    const std::shared_ptr<const ChainRecord> record = std::exchange(state.record, nullptr);
+    const bool is_comparable = record != nullptr && record->learners == learners.size();
+    state.bursts = is_learned ? state.bursts : 0;  // those of the evidence count, if any
+    for (std::size_t i = 0; i < learners.size(); ++i) {
+      ChainState own = state;
+      own.record = is_comparable && record->learner == i ? record : nullptr;
+      learners[i]->restore(own);
     }
-    for (ChainCapability* learner : learners) {
-      learner->restore(state);
-    }
+    state.bursts = is_comparable ? record->bursts : state.bursts;
+    state.evidence = is_comparable ? record->lead : 0.0;
+    state.phase_sigma = is_comparable ? record->phase_sigma : 0.0;
     const RoomAccessPoint& ap = room.access_points[state.access_point];
     notify("access point " + ap.id + ": " +
            (is_learned ? "its chains are as learned before: " + turns(state, ap)
@@ -72,6 +115,9 @@ void ChainKeeper::go_on(const std::vector<ChainState>& states,
     return;
   }
   for (const ChainState& state : states) {
+    if (has_evidence(state, learners)) {
+      continue;
+    }
     for (ChainCapability* learner : learners) {
       learner->restore(state);
     }
@@ -86,6 +132,7 @@ void ChainKeeper::keep(std::vector<ChainState> states) {
 
 void ChainKeeper::restart() {
   seen_.clear();
+  stored_.clear();
   keep({});
 }
 
@@ -131,11 +178,33 @@ void ChainKeeper::spread(const ChainCapability& learner,
                      learning(state, room));
   }
   keep(states);
-  if (is_new && !options_.write.empty()) {
-    if (const auto written = write_chain_file(options_.write, states, room); !written) {
+  // A count, chosen: with more bursts the file is written again after a growing number of them, a
+  // part of those counted, since chains that are never learned have no last burst.
+  constexpr std::size_t kFewBursts = 32;
+  const std::size_t bursts = bursts_while_learning(states);
+  std::size_t& stored = stored_[&learner];
+  if (is_new || bursts < stored || bursts > stored + stored / kFewBursts) {
+    stored = bursts;
+    const auto written = write(states, learners, room);
+    if (!written && (is_new || !has_failed_)) {
       notify(written.error().message);
     }
+    has_failed_ = !written;
   }
+}
+
+Expected<void> ChainKeeper::write(std::vector<ChainState> states,
+                                  const std::vector<ChainCapability*>& learners,
+                                  const RoomModel& room) const {
+  if (options_.write.empty()) {
+    return {};
+  }
+  for (ChainState& state : states) {
+    if (state.knowledge == ChainKnowledge::kLearning) {
+      state.record = most_evidence(state.access_point, learners);
+    }
+  }
+  return write_chain_file(options_.write, states, room);
 }
 
 std::vector<CalibrationWarning> ChainKeeper::warnings(const RoomModel& room) const {

@@ -2,6 +2,7 @@
 // all learners, stored in a file for the next program, and reported to the operator.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <mutex>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include "daemon/methods/device_capabilities.h"
+#include "engine/base/expected.h"
 #include "engine/monitor/calibration_monitor.h"
 #include "engine/room/room_model.h"
 
@@ -25,6 +27,7 @@ class ChainKeeper {
   // Restores the learners from the file. To be called before the first burst.
   void restore(const std::vector<ChainCapability*>& learners, const RoomModel& room);
   // Restores the learners from the state of a predecessor, without a report: it was reported then.
+  // A learner that has restored evidence on the same unknown chains keeps it.
   void go_on(const std::vector<ChainState>& states, const std::vector<ChainCapability*>& learners);
   // `learner` may have new results: they are passed to the other learners and stored.
   void spread(const ChainCapability& learner,
@@ -42,10 +45,16 @@ class ChainKeeper {
 
  private:
   void notify(std::string line);
+  // Writes the file, with the evidence of chains that are being learned.
+  Expected<void> write(std::vector<ChainState> states,
+                       const std::vector<ChainCapability*>& learners,
+                       const RoomModel& room) const;
   void keep(std::vector<ChainState> states);
 
   Options options_;
   std::map<const ChainCapability*, std::uint64_t> seen_;  // ChainCapability::changes()
+  std::map<const ChainCapability*, std::size_t> stored_;  // bursts while learning, when written
+  bool has_failed_ = false;                               // the last write
   mutable std::mutex mutex_;
   std::vector<ChainState> known_;     // guarded by mutex_; written by the estimation thread
   std::vector<std::string> notices_;  // guarded by mutex_

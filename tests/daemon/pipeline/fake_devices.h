@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -62,6 +63,7 @@ class FakeChains : public ChainCapability {
     state.knowledge = is_learning ? ChainKnowledge::kLearning : ChainKnowledge::kAsCalibrated;
     return {state};
   }
+  std::optional<ChainRecord> record(std::size_t) const override { return evidence; }
   std::uint64_t changes() const override { return is_learning ? 1 : 0; }
   void adopt(const ChainState& state) override { adopted.push_back(state); }
   void restore(const ChainState& state) override { restored.push_back(state); }
@@ -71,6 +73,7 @@ class FakeChains : public ChainCapability {
   bool is_learning = false;
   std::size_t accepts = 0;  // frames of a burst while chains are being learned
   LocationEstimate coarse;
+  std::optional<ChainRecord> evidence;
   int received = 0;
   int restarts = 0;
   std::vector<Vec3d> places;

@@ -177,6 +177,76 @@ TEST(ChainLearner, LearnsAfterAReportedPowerCycleAndKeepsTheResult) {
   }
 }
 
+// A program that ends while it learns, and the next one, need as many bursts as one program.
+TEST(ChainLearner, ContinuesFromTheEvidenceOfAnEarlierRun) {
+  const std::vector<Value> factors = {1.0, std::polar(1.1, 0.6), std::polar(1.0, 3.0)};
+  const auto learns = [&](ChainLearner& learner, int begin) {
+    int bursts = begin;
+    while (bursts < 40 && learner.states().at(0).knowledge == ChainKnowledge::kLearning) {
+      learner.receive(through(burst(bursts++), factors));
+    }
+    return bursts;
+  };
+  ChainLearner whole(localizer());
+  whole.power_cycled(0, burst(0).front().time);
+  EXPECT_FALSE(whole.record(0)) << "there is no evidence yet";
+  const int needed = learns(whole, 0);
+  ASSERT_EQ(whole.states().at(0).knowledge, ChainKnowledge::kLearned);
+  EXPECT_FALSE(whole.record(0)) << "learned chains need no evidence";
+  for (const int cut : {3, 7}) {
+    ASSERT_LT(cut, needed);
+    ChainLearner first(localizer());
+    first.power_cycled(0, burst(0).front().time);
+    for (int i = 0; i < cut; ++i) {
+      first.receive(through(burst(i), factors));
+    }
+    ChainState state = first.states().at(0);
+    ASSERT_TRUE(first.record(0));
+    state.record = std::make_shared<const ChainRecord>(*first.record(0));
+    ChainLearner next(localizer());
+    next.restore(state);
+    EXPECT_EQ(next.states().at(0).record, nullptr);
+    EXPECT_EQ(next.states().at(0).bursts, first.states().at(0).bursts);
+    EXPECT_EQ(next.record(0)->received.size(), first.record(0)->received.size());
+    next.restart();  // restored evidence holds again
+    EXPECT_EQ(learns(next, cut), needed) << cut;
+    ASSERT_EQ(next.states().at(0).knowledge, ChainKnowledge::kLearned);
+    for (std::size_t m = 1; m < 3; ++m) {
+      EXPECT_NEAR(phase_error(next.states().at(0), factors, m),
+                  phase_error(whole.states().at(0), factors, m),
+                  1e-3);
+    }
+  }
+}
+
+TEST(ChainLearner, APowerCycleEndsTheEvidenceOfAnEarlierRun) {
+  const std::vector<Value> factors = {1.0, std::polar(1.1, 0.6), std::polar(1.0, 3.0)};
+  ChainLearner first(localizer());
+  first.power_cycled(0, burst(0).front().time);
+  for (int i = 0; i < 5; ++i) {
+    first.receive(through(burst(i), factors));
+  }
+  ChainState state = first.states().at(0);
+  state.record = std::make_shared<const ChainRecord>(*first.record(0));
+  ChainLearner next(localizer());
+  next.restore(state);
+  next.power_cycled(0, burst(5).front().time);
+  EXPECT_FALSE(next.record(0));
+  EXPECT_EQ(next.states().at(0).bursts, 0U);
+}
+
+// The belief that a burst's own coarse fix uses does not contain the burst.
+TEST(ChainLearner, StatesTheBeliefBeforeABurst) {
+  ChainLearner learner(localizer());
+  EXPECT_TRUE(learner.beliefs_before(burst(0)).at(0).empty());
+  learner.power_cycled(0, burst(0).front().time);
+  learner.receive(burst(0));
+  const std::vector<double> after_first = learner.beliefs_before(burst(1)).at(0);
+  EXPECT_NE(learner.beliefs_before(burst(0)).at(0), after_first);
+  learner.receive(burst(1));
+  EXPECT_EQ(learner.beliefs_before(burst(1)).at(0), after_first);
+}
+
 // A transmitter at a known place decides which of similar states is right; alone it counts as one
 // burst, whatever it sends.
 TEST(ChainLearner, LearnsEarlierWithATransmitterAtAKnownPlace) {

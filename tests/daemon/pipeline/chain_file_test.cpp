@@ -1,0 +1,194 @@
+// Tests the file of learned chains: a program that ends while it learns chains, and the next one.
+#include "daemon/pipeline/device/chain_file.h"
+
+#include <unistd.h>
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <memory>
+#include <random>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "daemon/methods/localizer_capabilities.h"
+#include "daemon/pipeline/device/chain_keeper.h"
+#include "tests/support/faulty_frames.h"
+#include "tests/support/synthetic_room.h"
+
+namespace rayloc::chain_file_test {
+namespace {
+
+using ::testing::HasSubstr;
+using Json = nlohmann::ordered_json;
+
+// Chains are unknown from the first burst on.
+std::shared_ptr<const Localizer> localizer() {
+  static const std::shared_ptr<const Localizer> kLocalizer = [] {
+    RoomModel room = test::make_room();
+    room.access_points.resize(2);
+    room.calibration_id = "of_today";
+    for (RoomAccessPoint& ap : room.access_points) {
+      ap.are_chains_known = false;
+      ap.error.plan_tolerance = 0.001;
+      ap.error.diffuse = 0.005;
+    }
+    auto made = Localizer::create(std::make_shared<const RoomModel>(std::move(room)), {});
+    return std::make_shared<const Localizer>(*std::move(made));
+  }();
+  return kLocalizer;
+}
+
+// A device somewhere else every two seconds, with rotated chains.
+std::vector<CsiFrame> burst(int number) {
+  std::mt19937 random(static_cast<unsigned>(number + 1));
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  const double x = 1.2 * uniform(random);
+  const RoomModel& room = localizer()->room();
+  auto frames = test::frames_at(
+      room, {x, 0.9 * uniform(random), 1.2}, {4, 30.0, static_cast<unsigned>(number + 1)});
+  for (CsiFrame& frame : frames) {
+    frame.time += std::chrono::seconds(2 * number);
+  }
+  for (std::size_t a = 0; a < room.access_points.size(); ++a) {
+    test::turn_chain(frames, static_cast<int>(a), room.access_points[a].rx_chains[1], 2.1);
+  }
+  return frames;
+}
+
+class ChainFile : public ::testing::Test {
+ protected:
+  ~ChainFile() override { std::filesystem::remove(file_); }
+
+  // Programs with one device model that read and write the file.
+  struct Program {
+    explicit Program(const std::string& file) : keeper({file, file}), chains(localizer()) {
+      keeper.restore({&chains}, localizer()->room());
+    }
+    // Number of the burst that taught the last chains, from `begin` on.
+    int learn(int begin, int end) {
+      for (int i = begin; i < end; ++i) {
+        chains.receive(burst(i));
+        keeper.spread(chains, {&chains}, localizer()->room());
+        if (!chains.accepted(burst(i)).empty()) {
+          return i;
+        }
+      }
+      return end;
+    }
+    ChainKeeper keeper;
+    LocalizerChains chains;
+  };
+
+  Json stored() const {
+    std::ifstream in(file_);
+    return Json::parse(in);
+  }
+  // The message with which the file is refused after a change.
+  std::string refused(const std::function<void(Json&)>& change) const {
+    Json json = stored();
+    change(json);
+    const std::string changed = file_ + ".changed";
+    std::ofstream(changed) << json;
+    const auto states = read_chain_file(changed, localizer()->room());
+    std::filesystem::remove(changed);
+    return states ? "" : states.error().message;
+  }
+
+  const std::string file_ = std::filesystem::path(::testing::TempDir()) /
+                            ("chain_file_" + std::to_string(::getpid()) + ".json");
+};
+
+TEST_F(ChainFile, ARestartWhileLearningCostsNoBurst) {
+  constexpr int kEnd = 60;
+  const int whole = Program(file_).learn(0, kEnd);
+  ASSERT_LT(whole, kEnd);
+  std::filesystem::remove(file_);
+  const int half = whole / 2;
+  ASSERT_EQ(Program(file_).learn(0, half), half);
+  Program next(file_);
+  const auto notices = next.keeper.notices();
+  ASSERT_EQ(notices.size(), 2U);
+  EXPECT_THAT(notices[0], HasSubstr("learning the chains of"));
+  EXPECT_GT(next.chains.states().at(0).bursts, 0U);
+  EXPECT_EQ(next.learn(half, kEnd), whole);
+}
+
+TEST_F(ChainFile, ASuccessorOnTheSameMachineKeepsTheEvidence) {
+  Program before(file_);
+  before.learn(0, 8);
+  Program next(file_);
+  const std::size_t received = next.chains.record(0).value().received.size();
+  next.keeper.go_on(before.chains.states(), {&next.chains});
+  EXPECT_EQ(next.chains.record(0).value().received.size(), received);
+}
+
+TEST_F(ChainFile, WithoutEvidenceLearningStartsAnew) {
+  Program(file_).learn(0, 8);
+  Json json = stored();
+  for (Json& one : json["access_points"]) {
+    ASSERT_TRUE(one.contains("evidence"));
+    one.erase("evidence");
+  }
+  std::ofstream(file_) << json;
+  const Program next(file_);
+  EXPECT_EQ(next.chains.states().at(0).bursts, 0U);
+  EXPECT_FALSE(next.chains.record(0));
+}
+
+TEST_F(ChainFile, EvidenceForOtherDeviceModelsIsNotUsed) {
+  Program(file_).learn(0, 8);
+  Json json = stored();
+  json["access_points"][0]["evidence"]["learners"] = 2;
+  std::ofstream(file_) << json;
+  const Program next(file_);
+  EXPECT_FALSE(next.chains.record(0));
+  EXPECT_TRUE(next.chains.record(1));
+}
+
+TEST_F(ChainFile, AFileOfAnotherCalibrationIsNotUsed) {
+  Program(file_).learn(0, 8);
+  RoomModel other = localizer()->room();
+  other.calibration_id = "of_yesterday";
+  EXPECT_TRUE(read_chain_file(file_, other).value().empty());
+}
+
+TEST_F(ChainFile, WrongEvidenceIsRefusedWithItsPlace) {
+  Program(file_).learn(0, 8);
+  EXPECT_EQ(refused([](Json&) {}), "");
+  const auto evidence = [&](const std::string& key, const Json& value) {
+    return refused([&](Json& json) { json["access_points"][1]["evidence"][key] = value; });
+  };
+  const std::string place = "access_points[1].evidence";
+  EXPECT_THAT(evidence("belief", "AAAA"), HasSubstr(place + ".belief"));
+  EXPECT_THAT(evidence("belief", stored()["access_points"][0]["id"]), HasSubstr(place));
+  EXPECT_THAT(evidence("bursts", -1), HasSubstr(place + ".bursts"));
+  EXPECT_THAT(evidence("level", Json::parse("[1.0]")), HasSubstr(place + ".level"));
+  EXPECT_THAT(evidence("favourite", Json::parse("[[1.0, 0.0]]")), HasSubstr(place + ".favourite"));
+  EXPECT_THAT(evidence("lead", nullptr), HasSubstr(place));
+  const auto burst_key = [&](const std::string& key, const Json& value) {
+    return refused(
+        [&](Json& json) { json["access_points"][1]["evidence"]["received"][0][key] = value; });
+  };
+  const std::string first = place + ".received[0]";
+  EXPECT_THAT(burst_key("h", "AAAA"), HasSubstr(first + ".h"));
+  EXPECT_THAT(burst_key("noise", -1.0), HasSubstr(first + ".noise"));
+  EXPECT_THAT(burst_key("level", Json::parse("[1.0, 0.0, 1.0]")), HasSubstr(first + ".level"));
+  EXPECT_THAT(burst_key("cells", 7), HasSubstr(first + ".weights"));
+  EXPECT_THAT(refused([&](Json& json) {
+                Json& h = json["access_points"][1]["evidence"]["received"][0]["h"];
+                std::string text = h.get<std::string>();
+                text[5] = '!';
+                h = text;
+              }),
+              HasSubstr(first + ".h is not base64"));
+}
+
+}  // namespace
+}  // namespace rayloc::chain_file_test
