@@ -35,7 +35,8 @@ class LocalizerChains final : public ChainCapability {
     return {learner_.fault_of(accepted), learner_.withdrawals()};
   }
   LocationEstimate locate_coarsely(std::span<const CsiFrame> frames) const override {
-    return rayloc::locate_coarsely(*localizer_, learner_.undone(frames));
+    return rayloc::locate_coarsely(
+        *localizer_, learner_.undone(frames), learner_.beliefs_before(frames));
   }
 
   std::vector<ChainState> states() const override { return learner_.states(); }

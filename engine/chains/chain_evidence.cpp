@@ -146,30 +146,47 @@ TurnEvidence turn_evidence(const AccessPointMap& map,
   return evidence;
 }
 
-std::vector<double> places_for_any_rotation(const AccessPointMap& map,
-                                            const ObservedBurst& observed,
-                                            const RotationGrid& grid,
-                                            double likelihood_exponent,
-                                            std::span<const double> probability) {
-  RAYLOC_CHECK(grid.chains() == map.antennas() && grid.size() == probability.size());
+std::vector<std::vector<double>> places_for_rotations(
+    const AccessPointMap& map,
+    const ObservedBurst& observed,
+    const RotationGrid& grid,
+    double likelihood_exponent,
+    std::span<const std::vector<double>> probabilities) {
+  RAYLOC_CHECK(grid.chains() == map.antennas());
+  for (const std::vector<double>& probability : probabilities) {
+    RAYLOC_CHECK(grid.size() == probability.size());
+  }
   const double null_model = map.null_model(observed);
   const CoarseScan scan = coarse_scan(map, observed, grid);
-  std::vector<double> of_cell(map.cells(), -kMaxEvidence);
+  std::vector<std::vector<double>> of_cell(probabilities.size(),
+                                           std::vector<double>(map.cells(), -kMaxEvidence));
   parallel_for(map.cells(), kBlock, [&](std::size_t cell) {
     if (scan.windows[cell] == 0) {
       return;
     }
     std::vector<float> values(grid.size());
     log_likelihood_of_turns(map.model(cell), observed.array, scan.windows[cell], grid, values);
-    double sum = 0.0;
+    std::vector<double> sums(probabilities.size());
     for (std::size_t s = 0; s < values.size(); ++s) {
-      sum += probability[s] *
-             std::exp(std::min(likelihood_exponent * (static_cast<double>(values[s]) - null_model),
-                               kMaxEvidence));
+      const double likelihood = std::exp(std::min(
+          likelihood_exponent * (static_cast<double>(values[s]) - null_model), kMaxEvidence));
+      for (std::size_t p = 0; p < sums.size(); ++p) {
+        sums[p] += probabilities[p][s] * likelihood;
+      }
     }
-    of_cell[cell] = std::log(std::max(sum, std::numeric_limits<double>::min()));
+    for (std::size_t p = 0; p < sums.size(); ++p) {
+      of_cell[p][cell] = std::log(std::max(sums[p], std::numeric_limits<double>::min()));
+    }
   });
   return of_cell;
+}
+
+std::vector<double> places_for_any_rotation(const AccessPointMap& map,
+                                            const ObservedBurst& observed,
+                                            const RotationGrid& grid,
+                                            double likelihood_exponent,
+                                            const std::vector<double>& probability) {
+  return places_for_rotations(map, observed, grid, likelihood_exponent, {&probability, 1}).front();
 }
 
 TurnEvidence turn_evidence_at(const PlaceModel& place,

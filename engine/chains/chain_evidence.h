@@ -37,7 +37,15 @@ std::vector<double> places_for_any_rotation(const AccessPointMap& map,
                                             const ObservedBurst& observed,
                                             const RotationGrid& grid,
                                             double likelihood_exponent,
-                                            std::span<const double> probability);
+                                            const std::vector<double>& probability);
+// The same for several probabilities of the states at once: [probability][cell]. REQUIRES: one or
+// more.
+std::vector<std::vector<double>> places_for_rotations(
+    const AccessPointMap& map,
+    const ObservedBurst& observed,
+    const RotationGrid& grid,
+    double likelihood_exponent,
+    std::span<const std::vector<double>> probabilities);
 // As turn_evidence(), for a device at a known place. `null_model`: log-likelihood of the null
 // model, the reference of the comparison.
 TurnEvidence turn_evidence_at(const PlaceModel& place,

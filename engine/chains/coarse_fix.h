@@ -1,11 +1,13 @@
 // locate_coarsely: position of a device from access points with unknown chains.
 //
 // Phase differences between the antennas then contain no information; the delays and powers of the
-// paths at each antenna still do. The result is the mean over all states of the chains, with equal
-// probabilities, so it depends on these frames alone and not on what has been learned so far.
+// paths at each antenna still do. The probability of a place is a mean over all states of the
+// chains, by access point: half of it with equal probabilities, half of it with the belief in the
+// states.
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "engine/channel/csi_frame.h"
 #include "engine/localize/localizer.h"
@@ -13,8 +15,14 @@
 namespace rayloc {
 
 // `frames`: of one transmitter, in order of time, as returned by ChainLearner::undone(). Accuracy:
-// decimetres to metres, as stated by the region. Without a position `reason` states the cause.
+// decimetres to metres, as stated by the region, which may cover most of the room: an estimate may
+// then have no hypotheses, as none of them has a noticeable share of the probability. Without a
+// position `reason` states the cause.
+// `beliefs`: [access point of the room][state], probabilities without the evidence of these frames
+// (ChainLearner::beliefs_before()); states are equally probable where it is absent or empty.
 // REQUIRES: ChainLearner::learns_from() the localizer's likelihood.
-LocationEstimate locate_coarsely(const Localizer& localizer, std::span<const CsiFrame> frames);
+LocationEstimate locate_coarsely(const Localizer& localizer,
+                                 std::span<const CsiFrame> frames,
+                                 std::span<const std::vector<double>> beliefs = {});
 
 }  // namespace rayloc

@@ -88,7 +88,9 @@ LocationEstimate ChainSupervisor::locate_coarsely(const Burst& burst,
   if (estimate.position) {
     estimate.warnings.push_back("coarse, without the phases of the antennas: " + reason);
   } else {
-    estimate.reason = reason;
+    estimate.reason = estimate.reason.empty()
+                          ? reason
+                          : reason + "; without the phases of the antennas: " + estimate.reason;
   }
   return estimate;
 }

@@ -11,6 +11,7 @@
 namespace rayloc::chain_supervisor_test {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::SizeIs;
 
@@ -62,6 +63,9 @@ TEST_F(ChainSupervisorTest, ACoarseSnapshotWithoutPositionStatesThatChainsAreBei
   chains_.accept(burst_, fake_.rooms.of(nullptr), kept_);
   const LocationEstimate none = chains_.locate_coarsely(burst_, fake_.rooms.of(nullptr));
   EXPECT_THAT(none.reason, HasSubstr("learning the chains"));
+  fake().coarse.reason = "the likelihood is flat";
+  EXPECT_THAT(chains_.locate_coarsely(burst_, fake_.rooms.of(nullptr)).reason,
+              AllOf(HasSubstr("learning the chains"), HasSubstr("the likelihood is flat")));
   fake().coarse.position = Vec3d{1.0, 0.0, 0.0};
   const LocationEstimate coarse = chains_.locate_coarsely(burst_, fake_.rooms.of(nullptr));
   ASSERT_THAT(coarse.warnings, SizeIs(1));

@@ -7,8 +7,11 @@
 #include <numbers>
 #include <optional>
 #include <random>
+#include <span>
+#include <string>
 #include <vector>
 
+#include "engine/likelihood/rotated_likelihood.h"
 #include "engine/posterior/credible_region.h"
 #include "tests/support/faulty_frames.h"
 #include "tests/support/synthetic_room.h"
@@ -73,6 +76,54 @@ TEST(CoarseFix, ItsRegionsHoldThePlaces) {
   EXPECT_GE(held, kPlaces - 2);
   EXPECT_GT(width, 2.0 * width_of_known);
   EXPECT_LT(width, std::hypot(3.0, 2.4));  // [m], of the room
+}
+
+// Frames of the first access point only.
+std::vector<CsiFrame> of_first(std::vector<CsiFrame> frames) {
+  std::erase_if(frames, [](const CsiFrame& frame) { return frame.access_point != 0; });
+  return frames;
+}
+
+// Its regions are wide, and a burst that fits everywhere gives the reason.
+TEST(CoarseFix, OneAccessPointIsEnough) {
+  constexpr int kPlaces = 20;
+  int located = 0;
+  int held = 0;
+  for (int i = 0; i < kPlaces; ++i) {
+    const LocationEstimate coarse = locate_coarsely(*localizer(), of_first(burst(i, 1.0)));
+    if (!coarse.position) {
+      EXPECT_NE(coarse.reason.find("flat"), std::string::npos) << i << coarse.reason;
+      continue;
+    }
+    ++located;
+    held += norm(*coarse.position - place(i)) < coarse.accuracy_m ? 1 : 0;
+    EXPECT_LT(coarse.accuracy_m, std::hypot(3.0, 2.4)) << i;
+    EXPECT_EQ(coarse.access_points_used, 1U);
+  }
+  EXPECT_GE(located, 3 * kPlaces / 4);
+  EXPECT_GE(held, located - 2);
+}
+
+// With a belief in the right states the regions become smaller; wherever it is wrong, regions hold.
+TEST(CoarseFix, UsesTheBeliefInTheStates) {
+  constexpr int kPlaces = 10;
+  const RotationGrid grid(3);
+  std::vector<double> certain(grid.size());
+  certain[0] = 1.0;
+  const std::vector<std::vector<double>> beliefs(localizer()->room().access_points.size(), certain);
+  double width = 0.0;
+  double width_of_any = 0.0;
+  int held_by_wrong = 0;
+  for (int i = 0; i < kPlaces; ++i) {
+    width += locate_coarsely(*localizer(), burst(i, 0.0), beliefs).accuracy_m;
+    width_of_any += locate_coarsely(*localizer(), burst(i, 0.0)).accuracy_m;
+    const LocationEstimate wrong =
+        locate_coarsely(*localizer(), burst(i, 1.0), std::span(beliefs).first(1));
+    ASSERT_TRUE(wrong.position) << i << wrong.reason;
+    held_by_wrong += region_reaching(wrong, place(i)).value_or(1.0) < 0.95 ? 1 : 0;
+  }
+  EXPECT_LT(width, width_of_any);
+  EXPECT_GE(held_by_wrong, kPlaces - 2);
 }
 
 TEST(CoarseFix, ReportsTheReasonForNoFix) {
