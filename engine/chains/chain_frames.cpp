@@ -4,6 +4,8 @@
 #include <chrono>
 #include <cstddef>
 
+#include "engine/chains/state_comparison.h"
+
 namespace rayloc {
 namespace {
 
@@ -25,6 +27,15 @@ void multiply(const RoomAccessPoint& ap,
       for (std::complex<float>& value : frame.csi.row(row, stream)) {
         value *= factor;
       }
+    }
+  }
+}
+
+void undo(const ChainState& state, const RoomAccessPoint& ap, std::span<CsiFrame> frames) {
+  const std::vector<std::complex<double>> undoing = inverses(state.factors.factor);
+  for (CsiFrame& frame : frames) {
+    if (static_cast<std::size_t>(frame.access_point) == state.access_point) {
+      multiply(ap, undoing, frame);
     }
   }
 }

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "engine/chains/chain_state.h"
 #include "engine/channel/csi_frame.h"
 #include "engine/room/room_model.h"
 
@@ -14,6 +15,9 @@ namespace rayloc {
 void multiply(const RoomAccessPoint& ap,
               const std::vector<std::complex<double>>& factors,
               CsiFrame& frame);
+
+// Removes the factors of an access point's chains from its frames; other frames are not changed.
+void undo(const ChainState& state, const RoomAccessPoint& ap, std::span<CsiFrame> frames);
 
 // The first frames of a burst, during which a walking person moves by less than half a wavelength:
 // the mean over a whole burst would mix the arrays of different places.

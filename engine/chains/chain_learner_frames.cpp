@@ -1,6 +1,5 @@
 // ChainLearner: frames with the factors of their chains removed, and its state for others.
 #include <algorithm>
-#include <complex>
 #include <vector>
 
 #include "engine/chains/chain_frames.h"
@@ -11,14 +10,8 @@ namespace rayloc {
 std::vector<CsiFrame> ChainLearner::undone(std::span<const CsiFrame> frames) const {
   std::vector<CsiFrame> result(frames.begin(), frames.end());
   for (const auto& [number, learned] : aps_) {
-    if (learned.state.knowledge == ChainKnowledge::kAsCalibrated) {
-      continue;
-    }
-    const std::vector<std::complex<double>> undoing = inverses(learned.state.factors.factor);
-    for (CsiFrame& frame : result) {
-      if (frame.access_point == number) {
-        multiply(localizer_->room().access_points[number], undoing, frame);
-      }
+    if (learned.state.knowledge != ChainKnowledge::kAsCalibrated) {
+      undo(learned.state, localizer_->room().access_points[number], result);
     }
   }
   return result;

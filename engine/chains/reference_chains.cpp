@@ -1,0 +1,104 @@
+#include "engine/chains/reference_chains.h"
+
+#include <algorithm>
+#include <string>
+
+#include "engine/base/check.h"
+#include "engine/chains/state_comparison.h"
+#include "engine/room/preprocess_burst.h"
+
+namespace rayloc {
+namespace {
+
+using Value = std::complex<double>;
+
+constexpr std::size_t kFrames = 6;  // a count, chosen: bounds the cost of a burst
+// [rad], half of the quarter turn that chips start apart. Smaller factors are refinements, with
+// which both comparisons fit.
+constexpr double kRotated = 0.785;
+// A burst is clear if one comparison leaves at most this share of the power that the other leaves
+// unexplained; chosen as in CalibrationMonitor.
+constexpr double kClear = 0.5;
+// A share, chosen: a chain a quarter turn off leaves more than that of four chains, 0.37.
+constexpr double kMaxUnexplained = 0.3;
+
+bool is_rotated(const ChainState& state) {
+  const std::vector<Value>& factor = state.factors.factor;
+  return distance(factor, std::vector<Value>(factor.size(), 1.0)) > kRotated;
+}
+
+// The first frames of one access point.
+std::vector<CsiFrame> first_of(std::span<const CsiFrame> frames, std::size_t access_point) {
+  std::vector<CsiFrame> first;
+  for (const CsiFrame& frame : frames) {
+    if (frame.access_point == static_cast<int>(access_point) && first.size() < kFrames) {
+      first.push_back(frame);
+    }
+  }
+  return first;
+}
+
+}  // namespace
+
+ReferenceChains::ReferenceChains(std::shared_ptr<const RoomModel> room)
+    : room_(std::move(room)), aligner_(room_->grid) {}
+
+void ReferenceChains::add(const MacAddress& transmitter,
+                          std::size_t access_point,
+                          std::vector<Value> empty) {
+  RAYLOC_CHECK(empty.size() == room_->access_points.at(access_point).gains.gain.size());
+  links_[{transmitter, access_point}] = {std::move(empty), std::nullopt};
+}
+
+std::optional<bool> ReferenceChains::evaluate(const Link& link,
+                                              const ChainState& state,
+                                              std::span<const CsiFrame> frames) const {
+  std::vector<std::string> warnings;
+  const auto burst = preprocess_burst(
+      *room_, state.access_point, first_of(frames, state.access_point), {}, warnings);
+  if (!burst) {
+    return std::nullopt;
+  }
+  std::vector<Value> h = burst->h;
+  const double received = 1.0 - aligner_.align(link.empty, h).correlation;
+  multiply(inverses(state.factors.factor), h);
+  const double undone = 1.0 - aligner_.align(link.empty, h).correlation;
+  const double least = std::min(received, undone);
+  if (least > kMaxUnexplained || least > kClear * std::max(received, undone)) {
+    return std::nullopt;
+  }
+  return received < undone;
+}
+
+void ReferenceChains::observe(const MacAddress& transmitter,
+                              std::span<const CsiFrame> frames,
+                              std::span<const ChainState> states) {
+  for (const ChainState& state : states) {
+    const auto found = links_.find({transmitter, state.access_point});
+    if (found == links_.end() || state.knowledge == ChainKnowledge::kLearning) {
+      continue;
+    }
+    Link& link = found->second;
+    if (state.knowledge == ChainKnowledge::kAsCalibrated || !is_rotated(state)) {
+      if (link.contains_factors == true) {  // the factors were wrong
+        link.contains_factors.reset();
+      }
+    } else if (!link.contains_factors) {
+      link.contains_factors = evaluate(link, state, frames);
+    }
+  }
+}
+
+bool ReferenceChains::contains_factors(const MacAddress& transmitter,
+                                       std::size_t access_point) const {
+  const auto found = links_.find({transmitter, access_point});
+  return found != links_.end() && found->second.contains_factors.value_or(false);
+}
+
+void ReferenceChains::restart() {
+  for (auto& [key, link] : links_) {
+    link.contains_factors.reset();
+  }
+}
+
+}  // namespace rayloc
