@@ -76,6 +76,7 @@ std::optional<BurstWork> DeviceEstimator::receive(const Burst& burst, Estimates&
       chains_.check(*stated, burst);
       update_warnings();
     }
+    out.chains = chains_.shared_states();
     return std::nullopt;
   }
   if (stated == nullptr ? !site_.targets.track_unlisted

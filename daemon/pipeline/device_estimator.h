@@ -10,7 +10,8 @@
 // Bursts of fixed transmitters give no location here; they show whether the calibration is still
 // valid (CalibrationMonitor), and the result is stated in the warnings of every location. Receive
 // chains whose phases have changed are learned from devices (ChainCapability); an access point is
-// not used until its chains are learned again.
+// not used until its chains are learned again. Estimators that follow in the list get the state of
+// the chains with the burst (Estimates::chains).
 #pragma once
 
 #include <memory>

@@ -1,6 +1,7 @@
 #include "daemon/pipeline/person_estimator.h"
 
 #include <algorithm>
+#include <span>
 
 #include "daemon/pipeline/estimates.h"
 #include "daemon/pipeline/method_training.h"
@@ -42,37 +43,55 @@ void go_on(const Carried& before, const MacAddress& fixed, PersonMethodInput& in
 
 Target person(std::uint64_t track) { return {TargetKind::kPerson, {}, false, track, {}}; }
 
+constexpr const char* kNoReference =
+    "no recording of the empty room with this transmitter: run `rayloc reference` first";
+
 // Result of a burst that cannot be evaluated.
-LocationEstimate without_reference(const Burst& burst) {
+LocationEstimate without_person(const Burst& burst, std::string reason) {
   LocationEstimate estimate;
   estimate.capture_start = burst.first;
   estimate.capture_end = burst.last;
   estimate.time = burst.first + (burst.last - burst.first) / 2;
-  estimate.reason =
-      "no recording of the empty room with this transmitter: run `rayloc reference` first";
+  estimate.reason = std::move(reason);
   return estimate;
+}
+
+void warn(const std::vector<std::string>& warnings, std::span<Location> locations) {
+  for (Location& location : locations) {
+    std::vector<std::string>& all = location.estimate.warnings;
+    all.insert(all.end(), warnings.begin(), warnings.end());
+  }
 }
 
 }  // namespace
 
 Expected<std::unique_ptr<PersonEstimator>> PersonEstimator::create(const Site& site,
                                                                    const Options& options) {
-  std::unique_ptr<PersonEstimator> estimator(new PersonEstimator(site, options));
   auto room = load_room_model(site);
   RAYLOC_TRY(room);
-  estimator->room_ = std::make_shared<const RoomModel>(*std::move(room));
-  auto references = load_references(site, *estimator->room_);
+  auto references = load_references(site, *room);
   RAYLOC_TRY(references);
+  return create(
+      site, options, std::make_shared<const RoomModel>(*std::move(room)), *std::move(references));
+}
+
+Expected<std::unique_ptr<PersonEstimator>> PersonEstimator::create(
+    const Site& site,
+    const Options& options,
+    std::shared_ptr<const RoomModel> room,
+    std::vector<PersonReference> references) {
+  std::unique_ptr<PersonEstimator> estimator(new PersonEstimator(site, options, std::move(room)));
   const auto training = training_of(site, *options.method, *estimator->room_);
   RAYLOC_TRY(training);
   const auto number_step = static_cast<std::uint64_t>(
       std::count_if(site.transmitters.begin(), site.transmitters.end(), is_fixed));
-  for (PersonReference& reference : *references) {
+  for (PersonReference& reference : references) {
     const MacAddress mac = reference.mac;
     const SiteTransmitter* fixed = find_fixed_transmitter(site, mac);
     if (fixed == nullptr) {  // no longer in the site: its bursts are not used
       continue;
     }
+    estimator->chains_.add(reference);
     PersonMethodInput input{estimator->room_, std::move(reference), options.settings};
     input.first_number = number_of(*fixed, site);
     input.number_step = number_step;
@@ -119,14 +138,21 @@ void PersonEstimator::estimate(const Burst& burst, Estimates& out) {
   const std::uint64_t number = number_of(*fixed, site_);
   const auto found = links_.find(burst.transmitter);
   if (found == links_.end()) {
-    out.locations.push_back({without_reference(burst), person(number), context()});
+    out.locations.push_back({without_person(burst, kNoReference), person(number), context()});
     return;
   }
   Link& link = found->second;
-  std::vector<LocationEstimate> people = link.method->locate(burst.frames, 0);
+  const std::size_t first = out.locations.size();
+  const PersonChains::Usable usable = chains_.usable(burst, out.chains.get());
+  std::vector<LocationEstimate> people;
   std::vector<PersonUpdate> updates;
+  if (usable.reason.empty()) {
+    people = link.method->locate(usable.frames, 0);
+    link.method->track(usable.frames, burst.received_since, updates);
+  } else {
+    people.push_back(without_person(burst, usable.reason));
+  }
   PersonNumbers numbers{number, link.number_step, std::nullopt};
-  link.method->track(burst.frames, burst.received_since, updates);
   if (const auto track = link.method->track_number()) {
     numbers.first = *track;
     numbers.tracked = updates.empty() ? std::nullopt : updates.back().estimate.location.position;
@@ -136,6 +162,7 @@ void PersonEstimator::estimate(const Burst& burst, Estimates& out) {
     out.locations.push_back({std::move(people[i]), person(each[i]), context()});
   }
   append(updates, link, out);
+  warn(usable.warnings, std::span(out.locations).subspan(first));
   publish_counters();
 }
 
@@ -177,6 +204,7 @@ void PersonEstimator::carry(Carried& carried) const {
 }
 
 void PersonEstimator::restart(const std::string& reason, Estimates& out) {
+  chains_.restart();
   for (auto& [mac, link] : links_) {
     std::vector<PersonUpdate> updates;
     link.method->restart(reason, updates);

@@ -12,6 +12,10 @@
 // Method paper always reports a person and has no tracks.
 //
 // A site without a reference of the empty room (`rayloc reference`) gives NO_FIX, with the reason.
+//
+// Learned factors of receive chains are removed from the frames, by the state that a burst comes
+// with (Estimates::chains), or by that of a file. Access points whose chains are being learned are
+// left out; if none remains, the result is NO_FIX with the progress.
 #pragma once
 
 #include <cstdint>
@@ -25,6 +29,7 @@
 #include "daemon/messages/location.h"
 #include "daemon/methods/method_registry.h"
 #include "daemon/methods/person_method.h"
+#include "daemon/pipeline/person_chains.h"
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/site/model/site.h"
 #include "engine/base/expected.h"
@@ -38,11 +43,17 @@ class PersonEstimator : public Estimator {
     MethodOptions settings;
     Duration valid_for = std::chrono::milliseconds(450);  // until a next burst is overdue
     std::shared_ptr<const Carried> before;                // state of the predecessor; null: none
+    std::string chain_file;  // chains learned before, for bursts without a state; empty: none
   };
 
   // Reads the scene and prepares the room: up to a minute.
   static Expected<std::unique_ptr<PersonEstimator>> create(const Site& site,
                                                            const Options& options);
+  // The same with the site's room and references.
+  static Expected<std::unique_ptr<PersonEstimator>> create(const Site& site,
+                                                           const Options& options,
+                                                           std::shared_ptr<const RoomModel> room,
+                                                           std::vector<PersonReference> references);
 
   void estimate(const Burst& burst, Estimates& out) override;
   void advance(Timestamp time, Estimates& out) override;
@@ -54,10 +65,15 @@ class PersonEstimator : public Estimator {
 
   // Sum over all trackers. Thread safety: may be called from any thread.
   PersonTrackerCounters tracker_counters() const;
+  // Lines for the log about the file of chains, since the last call. From any thread.
+  std::vector<std::string> chain_notices() { return chains_.notices(); }
 
  private:
-  PersonEstimator(Site site, Options options)
-      : site_(std::move(site)), options_(std::move(options)) {}
+  PersonEstimator(Site site, Options options, std::shared_ptr<const RoomModel> room)
+      : site_(std::move(site)),
+        options_(std::move(options)),
+        room_(std::move(room)),
+        chains_(options_.chain_file, room_) {}
   // State of one fixed transmitter.
   struct Link {
     std::unique_ptr<PersonMethod> method;
@@ -72,7 +88,8 @@ class PersonEstimator : public Estimator {
 
   const Site site_;
   const Options options_;
-  std::shared_ptr<const RoomModel> room_;
+  const std::shared_ptr<const RoomModel> room_;
+  PersonChains chains_;
   std::map<MacAddress, Link> links_;
   mutable std::mutex mutex_;
   PersonTrackerCounters tracker_counters_;  // guarded by mutex_

@@ -46,6 +46,7 @@ Expected<std::unique_ptr<PersonEstimator>> make_person_estimator(
   estimation.method = options.method;
   estimation.settings = options.settings;
   estimation.before = carried;
+  estimation.chain_file = options.chains.read;
   return PersonEstimator::create(site, estimation);
 }
 

@@ -75,6 +75,7 @@ Summary run(Prepared& replay, Duration carry_every, const Output& output) {
 Notices take_notices(Prepared& replay) {
   Notices notices;
   if (!replay.estimators.devices) {  // with people only, each estimate reports what is missing
+    notices.chains = replay.estimators.people->chain_notices();
     return notices;
   }
   DeviceEstimator& devices = *replay.estimators.devices;

@@ -1,36 +1,16 @@
 #include "daemon/pipeline/device/chain_keeper.h"
 
 #include <algorithm>
-#include <cmath>
 #include <memory>
 #include <optional>
 #include <utility>
 
 #include "daemon/pipeline/device/chain_file.h"
-#include "engine/base/constants.h"
-#include "engine/chains/chain_progress.h"
+#include "daemon/pipeline/device/chain_texts.h"
 #include "engine/chains/chain_record.h"
 
 namespace rayloc {
 namespace {
-
-std::string learning(const ChainState& state, const RoomModel& room) {
-  return "learning the chains of " + room.access_points[state.access_point].id + ": " +
-         progress_text(state);
-}
-
-// "core 0 by 173 degrees +- 5, core 3 by 113 degrees +- 6"
-std::string turns(const ChainState& state, const RoomAccessPoint& ap) {
-  std::string text;
-  const auto& factor = state.factors.factor;
-  for (std::size_t m = 1; m < factor.size(); ++m) {
-    text += (text.empty() ? "core " : ", core ") + std::to_string(ap.rx_chains[m]) + " by " +
-            std::to_string(std::lround(kDegreesPerRadian * std::arg(factor[m] / factor[0]))) +
-            " degrees +- " +
-            std::to_string(std::lround(std::ceil(kDegreesPerRadian * state.factors.sigma[m])));
-  }
-  return text + " against core " + std::to_string(ap.rx_chains[0]);
-}
 
 bool differs(const ChainState& a, const ChainState& b) {
   return a.knowledge != b.knowledge || a.factors.factor != b.factors.factor;
@@ -63,6 +43,20 @@ std::shared_ptr<const ChainRecord> most_evidence(std::size_t access_point,
   return most ? std::make_shared<const ChainRecord>(*std::move(most)) : nullptr;
 }
 
+// True if the stored evidence is of as many learners, so that each may continue with its own.
+bool is_comparable(const ChainState& state, std::size_t learners) {
+  return state.record != nullptr && state.record->learners == learners;
+}
+
+// The state with the progress of the stored evidence, for a report.
+ChainState with_evidence(ChainState state, std::size_t learners) {
+  const bool is_used = is_comparable(state, learners);
+  state.bursts = is_used ? state.record->bursts : state.bursts;
+  state.evidence = is_used ? state.record->lead : 0.0;
+  state.phase_sigma = is_used ? state.record->phase_sigma : 0.0;
+  return state;
+}
+
 std::size_t bursts_while_learning(const std::vector<ChainState>& states) {
   std::size_t bursts = 0;
   for (const ChainState& state : states) {
@@ -78,33 +72,43 @@ void ChainKeeper::notify(std::string line) {
   notices_.push_back(std::move(line));
 }
 
-void ChainKeeper::restore(const std::vector<ChainCapability*>& learners, const RoomModel& room) {
-  if (options_.read.empty() || learners.empty()) {
-    return;
+std::optional<std::vector<ChainState>> ChainKeeper::read(const RoomModel& room,
+                                                         std::size_t learners) {
+  if (options_.read.empty()) {
+    return std::nullopt;
   }
-  const auto states = read_chain_file(options_.read, room);
+  auto states = read_chain_file(options_.read, room);
   if (!states) {
     notify(states.error().message);
+    return std::nullopt;
+  }
+  for (ChainState& state : *states) {
+    const bool is_learned = state.knowledge == ChainKnowledge::kLearned;
+    state.bursts = is_learned ? state.bursts : 0;  // those of the evidence count, if any
+    notify("access point " + room.access_points[state.access_point].id + ": " +
+           (is_learned ? "its chains are as learned before: " + rotations_text(state, room)
+                       : "its chains were not known when " + options_.read + " was written; " +
+                             learning_text(with_evidence(state, learners), room)));
+  }
+  return *std::move(states);
+}
+
+void ChainKeeper::restore(const std::vector<ChainCapability*>& learners, const RoomModel& room) {
+  if (learners.empty()) {
     return;
   }
-  for (ChainState state : *states) {
-    const bool is_learned = state.knowledge == ChainKnowledge::kLearned;
-    const std::shared_ptr<const ChainRecord> record = std::exchange(state.record, nullptr);
-    const bool is_comparable = record != nullptr && record->learners == learners.size();
-    state.bursts = is_learned ? state.bursts : 0;  // those of the evidence count, if any
+  const auto states = read(room, learners.size());
+  if (!states) {
+    return;
+  }
+  for (const ChainState& state : *states) {
     for (std::size_t i = 0; i < learners.size(); ++i) {
       ChainState own = state;
-      own.record = is_comparable && record->learner == i ? record : nullptr;
+      own.record = is_comparable(state, learners.size()) && state.record->learner == i
+                       ? state.record
+                       : nullptr;
       learners[i]->restore(own);
     }
-    state.bursts = is_comparable ? record->bursts : state.bursts;
-    state.evidence = is_comparable ? record->lead : 0.0;
-    state.phase_sigma = is_comparable ? record->phase_sigma : 0.0;
-    const RoomAccessPoint& ap = room.access_points[state.access_point];
-    notify("access point " + ap.id + ": " +
-           (is_learned ? "its chains are as learned before: " + turns(state, ap)
-                       : "its chains were not known when " + options_.read + " was written; " +
-                             learning(state, room)));
   }
   keep(learners.front()->states());
 }
@@ -171,11 +175,12 @@ void ChainKeeper::spread(const ChainCapability& learner,
     const RoomAccessPoint& ap = room.access_points[state.access_point];
     notify(state.knowledge == ChainKnowledge::kLearned
                ? "access point " + ap.id + ": its chains are learned, rotated " +
-                     (ap.are_chains_known ? "since the calibration: " : "by: ") + turns(state, ap)
+                     (ap.are_chains_known ? "since the calibration: " : "by: ") +
+                     rotations_text(state, room)
                : "access point " + ap.id +
                      (ap.are_chains_known ? ": its chain phases have changed; "
                                           : ": its chains are not known yet; ") +
-                     learning(state, room));
+                     learning_text(state, room));
   }
   keep(states);
   // A count, chosen: with more bursts the file is written again after a growing number of them, a
@@ -211,28 +216,14 @@ std::vector<CalibrationWarning> ChainKeeper::warnings(const RoomModel& room) con
   std::vector<CalibrationWarning> result;
   for (const ChainState& state : known_) {
     if (state.knowledge == ChainKnowledge::kLearning) {
-      CalibrationWarning& warning = result.emplace_back();
-      warning.problem = CalibrationProblem::kChainPhaseJump;
-      warning.access_point = state.access_point;
-      const RoomAccessPoint& ap = room.access_points[state.access_point];
-      warning.text = "chain_phase_jump: access point " + ap.id + ": " +
-                     (ap.are_chains_known
-                          ? "its chain phases have changed since the calibration (a power cycle?)"
-                          : "its chains are not known yet, as the site was not surveyed") +
-                     "; its CSI is not used; " + learning(state, room);
+      result.push_back(learning_warning(state, room));
     }
   }
   return result;
 }
 
 std::string ChainKeeper::reason(const RoomModel& room) const {
-  std::string text;
-  for (const ChainState& state : states()) {
-    if (state.knowledge == ChainKnowledge::kLearning) {
-      text += (text.empty() ? "" : "; ") + learning(state, room);
-    }
-  }
-  return text;
+  return learning_texts(states(), room);
 }
 
 std::vector<std::string> ChainKeeper::notices() {

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "daemon/pipeline/device/calibration_warnings.h"
+#include "daemon/pipeline/device/chain_texts.h"
 #include "daemon/pipeline/warm/carried.h"
 #include "daemon/site/model/reference_file.h"
 #include "daemon/site/model/room_model.h"
@@ -19,12 +20,15 @@ CalibrationMonitor::Transmitter placed(const SiteTransmitter& fixed) {
 Expected<void> ChainSupervisor::prepare(const Site& site, const RoomModel& room) {
   auto references = load_references(site, room);
   RAYLOC_TRY(references);
-  monitor_ = std::make_unique<CalibrationMonitor>(std::make_shared<const RoomModel>(room));
+  const auto shared = std::make_shared<const RoomModel>(room);
+  monitor_ = std::make_unique<CalibrationMonitor>(shared);
+  references_ = std::make_unique<ReferenceChains>(shared);
   for (PersonReference& reference : *references) {
     const SiteTransmitter* fixed = find_fixed_transmitter(site, reference.mac);
     for (PersonLink& link : reference.links) {
       if (fixed != nullptr && fixed->position &&
           !room.access_points[link.access_point].gains.empty()) {
+        references_->add(reference.mac, link.access_point, link.empty);
         monitor_->set_reference(placed(*fixed), link.access_point, std::move(link.empty));
       }
     }
@@ -33,18 +37,45 @@ Expected<void> ChainSupervisor::prepare(const Site& site, const RoomModel& room)
   return {};
 }
 
+// Finds the references that contain the learned factors, and reports each access point once.
+void ChainSupervisor::name_references(const Burst& burst, const ChainCapability& learner) {
+  const std::vector<ChainState> states = learner.states();
+  references_->observe(burst.transmitter, burst.frames, states);
+  for (const ChainState& state : states) {
+    if (references_->contains_factors(burst.transmitter, state.access_point) &&
+        named_.insert(state.access_point).second) {
+      keeper_.notify(other_reference_text(rooms_.first().access_points[state.access_point]));
+    }
+  }
+}
+
+// The frames of a fixed transmitter with the chains of its expected array. `learner`: may be null.
+std::vector<CsiFrame> ChainSupervisor::compared_frames(const Burst& burst,
+                                                       const ChainCapability* learner) const {
+  if (learner == nullptr || learner->leaves_alone()) {
+    return frames_on(rooms_.first().grid, burst.frames);
+  }
+  std::vector<CsiFrame> frames = learner->undone(burst.frames);
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const auto access_point = static_cast<std::size_t>(frames[i].access_point);
+    if (references_->contains_factors(burst.transmitter, access_point)) {
+      frames[i] = burst.frames[i];
+    }
+  }
+  return frames;
+}
+
 void ChainSupervisor::check(const SiteTransmitter& fixed, const Burst& burst) {
   const auto all = rooms_.learners();
   const auto before = monitor_->warnings();
   watched_[burst.transmitter] = burst.last;
+  if (!all.empty()) {
+    name_references(burst, *all.front());
+  }
   // The verdicts of the predecessor contain the bursts that it has checked.
   const auto checked = watched_before_.find(burst.transmitter);
   if (checked == watched_before_.end() || burst.last > checked->second) {
-    if (all.empty() || all.front()->leaves_alone()) {
-      monitor_->observe(placed(fixed), frames_on(rooms_.first().grid, burst.frames));
-    } else {
-      monitor_->observe(placed(fixed), all.front()->undone(burst.frames));
-    }
+    monitor_->observe(placed(fixed), compared_frames(burst, all.empty() ? nullptr : all.front()));
   }
   for (const CalibrationWarning& warning : monitor_->warnings()) {
     if (!is_stated(warning, before) && warning.problem == CalibrationProblem::kChainPhaseJump &&
@@ -95,6 +126,12 @@ LocationEstimate ChainSupervisor::locate_coarsely(const Burst& burst,
   return estimate;
 }
 
+std::shared_ptr<const std::vector<ChainState>> ChainSupervisor::shared_states() const {
+  return rooms_.learners().empty()
+             ? nullptr
+             : std::make_shared<const std::vector<ChainState>>(keeper_.states());
+}
+
 void ChainSupervisor::go_on(const Carried& before) {
   std::vector<ChainState> chains = before.chains;
   std::erase_if(chains, [&](const ChainState& state) {
@@ -128,6 +165,7 @@ void ChainSupervisor::carry(Carried& carried) const {
 
 void ChainSupervisor::restart() {
   monitor_->restart();
+  references_->restart();
   watched_.clear();
   watched_before_.clear();
   keeper_.restart();

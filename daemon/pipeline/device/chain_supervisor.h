@@ -8,6 +8,7 @@
 
 #include <map>
 #include <memory>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -17,6 +18,7 @@
 #include "daemon/pipeline/device/device_rooms.h"
 #include "daemon/site/model/site.h"
 #include "engine/base/expected.h"
+#include "engine/chains/reference_chains.h"
 #include "engine/monitor/calibration_monitor.h"
 
 namespace rayloc {
@@ -33,7 +35,9 @@ class ChainSupervisor {
   // member; an Error if a file cannot be used. REQUIRES: the rooms are prepared from `room`.
   Expected<void> prepare(const Site& site, const RoomModel& room);
 
-  // The burst of a fixed transmitter at a known place. REQUIRES: fixed.position.
+  // The burst of a fixed transmitter at a known place. Where the empty room was recorded with the
+  // learned chains, its frames are compared as received, and the operator is notified once.
+  // REQUIRES: fixed.position.
   void check(const SiteTransmitter& fixed, const Burst& burst);
   // The burst of a device, whose method may learn from it. The result are the frames of the access
   // points with known chains, corrected to the calibration: those of the burst, or the remaining
@@ -60,14 +64,21 @@ class ChainSupervisor {
   void restart();
 
   std::vector<ChainState> states() const { return keeper_.states(); }
+  // States for the estimators that follow; null where no method learns chains.
+  std::shared_ptr<const std::vector<ChainState>> shared_states() const;
   // Changes for the log since the last call.
   std::vector<std::string> notices() { return keeper_.notices(); }
   // Progress of the chains that are being learned; empty if there are none.
   std::string reason(const RoomModel& room) const { return keeper_.reason(room); }
 
  private:
+  std::vector<CsiFrame> compared_frames(const Burst& burst, const ChainCapability* learner) const;
+  void name_references(const Burst& burst, const ChainCapability& learner);
+
   DeviceRooms& rooms_;
   std::unique_ptr<CalibrationMonitor> monitor_;
+  std::unique_ptr<ReferenceChains> references_;
+  std::set<std::size_t> named_;  // access points whose reference was reported
   ChainKeeper keeper_;
   std::map<MacAddress, Timestamp> watched_;         // last frame of each fixed transmitter
   std::map<MacAddress, Timestamp> watched_before_;  // the same of the predecessor
