@@ -16,6 +16,9 @@ PersonChains::PersonChains(const std::string& file, std::shared_ptr<const RoomMo
 
 void PersonChains::add(const PersonReference& reference) {
   for (const PersonLink& link : reference.links) {
+    if (!check_link(*room_, link)) {
+      continue;
+    }
     references_.add(reference.mac, link.access_point, link.empty);
     access_points_[reference.mac].insert(static_cast<int>(link.access_point));
   }

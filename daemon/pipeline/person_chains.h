@@ -33,7 +33,8 @@ class PersonChains {
   // `file`: of chains learned before, for bursts that come without a state; empty: none.
   PersonChains(const std::string& file, std::shared_ptr<const RoomModel> room);
 
-  // Adds the links of a transmitter. To be called before its first burst. REQUIRES: check_link().
+  // Adds the links of a transmitter, except those that check_link() refuses. To be called before
+  // its first burst.
   void add(const PersonReference& reference);
 
   // The usable frames of a burst.

@@ -1,12 +1,21 @@
 #include "daemon/pipeline/device/chain_supervisor.h"
 
+#include <unistd.h>
+
 #include <chrono>
+#include <complex>
+#include <filesystem>
+#include <fstream>
+#include <string>
 #include <vector>
 
 #include <gmock/gmock.h>
 
 #include "daemon/pipeline/warm/carried.h"
+#include "daemon/site/model/reference_file.h"
+#include "engine/room/preprocess_burst.h"
 #include "tests/daemon/pipeline/fake_devices.h"
+#include "tests/support/faulty_frames.h"
 
 namespace rayloc::chain_supervisor_test {
 namespace {
@@ -108,6 +117,100 @@ TEST_F(ChainSupervisorTest, ARestartRestartsTheChainsOfEveryRoom) {
   EXPECT_EQ(fake(1).restarts, 1);
   EXPECT_TRUE(chains_.chain_warnings().empty());
   EXPECT_TRUE(chains_.states().empty());
+}
+
+constexpr double kPhase = 1.8;  // [rad], of a chain after a power cycle, as learned
+constexpr int kBursts = 25;     // more than the monitor needs
+
+// A fixed transmitter whose reference was recorded with some phase of a chain of the first access
+// point.
+class ReferenceOfChains {
+ public:
+  explicit ReferenceOfChains(double recorded) {
+    const RoomModel room = test::make_room();
+    SiteTransmitter& plug = fake_.site.transmitters.emplace_back();
+    plug.role = TransmitterRole::kFixed;
+    plug.mac = {{0x02, 0, 0, 0, 0, 7}};
+    plug.position = Vec3d{1.1, -0.8, 1.2};
+    PersonReference reference;
+    reference.mac = plug.mac;
+    reference.transmitter.position = *plug.position;
+    std::vector<std::string> warnings;
+    reference.links.push_back(
+        {0, preprocess_burst(room, 0, burst(recorded, 99).frames, {}, warnings)->h, 1.0, 0.9});
+    const std::filesystem::path file = std::filesystem::path(::testing::TempDir()) /
+                                       ("chain_reference_" + std::to_string(::getpid()) + ".toml");
+    std::ofstream(file) << reference_toml({reference}, room, 0);
+    fake_.site.reference_file = file;
+    const auto prepared = chains_.prepare(fake_.site, room);
+    EXPECT_TRUE(prepared) << prepared.error().message;
+    std::filesystem::remove(file);
+    ChainState& state = chains().learned.emplace();
+    state.knowledge = ChainKnowledge::kLearned;
+    state.factors = ChainFactors::unity(3);
+    state.factors.factor[2] = std::polar(1.0, kPhase);
+  }
+
+  // Receives bursts with that phase of the chain.
+  void receive(double phase) {
+    for (int i = 0; i < kBursts; ++i) {
+      chains_.check(fake_.site.transmitters.back(), burst(phase, static_cast<unsigned>(i + 1)));
+    }
+  }
+  test::FakeChains& chains() { return fake_.method().fake_chains; }
+  ChainSupervisor& supervisor() { return chains_; }
+
+ private:
+  static Burst burst(double phase, unsigned seed) {
+    static const RoomModel kRoom = test::make_room();
+    static const std::vector<std::complex<double>> kChannel =
+        test::channel_at(kRoom, kRoom.access_points[0], {1.1, -0.8, 1.2});
+    Burst burst;
+    burst.transmitter = {{0x02, 0, 0, 0, 0, 7}};
+    burst.frames = test::frames_of(kRoom, {kChannel, {}, {}}, {.count = 4, .seed = seed});
+    test::turn_chain(burst.frames, 0, kRoom.access_points[0].rx_chains[2], phase);
+    burst.first = burst.received_since = kFirst + static_cast<int>(seed) * std::chrono::seconds(1);
+    for (CsiFrame& frame : burst.frames) {
+      frame.transmitter = burst.transmitter;
+      frame.time = burst.first + frame.time.time_since_epoch();
+    }
+    burst.last = burst.frames.back().time;
+    return burst;
+  }
+
+  test::FakeRooms fake_;
+  ChainSupervisor chains_{{}, fake_.rooms};
+};
+
+TEST(ChainReferences, LearnedChainsFitTheReferenceOfTheCalibration) {
+  ReferenceOfChains plug(0.0);
+  plug.receive(kPhase);
+  EXPECT_EQ(plug.chains().power_cycles, 0);
+  EXPECT_TRUE(plug.supervisor().notices().empty());
+  plug.receive(0.0);
+  EXPECT_EQ(plug.chains().power_cycles, 1) << "other chains than the learned ones";
+}
+
+TEST(ChainReferences, AReferenceRecordedAfterThePowerCycleKeepsLearnedChains) {
+  ReferenceOfChains plug(kPhase);
+  plug.receive(kPhase);
+  EXPECT_EQ(plug.chains().power_cycles, 0);
+  EXPECT_TRUE(plug.supervisor().monitor_warnings().empty());
+  const std::vector<std::string> notices = plug.supervisor().notices();
+  ASSERT_THAT(notices, SizeIs(1)) << "once";
+  EXPECT_THAT(notices[0], HasSubstr("rayloc reference"));
+  plug.receive(kPhase + 2.0);
+  EXPECT_EQ(plug.chains().power_cycles, 1) << "a later power cycle is detected";
+}
+
+TEST_F(ChainSupervisorTest, SharesItsStatesWithTheEstimatorsThatFollow) {
+  fake().is_learning = true;
+  chains_.accept(burst_, fake_.rooms.of(nullptr), kept_);
+  ASSERT_TRUE(chains_.shared_states());
+  ASSERT_THAT(*chains_.shared_states(), SizeIs(1));
+  EXPECT_EQ(chains_.shared_states()->front().knowledge, ChainKnowledge::kLearning);
+  fake_.method(0).has_chains = fake_.method(1).has_chains = false;
+  EXPECT_FALSE(chains_.shared_states()) << "no method learns chains";
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include "daemon/methods/method.h"
 #include "daemon/pipeline/burst_collector.h"
 #include "daemon/pipeline/device/device_rooms.h"
+#include "engine/chains/chain_frames.h"
 #include "tests/support/synthetic_room.h"
 
 namespace rayloc::test {
@@ -53,12 +54,19 @@ class FakeChains : public ChainCapability {
     return {frames.begin(), frames.begin() + static_cast<std::ptrdiff_t>(accepts)};
   }
   std::vector<CsiFrame> undone(std::span<const CsiFrame> frames) const override {
-    return {frames.begin(), frames.end()};
+    std::vector<CsiFrame> all(frames.begin(), frames.end());
+    if (learned) {
+      undo(*learned, make_room().access_points[learned->access_point], all);
+    }
+    return all;
   }
-  bool leaves_alone() const override { return !is_learning; }
+  bool leaves_alone() const override { return !is_learning && !learned; }
   ChainTrust trust(std::span<const CsiFrame>) const override { return {{}, 3}; }
   LocationEstimate locate_coarsely(std::span<const CsiFrame>) const override { return coarse; }
   std::vector<ChainState> states() const override {
+    if (learned) {
+      return {*learned};
+    }
     ChainState state;
     state.knowledge = is_learning ? ChainKnowledge::kLearning : ChainKnowledge::kAsCalibrated;
     return {state};
@@ -67,10 +75,12 @@ class FakeChains : public ChainCapability {
   std::uint64_t changes() const override { return is_learning ? 1 : 0; }
   void adopt(const ChainState& state) override { adopted.push_back(state); }
   void restore(const ChainState& state) override { restored.push_back(state); }
-  void power_cycled(std::size_t, Timestamp) override {}
+  void power_cycled(std::size_t, Timestamp) override { ++power_cycles; }
   void restart() override { ++restarts; }
 
   bool is_learning = false;
+  std::optional<ChainState> learned;
+  int power_cycles = 0;
   std::size_t accepts = 0;  // frames of a burst while chains are being learned
   LocationEstimate coarse;
   std::optional<ChainRecord> evidence;
