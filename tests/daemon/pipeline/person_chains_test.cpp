@@ -215,7 +215,7 @@ Expected<std::unique_ptr<PersonMethod>> make_fake_people(PersonMethodInput) {
 constexpr Method kFakePeople = {
     .name = "fake", .summary = "", .domain = "", .create_person = &make_fake_people};
 
-// Stands for DeviceEstimator: it learns the chains from the second burst on.
+// Replaces DeviceEstimator: it learns the chains from the second burst on.
 class FakeLearner : public Estimator {
  public:
   void estimate(const Burst&, Estimates& out) override {
