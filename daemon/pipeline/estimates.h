@@ -7,9 +7,10 @@
 
 #include "daemon/messages/location.h"
 #include "daemon/messages/target_event.h"
-#include "engine/chains/chain_state.h"
 
 namespace rayloc {
+
+struct ChainState;
 
 struct Estimates {
   std::vector<Location> locations;
