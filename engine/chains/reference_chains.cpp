@@ -4,6 +4,7 @@
 #include <string>
 
 #include "engine/base/check.h"
+#include "engine/chains/chain_frames.h"
 #include "engine/chains/state_comparison.h"
 #include "engine/room/preprocess_burst.h"
 
@@ -50,24 +51,34 @@ void ReferenceChains::add(const MacAddress& transmitter,
   links_[{transmitter, access_point}] = {std::move(empty), std::nullopt};
 }
 
-std::optional<bool> ReferenceChains::evaluate(const Link& link,
-                                              const ChainState& state,
-                                              std::span<const CsiFrame> frames) const {
+// Share of the frames' power that the array of the link does not explain; nothing: not usable.
+std::optional<double> ReferenceChains::unexplained(const Link& link,
+                                                   std::size_t access_point,
+                                                   std::span<const CsiFrame> frames) const {
   std::vector<std::string> warnings;
-  const auto burst = preprocess_burst(
-      *room_, state.access_point, first_of(frames, state.access_point), {}, warnings);
+  const auto burst = preprocess_burst(*room_, access_point, frames, {}, warnings);
   if (!burst) {
     return std::nullopt;
   }
-  std::vector<Value> h = burst->h;
-  const double received = 1.0 - aligner_.align(link.empty, h).correlation;
-  multiply(inverses(state.factors.factor), h);
-  const double undone = 1.0 - aligner_.align(link.empty, h).correlation;
-  const double least = std::min(received, undone);
-  if (least > kMaxUnexplained || least > kClear * std::max(received, undone)) {
+  return 1.0 - aligner_.align(link.empty, burst->h).correlation;
+}
+
+std::optional<bool> ReferenceChains::evaluate(const Link& link,
+                                              const ChainState& state,
+                                              std::span<const CsiFrame> frames) const {
+  const std::size_t a = state.access_point;
+  std::vector<CsiFrame> first = first_of(frames, a);
+  const std::optional<double> received = unexplained(link, a, first);
+  undo(state, room_->access_points[a], first);
+  const std::optional<double> undone = unexplained(link, a, first);
+  if (!received || !undone) {
     return std::nullopt;
   }
-  return received < undone;
+  const double least = std::min(*received, *undone);
+  if (least > kMaxUnexplained || least > kClear * std::max(*received, *undone)) {
+    return std::nullopt;
+  }
+  return *received < *undone;
 }
 
 void ReferenceChains::observe(const MacAddress& transmitter,

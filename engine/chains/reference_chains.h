@@ -56,6 +56,9 @@ class ReferenceChains {
     std::vector<std::complex<double>> empty;
     std::optional<bool> contains_factors;  // nothing: no clear burst yet
   };
+  std::optional<double> unexplained(const Link& link,
+                                    std::size_t access_point,
+                                    std::span<const CsiFrame> frames) const;
   // Nothing if the burst is not clear, or not usable.
   std::optional<bool> evaluate(const Link& link,
                                const ChainState& state,

@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <complex>
+#include <cstddef>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -159,6 +160,14 @@ class ReferenceOfChains {
   }
   test::FakeChains& chains() { return fake_.method().fake_chains; }
   ChainSupervisor& supervisor() { return chains_; }
+  // New lines of the log that name the reference.
+  std::size_t reference_notices() {
+    std::size_t count = 0;
+    for (const std::string& line : chains_.notices()) {
+      count += line.find("rayloc reference") != std::string::npos ? 1U : 0U;
+    }
+    return count;
+  }
 
  private:
   static Burst burst(double phase, unsigned seed) {
@@ -186,7 +195,7 @@ TEST(ChainReferences, LearnedChainsFitTheReferenceOfTheCalibration) {
   ReferenceOfChains plug(0.0);
   plug.receive(kPhase);
   EXPECT_EQ(plug.chains().power_cycles, 0);
-  EXPECT_TRUE(plug.supervisor().notices().empty());
+  EXPECT_EQ(plug.reference_notices(), 0U);
   plug.receive(0.0);
   EXPECT_EQ(plug.chains().power_cycles, 1) << "other chains than the learned ones";
 }
@@ -196,9 +205,7 @@ TEST(ChainReferences, AReferenceRecordedAfterThePowerCycleKeepsLearnedChains) {
   plug.receive(kPhase);
   EXPECT_EQ(plug.chains().power_cycles, 0);
   EXPECT_TRUE(plug.supervisor().monitor_warnings().empty());
-  const std::vector<std::string> notices = plug.supervisor().notices();
-  ASSERT_THAT(notices, SizeIs(1)) << "once";
-  EXPECT_THAT(notices[0], HasSubstr("rayloc reference"));
+  EXPECT_EQ(plug.reference_notices(), 1U) << "once";
   plug.receive(kPhase + 2.0);
   EXPECT_EQ(plug.chains().power_cycles, 1) << "a later power cycle is detected";
 }
