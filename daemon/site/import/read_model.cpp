@@ -5,8 +5,11 @@
 #include <cctype>
 #include <cmath>
 #include <fstream>
+#include <functional>
 #include <iterator>
 #include <map>
+#include <optional>
+#include <string_view>
 #include <tuple>
 #include <utility>
 
@@ -16,6 +19,9 @@
 #include <spdlog/fmt/fmt.h>
 #include <assimp/Importer.hpp>
 
+#include "daemon/site/import/ifc/ifc_check.h"
+#include "daemon/site/import/ifc/ifc_materials.h"
+#include "daemon/site/import/ifc/ifc_units.h"
 #include "daemon/site/model/site_copy.h"
 #include "engine/scene/bounds.h"
 #include "engine/scene/read/mesh_reader.h"
@@ -27,6 +33,7 @@ constexpr std::size_t kMaxTriangles = 5'000'000;  // chosen: 2 GiB in memory
 // Heights of rooms [m], chosen.
 constexpr double kLowRoom = 1.9;
 constexpr double kHighRoom = 4.5;
+constexpr std::string_view kNoIfcMaterial = "<IFCDefault>";  // of assimp
 
 // Only files in the same folder or below: a glTF may name any file of the machine.
 class FilesBeside final : public Assimp::DefaultIOSystem {
@@ -49,17 +56,28 @@ Vec3d point_of(const aiVector3D& v) {
   return {static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)};
 }
 
+// Content of an IFC file that assimp does not report.
+struct IfcContent {
+  std::string text;  // for assimp
+  std::map<std::string, IfcElement, std::less<>> elements;
+  double metres = 1.0;  // per unit of length that assimp returns
+};
+
 class Collector {
  public:
-  explicit Collector(const aiScene& scene) : scene_(scene) {}
+  // `ifc`: empty for a model of another format.
+  Collector(const aiScene& scene, const std::optional<IfcContent>& ifc)
+      : scene_(scene), ifc_(ifc) {}
 
-  void add(const aiNode& node, const aiMatrix4x4& above) {
+  // `element`: the node above that is an element of IFC; its shapes may be in nodes below it.
+  void add(const aiNode& node, const aiMatrix4x4& above, const aiNode* element = nullptr) {
     const aiMatrix4x4 here = above * node.mTransformation;
+    const aiNode* const its = element_of(node) != nullptr ? &node : element;
     for (unsigned i = 0; i < node.mNumMeshes && triangles_ <= kMaxTriangles; ++i) {
-      add_mesh(node, *scene_.mMeshes[node.mMeshes[i]], here);
+      add_mesh(its != nullptr ? *its : node, *scene_.mMeshes[node.mMeshes[i]], here);
     }
     for (unsigned i = 0; i < node.mNumChildren; ++i) {
-      add(*node.mChildren[i], here);
+      add(*node.mChildren[i], here, its);
     }
   }
   std::vector<ModelPart> finish() { return std::move(parts_); }
@@ -67,11 +85,34 @@ class Collector {
   bool is_finite() const { return is_finite_; }
 
  private:
+  // By the end of a name that assimp made: CLASS_NAME_GLOBALID. Null: none.
+  const IfcElement* element_of(const aiNode& node) const {
+    const std::string_view name(node.mName.C_Str(), node.mName.length);
+    if (!ifc_ || name.size() <= kIfcGlobalId) {
+      return nullptr;
+    }
+    const auto found = ifc_->elements.find(name.substr(name.size() - kIfcGlobalId));
+    return found == ifc_->elements.end() ? nullptr : &found->second;
+  }
+
+  void set_names(const IfcElement& element, ModelPart& part) const {
+    const std::string class_name = part.name.substr(0, part.name.find('_'));
+    part.name = class_name + "_" + (element.name.empty() ? "Unnamed" : element.name);
+    if (!element.material.empty()) {
+      part.material = element.material;
+    } else if (part.material == kNoIfcMaterial) {
+      part.material.clear();
+    }
+  }
+
   void add_mesh(const aiNode& node, const aiMesh& mesh, const aiMatrix4x4& here) {
     ModelPart part;
     part.name = node.mName.length > 0 ? node.mName.C_Str() : mesh.mName.C_Str();
     if (mesh.mMaterialIndex < scene_.mNumMaterials) {
       part.material = scene_.mMaterials[mesh.mMaterialIndex]->GetName().C_Str();
+    }
+    if (const IfcElement* const element = element_of(node)) {
+      set_names(*element, part);
     }
     std::map<std::tuple<double, double, double>, std::uint32_t> known;
     std::vector<std::uint32_t> index(mesh.mNumVertices);
@@ -102,6 +143,7 @@ class Collector {
   }
 
   const aiScene& scene_;
+  const std::optional<IfcContent>& ifc_;
   std::vector<ModelPart> parts_;
   std::size_t triangles_ = 0;
   bool is_finite_ = true;
@@ -179,7 +221,8 @@ void apply(double metres, bool y_up, Model& model) {
   }
 }
 
-void set_units(ModelFormat format, const ModelUnits& units, Model& model) {
+// `ifc_metres`: the unit of IFC.
+void set_units(ModelFormat format, const ModelUnits& units, double ifc_metres, Model& model) {
   const Bounds bounds = bounds_of(model);
   const bool by_standard = format == ModelFormat::kGlb || format == ModelFormat::kGltf;
   double metres = units.metres;
@@ -189,8 +232,10 @@ void set_units(ModelFormat format, const ModelUnits& units, Model& model) {
     metres = 1.0;
     model.remarks.emplace_back("metres, as glTF states");
   } else if (format == ModelFormat::kIfc) {
-    metres = 1.0;
-    model.remarks.emplace_back("units of the file, as IFC states them");
+    metres = ifc_metres;
+    model.remarks.push_back(metres == 1.0
+                                ? "units of the file, as IFC states them"
+                                : fmt::format("a unit is {} m, as the file states", metres));
   } else {
     const RecognisedUnit unit = recognised_unit(bounds);
     metres = unit.metres;
@@ -215,16 +260,44 @@ void set_units(ModelFormat format, const ModelUnits& units, Model& model) {
   apply(metres, up == 'y', model);
 }
 
+std::string bytes_of(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return std::string((std::istreambuf_iterator<char>(in)), {});
+}
+
 // assimp reads a missing z as 0 and ignores numbers beyond the counts.
 Expected<void> check_counts(const std::filesystem::path& file, Model& model) {
-  std::ifstream in(file, std::ios::binary);
-  const std::string bytes((std::istreambuf_iterator<char>(in)), {});
   std::vector<SceneNote> notes;
-  auto checked = check_ply(bytes, file.string(), notes);
+  auto checked = check_ply(bytes_of(file), file.string(), notes);
   for (SceneNote& note : notes) {
     model.remarks.push_back(std::move(note.message));
   }
   return checked;
+}
+
+Expected<IfcContent> checked_ifc(const std::filesystem::path& file) {
+  const auto step = StepText::parse(bytes_of(file), file.string());
+  RAYLOC_TRY(step);
+  RAYLOC_TRY(check_ifc(*step, file.string()));
+  return IfcContent{plain_ifc(*step), ifc_elements(*step), ifc_metres(*step)};
+}
+
+// Null: not read, for the reason that the importer states.
+const aiScene* read_scene(const std::filesystem::path& file,
+                          const std::optional<IfcContent>& ifc,
+                          Assimp::Importer& importer) {
+  importer.SetIOHandler(new FilesBeside(file));  // owned by the importer
+  // Reads only shapes: other attributes would keep corners at one place apart.
+  importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS,
+                              aiComponent_NORMALS | aiComponent_TANGENTS_AND_BITANGENTS |
+                                  aiComponent_COLORS | aiComponent_TEXCOORDS |
+                                  aiComponent_TEXTURES | aiComponent_LIGHTS | aiComponent_CAMERAS |
+                                  aiComponent_ANIMATIONS | aiComponent_BONEWEIGHTS);
+  const unsigned steps = aiProcess_RemoveComponent | aiProcess_Triangulate;
+  const aiScene* const scene =
+      ifc ? importer.ReadFileFromMemory(ifc->text.data(), ifc->text.size(), steps, "ifc")
+          : importer.ReadFile(file.string(), steps);
+  return scene != nullptr && scene->mRootNode != nullptr ? scene : nullptr;
 }
 
 }  // namespace
@@ -236,22 +309,20 @@ Expected<Model> read_model(const std::filesystem::path& file,
   if (format == ModelFormat::kPly) {
     RAYLOC_TRY(check_counts(file, model));
   }
+  std::optional<IfcContent> ifc;
+  if (format == ModelFormat::kIfc) {
+    auto checked = checked_ifc(file);
+    RAYLOC_TRY(checked);
+    ifc = *std::move(checked);
+  }
   Assimp::Importer importer;
-  importer.SetIOHandler(new FilesBeside(file));  // owned by the importer
-  // Reads only shapes: other attributes would keep corners at one place apart.
-  importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS,
-                              aiComponent_NORMALS | aiComponent_TANGENTS_AND_BITANGENTS |
-                                  aiComponent_COLORS | aiComponent_TEXCOORDS |
-                                  aiComponent_TEXTURES | aiComponent_LIGHTS | aiComponent_CAMERAS |
-                                  aiComponent_ANIMATIONS | aiComponent_BONEWEIGHTS);
-  const aiScene* scene =
-      importer.ReadFile(file.string(), aiProcess_RemoveComponent | aiProcess_Triangulate);
+  const aiScene* const scene = read_scene(file, ifc, importer);
   const std::string place = file.string() + ": ";
-  if (scene == nullptr || scene->mRootNode == nullptr) {
+  if (scene == nullptr) {
     return bad_input(place + "cannot be read as " + name_of(format) + ": " +
                      importer.GetErrorString() + "; export it again");
   }
-  Collector collector(*scene);
+  Collector collector(*scene, ifc);
   collector.add(*scene->mRootNode, aiMatrix4x4());
   if (!collector.is_finite()) {
     return bad_input(place + "has a coordinate that is not a finite number; export it again");
@@ -270,7 +341,7 @@ Expected<Model> read_model(const std::filesystem::path& file,
                      "); a cloud of points must be made a mesh first, an empty layer be chosen "
                      "anew");
   }
-  set_units(format, units, model);
+  set_units(format, units, ifc ? ifc->metres : 1.0, model);
   return model;
 }
 

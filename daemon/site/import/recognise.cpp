@@ -52,7 +52,7 @@ bool has_line(std::string_view head, std::string_view begin) {
 
 }  // namespace
 
-const char* const kFormats = "DXF, SVG, OBJ, GLB, glTF, PLY, IFC, JSON of RoomPlan";
+const char* const kFormats = "DXF, SVG, OBJ, GLB, glTF, PLY, IFC 2x3, JSON of RoomPlan";
 
 Expected<ModelFormat> recognise(const std::filesystem::path& file) {
   const auto refuse = [&](const std::string& what) {

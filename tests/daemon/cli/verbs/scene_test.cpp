@@ -5,11 +5,15 @@
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "tests/support/rayloc_process.h"
+#include "tests/support/test_paths.h"
 
 namespace rayloc::scene_test {
 namespace {
@@ -81,6 +85,38 @@ TEST_F(SceneVerb, ImportOfADrawingOnPaperAsksForItsScale) {
   EXPECT_NE(made.err.find("6.00 x 4.00 x 2.70 m"), std::string::npos) << made.err;
   const Finished checked = RaylocProcess({"scene", "check", out()}).wait();
   EXPECT_EQ(checked.status, 0) << checked.err;
+}
+
+// Two closed lines 12 cm apart, in millimetres: the walls of 6 x 4 m.
+std::string dxf_office() {
+  std::string text =
+      "0\nSECTION\n2\nHEADER\n9\n$INSUNITS\n70\n4\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n";
+  for (const int face : {0, 120}) {
+    text += "0\nLWPOLYLINE\n8\nWALLS\n90\n4\n70\n1\n";
+    for (const auto& [x, y] : {std::pair{-face, -face},
+                               {6000 + face, -face},
+                               {6000 + face, 4000 + face},
+                               {-face, 4000 + face}}) {
+      text += "10\n" + std::to_string(x) + "\n20\n" + std::to_string(y) + "\n";
+    }
+  }
+  return text + "0\nENDSEC\n0\nEOF\n";
+}
+
+TEST_F(SceneVerb, ImportedOfficesPassTheCheck) {
+  const std::vector<std::pair<std::string, std::string>> offices = {
+      {file("office.dxf", dxf_office()), " x 2.70 m"},
+      {test::data_path("/scenes/office.ifc"), "9 objects of 5 materials, 5.24 x 4.24 x 3.00 m"}};
+  for (const auto& [office, size] : offices) {
+    const Finished made =
+        RaylocProcess(
+            {"scene", "import", office, "--out", out(), "--force", "--access-point", "RT-AX86U"})
+            .wait();
+    ASSERT_EQ(made.status, 0) << made.err;
+    EXPECT_NE(made.err.find(size), std::string::npos) << made.err;
+    const Finished checked = RaylocProcess({"scene", "check", out()}).wait();
+    EXPECT_EQ(checked.status, 0) << checked.err;
+  }
 }
 
 TEST_F(SceneVerb, RoomWithAnAccessPointOfAKnownModelIsASite) {

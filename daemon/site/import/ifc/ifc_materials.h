@@ -1,0 +1,24 @@
+// Names and materials of the elements of an IFC file, which assimp does not report.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <map>
+#include <string>
+
+#include "daemon/site/import/ifc/step_text.h"
+
+namespace rayloc {
+
+inline constexpr std::size_t kIfcGlobalId = 22;  // its characters
+
+struct IfcElement {
+  std::string name;      // UTF-8; may be empty
+  std::string material;  // its own, else the one of its type, else of the whole; may be empty
+};
+
+// By the GlobalId of the element. A list of materials counts as its first, layers as the thickest
+// one (the first of equal ones). Thread-safe. `step` has passed check_ifc().
+std::map<std::string, IfcElement, std::less<>> ifc_elements(const StepText& step);
+
+}  // namespace rayloc
