@@ -1,4 +1,5 @@
 // Creates the first files of a site from a plan or from a drawing of another program.
+#include <chrono>
 #include <filesystem>
 #include <map>
 #include <string>
@@ -7,9 +8,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "daemon/live/studio/child_process.h"
+#include "daemon/live/studio/import_process.h"
 #include "daemon/live/studio/studio_routes.h"
-#include "daemon/site/import/import_scene.h"
-#include "daemon/site/import/imported_site.h"
 #include "daemon/site/import/recognise.h"
 #include "daemon/site/model/site_copy.h"
 #include "daemon/site/scene/build_room.h"
@@ -24,6 +25,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kMaxPlanBytes = std::size_t{1} << 20U;  // [bytes]
+constexpr std::chrono::minutes kMaxImportTime{10};            // chosen, for the largest scans
 
 Expected<void> write_all(const SiteEditor& editor,
                          const std::map<std::string, std::string>& files) {
@@ -60,6 +62,13 @@ std::string kind_of(const HttpParameters& parameters) {
   return kind.size() > 1 && kind.size() <= 6 && is_object_name(kind.substr(1)) ? kind : "";
 }
 
+Expected<ImportedFiles> import_apart(const fs::path& file, const SiteEditor& editor) {
+  const auto program = rayloc_program();
+  RAYLOC_TRY(program);
+  const std::string name = fs::weakly_canonical(editor.directory()).filename().string();
+  return run_import(*program, file, name, kMaxImportTime);
+}
+
 Expected<Json> begin_import(const SiteEditor& editor,
                             const std::string& kind,
                             const std::string& bytes) {
@@ -72,15 +81,13 @@ Expected<Json> begin_import(const SiteEditor& editor,
   }
   const fs::path file = editor.directory() / ("import" + kind);
   RAYLOC_TRY(write_file(file, bytes));
-  const auto table = MaterialTable::parse(kDefaultMaterialTable, "materials");
-  auto imported = table ? import_scene(file, *table, {}) : tl::make_unexpected(table.error());
+  auto imported = import_apart(file, editor);
   if (!imported) {
     std::error_code ignored;
     fs::remove(file, ignored);
     return tl::make_unexpected(std::move(imported.error()));
   }
-  const std::string name = fs::weakly_canonical(editor.directory()).filename().string();
-  RAYLOC_TRY(write_all(editor, imported_site_files(*imported, name)));
+  RAYLOC_TRY(write_all(editor, imported->files));
   auto state = editor.state();
   if (state) {
     (*state)["said"] = imported->remarks;

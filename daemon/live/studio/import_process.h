@@ -1,0 +1,29 @@
+// The import of a file that a browser sent, in a process of its own: readers of other programs'
+// formats are large, and a fault in one of them must not end the studio.
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "engine/base/expected.h"
+
+namespace rayloc {
+
+struct ImportedFiles {
+  std::map<std::string, std::string> files;  // of a site: content by name
+  std::vector<std::string> remarks;          // recognised, assumed and omitted content
+};
+
+// Runs `PROGRAM scene import FILE` and waits for it; `name` is the name of the site. A new folder
+// beside FILE holds the result meanwhile. Errors (kBadInput): the message of the program; that a
+// signal ended it; that it took longer than `limit` and was ended. kUnavailable: it cannot be
+// started. Thread-safe for files in different folders.
+Expected<ImportedFiles> run_import(const std::filesystem::path& program,
+                                   const std::filesystem::path& file,
+                                   const std::string& name,
+                                   std::chrono::seconds limit);
+
+}  // namespace rayloc
