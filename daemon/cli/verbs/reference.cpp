@@ -44,10 +44,12 @@ RunVerb declare_reference(OptionParser& app) {
                  "recordings of the empty room: [AP=]FILE, with a fixed transmitter")
       ->required();
   app.add_option("--people", reference.people, "recordings of a person at known places: [AP=]FILE");
-  app.add_option("--people-empty",
-                 reference.people_empty,
-                 "recordings of the empty room of the day of --people, where that is another day: "
-                 "[AP=]FILE; chain phases may have changed since, and chairs moved");
+  app.add_option(
+      "--people-empty",
+      reference.people_empty,
+      "recordings of the empty room of the day of --people, where that is another day: "
+      "[AP=]FILE; chain phases may have changed since, and chairs moved. Without it, people "
+      "recorded with other chain phases are refused");
   app.add_option("--points", reference.points, "where and when: csv t_start,t_end,x,y,z");
   app.add_option("--time-offset", reference.time_offset, kTimeOffsetHelp);
   app.add_option("--out", options->out, "folder to create: the site with its reference")

@@ -5,6 +5,7 @@
 
 #include "daemon/lab/calibrate/survey_clock.h"
 #include "daemon/lab/reference/measured_links.h"
+#include "daemon/lab/reference/people_day.h"
 #include "daemon/site/model/reference_file.h"
 #include "engine/person/calibrate/person_certainty.h"
 #include "engine/person/calibrate/person_fit.h"
@@ -111,9 +112,16 @@ Expected<void> ReferenceLearner::fit_points(const std::vector<CsiFrame>& frames,
         "--people: received " + to_string(reference.mac) + " " +
         explain_other_times(inputs_.points_file, inputs_.points, DeviceTrace::of(frames)));
   }
+  const bool is_same_day = inputs_.people_empty.empty();
+  if (is_same_day && measured.points.size() >= kMinPersonPoints) {
+    RAYLOC_TRY(check_people_day(people_room_, reference, measured.frames));
+  }
   auto fit = fit_person(people_room_, reference, measured.points);
   if (!fit) {
     return bad_input(inputs_.points_file + ": " + fit.error().message);
+  }
+  if (is_same_day) {
+    RAYLOC_TRY(check_echo_factors(people_room_, fit->reference));
   }
   const auto certainty = fit_person_certainty(people_room_, *fit, measured.points, measured.frames);
   RAYLOC_TRY(certainty);

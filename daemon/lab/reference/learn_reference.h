@@ -32,8 +32,8 @@ bool has_rotated_chains(const std::vector<DayChange>& changes);
 // Without people the person is the one that the site states. With people of another day
 // (`people_empty`) the chain gains of that day are separated from today's first. Errors: an access
 // point that is not calibrated (kConfiguration), a room that is not empty, points that share no
-// time with the recordings, data that no person or room explains (kBadInput). The function has no
-// state: threads may call it at the same time.
+// time with the recordings, people of another day without `people_empty`, data that no person or
+// room explains (kBadInput). The function has no state: threads may call it at the same time.
 Expected<LearnedReference> learn_reference(const ReferenceInputs& inputs, const Observer& observer);
 
 }  // namespace rayloc

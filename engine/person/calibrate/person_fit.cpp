@@ -21,6 +21,9 @@ constexpr std::size_t kSamples = 11;  // a count along a side, chosen: 6 mm apar
 constexpr int kFitPhases = 24;        // a count, chosen: 15 degrees apart
 // Ratios to a body's wave, chosen: 2 to 4 dB apart.
 constexpr std::array<double, 6> kFitLevels = {0.4, 0.6, 0.8, 1.0, 1.25, 1.6};
+// The finer scan about the best of them: steps of the logarithm, and their count to each side.
+constexpr double kFineLevel = 0.06;
+constexpr int kFineSteps = 2;
 // Ratios of a ray's power, chosen: 3 dB apart.
 constexpr std::array<double, 9> kVariances = {
     0.004, 0.008, 0.015, 0.03, 0.06, 0.12, 0.25, 0.5, 1.0};
@@ -200,10 +203,10 @@ Value PersonFitter::best_scale(const FitLink& link, const PersonModel& model) co
     }
   }
   const Value rough = best;
-  for (int i = -2; i <= 2; ++i) {
+  for (int i = -kFineSteps; i <= kFineSteps; ++i) {
     for (int j = -2; j <= 2; ++j) {
       attempt(rough *
-              std::polar(std::exp(0.06 * i), 2.0 * std::numbers::pi * j / (5 * kFitPhases)));
+              std::polar(std::exp(kFineLevel * i), 2.0 * std::numbers::pi * j / (5 * kFitPhases)));
     }
   }
   return best;
@@ -268,6 +271,12 @@ Expected<PersonFit> fit_body(const RoomModel& room,
 }
 
 }  // namespace
+
+bool is_scale_at_limit(std::complex<double> scale) {
+  const double margin = std::exp(kFineLevel * (kFineSteps - 0.5));
+  const double level = std::abs(scale);
+  return level < kFitLevels.front() / margin || level > kFitLevels.back() * margin;
+}
 
 Expected<PersonFit> fit_person(const RoomModel& room,
                                const PersonReference& reference,

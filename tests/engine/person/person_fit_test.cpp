@@ -69,5 +69,13 @@ TEST(PersonFit, NeedsEnoughPlaces) {
   EXPECT_NE(fit.error().message.find("4 places"), std::string::npos) << fit.error().message;
 }
 
+TEST(PersonFit, ReportsTheLimitsOfTheScale) {
+  EXPECT_TRUE(is_scale_at_limit(std::polar(1.804, 2.0)));
+  EXPECT_FALSE(is_scale_at_limit(std::polar(1.699, 2.0)));
+  EXPECT_FALSE(is_scale_at_limit(-0.85));
+  EXPECT_FALSE(is_scale_at_limit(0.377));
+  EXPECT_TRUE(is_scale_at_limit(0.355));
+}
+
 }  // namespace
 }  // namespace rayloc::person_fit_test

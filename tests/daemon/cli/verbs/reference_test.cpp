@@ -289,6 +289,28 @@ TEST_F(ReferenceVerb, UsesPeopleOfAnotherDay) {
   }
 }
 
+// The same without the empty room of the first day. People of the same day are accepted
+// (LeadsFromTheEmptyRoomToPlacesOfPeople).
+TEST_F(ReferenceVerb, RefusesPeopleOfAnotherDayWithoutTheirEmptyRoom) {
+  simulate("tomorrow", 8000.0, {{1.2, -0.6}}, "1.1", {"--transmitter", "plug"}, "7");
+  const Finished refused = rayloc({"reference",
+                                   path("calibrated"),
+                                   "--capture",
+                                   capture(1, "tomorrow"),
+                                   capture(2, "tomorrow"),
+                                   "--people",
+                                   capture(1, "people"),
+                                   capture(2, "people"),
+                                   "--points",
+                                   path("people.csv"),
+                                   "--out",
+                                   path("one-day")});
+  EXPECT_EQ(refused.status, 65);
+  EXPECT_THAT(refused.err, HasSubstr("other chain phases than --capture (ap1: rx chain "));
+  EXPECT_THAT(refused.err, HasSubstr("--people-empty [AP=]FILE"));
+  EXPECT_FALSE(fs::exists(path("one-day")));
+}
+
 TEST_F(ReferenceVerb, RefusesADayThatIsNone) {
   const auto refused = [](const std::vector<std::string>& more) {
     std::vector<std::string> all = {
