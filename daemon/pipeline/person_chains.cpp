@@ -20,7 +20,7 @@ void PersonChains::add(const PersonReference& reference) {
       continue;
     }
     references_.add(reference.mac, link.access_point, link.empty);
-    access_points_[reference.mac].insert(static_cast<int>(link.access_point));
+    access_points_[reference.mac].insert(link.access_point);
   }
 }
 
@@ -36,7 +36,7 @@ void PersonChains::apply(const ChainState& state,
                          const MacAddress& transmitter,
                          Usable& result) const {
   const RoomAccessPoint& ap = room_->access_points[state.access_point];
-  const auto number = static_cast<int>(state.access_point);
+  const std::size_t number = state.access_point;
   const auto links = access_points_.find(transmitter);
   if (state.knowledge == ChainKnowledge::kAsCalibrated || !ap.are_chains_known ||
       links == access_points_.end() || links->second.count(number) == 0) {

@@ -62,7 +62,7 @@ class PersonChains {
   ChainKeeper keeper_;
   std::vector<ChainState> restored_;
   ReferenceChains references_;
-  std::map<MacAddress, std::set<int>> access_points_;  // of the links of each transmitter
+  std::map<MacAddress, std::set<std::size_t>> access_points_;  // of the links of each transmitter
 };
 
 }  // namespace rayloc

@@ -13,15 +13,15 @@ namespace {
 using Value = std::complex<double>;
 
 // The burst with these amplitudes removed, as ChainLearner evaluates it.
-ObservedBurst without_levels(const AccessPointMap& map, const ChainRecord::Burst& burst) {
-  const std::vector<Value> level(burst.level.begin(), burst.level.end());
+ObservedBurst without_gains(const AccessPointMap& map, const ChainRecord::Burst& burst) {
+  const std::vector<Value> gain(burst.gain.begin(), burst.gain.end());
   std::vector<Value> h = burst.h;
-  multiply(inverses(level), h);
+  multiply(inverses(gain), h);
   return map.observe(h, burst.noise);
 }
 
 ChainRecord::Burst record_burst(const RememberedBurst& burst) {
-  ChainRecord::Burst record{burst.h, burst.time, burst.noise, burst.level, {}, {}};
+  ChainRecord::Burst record{burst.h, burst.time, burst.noise, burst.gain, {}, {}};
   if (burst.known_place != nullptr) {
     record.place = burst.place;
   } else if (std::any_of(burst.log_weight.begin(), burst.log_weight.end(), [&](float one) {
@@ -55,7 +55,7 @@ bool evaluate(const AccessPointMap& map,
               const RotationGrid& grid,
               double likelihood_exponent,
               RememberedBurst& result) {
-  const ObservedBurst observed = without_levels(map, burst);
+  const ObservedBurst observed = without_gains(map, burst);
   if (!burst.place) {
     const std::vector<double> log_weight = weights_in(map, burst);
     result.evidence = turn_evidence(map, observed, grid, likelihood_exponent, log_weight);
@@ -89,9 +89,9 @@ std::optional<ChainRecord> record_of(const ChainMemory& ap) {
     }
   }
   record.belief = ap.belief.probability();
-  record.level.clear();
-  for (const Value& one : ap.level) {
-    record.level.push_back(std::abs(one));
+  record.gain.clear();
+  for (const Value& one : ap.gain) {
+    record.gain.push_back(std::abs(one));
   }
   record.favourite = ap.favourite;
   record.unrefined = ap.unrefined;
@@ -109,7 +109,7 @@ void resume(ChainMemory& ap) {
   }
   const ChainRecord& record = *ap.waiting;
   ap.belief.resume(record.belief);
-  ap.level.assign(record.level.begin(), record.level.end());
+  ap.gain.assign(record.gain.begin(), record.gain.end());
   ap.favourite = record.favourite;
   ap.unrefined = record.unrefined;
   ap.state.bursts = record.bursts;
@@ -131,10 +131,10 @@ void evaluate_waiting(const AccessPointMap& map, double likelihood_exponent, Cha
     result.h = burst.h;
     result.time = burst.time;
     result.noise = burst.noise;
-    result.level = burst.level;
+    result.gain = burst.gain;
     result.place = burst.place.value_or(Vec3d());
     result.floor = burst_floor(map, result, likelihood_exponent);
-    result.since.assign(burst.level.size(), 1.0);
+    result.since.assign(burst.gain.size(), 1.0);
     ap.remember(std::move(result));
   }
 }

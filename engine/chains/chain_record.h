@@ -20,13 +20,13 @@ struct ChainRecord {
     std::vector<std::complex<double>> h;  // [chain][tone], factors removed
     Timestamp time;
     double noise = 0.0;
-    std::vector<double> level;      // [chain], amplitudes removed for the evidence
+    std::vector<double> gain;       // [chain], amplitudes removed for the evidence
     std::vector<float> log_weight;  // [cell], as in RememberedBurst; empty: any cell
     std::optional<Vec3d> place;     // [m], of a transmitter at a known place
   };
   std::vector<double> belief;                   // [state], ChainBelief::probability()
   std::vector<Burst> received;                  // oldest first, at most ChainMemory::kMost
-  std::vector<double> level;                    // [chain], ChainMemory::level
+  std::vector<double> gain;                     // [chain], ChainMemory::gain
   std::vector<std::complex<double>> favourite;  // [chain], or empty: ChainMemory::favourite
   std::size_t unrefined = 0;                    // ChainMemory::unrefined
   // ChainState, of the learner with this evidence.

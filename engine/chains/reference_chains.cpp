@@ -32,7 +32,7 @@ bool is_rotated(const ChainState& state) {
 std::vector<CsiFrame> first_of(std::span<const CsiFrame> frames, std::size_t access_point) {
   std::vector<CsiFrame> first;
   for (const CsiFrame& frame : frames) {
-    if (frame.access_point == static_cast<int>(access_point) && first.size() < kFrames) {
+    if (frame.access_point == access_point && first.size() < kFrames) {
       first.push_back(frame);
     }
   }

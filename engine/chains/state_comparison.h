@@ -23,7 +23,7 @@ struct RememberedBurst {
   TurnEvidence evidence;
   std::vector<float> log_weight;  // [cell], ln of the device's probability there, from the others
   std::vector<std::complex<double>> since;  // change of the factors since the evidence
-  std::vector<double> level;                // [chain], amplitudes removed for the evidence
+  std::vector<double> gain;                 // [chain], amplitudes removed for the evidence
   // Model of a transmitter's known place; null: unknown place, candidates are in `evidence`.
   std::shared_ptr<const PlaceModel> known_place = nullptr;
   Vec3d place;  // [m], of known_place

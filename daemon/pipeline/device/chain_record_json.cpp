@@ -24,9 +24,9 @@ constexpr std::string_view kDigits =
     "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 constexpr double kWeightStep = 0.1;  // [nat], chosen: far below the evidence of a burst
 constexpr double kMaxWeight = 255.0;
-constexpr double kMaxSum = 1e-6;     // deviation of the sum of probabilities from 1, of rounding
-constexpr double kMaxSigma = 10.0;   // [rad], chosen: nothing is known of the phase
-constexpr double kMaxLevel = 100.0;  // a ratio, chosen: 40 dB, more is no amplitude of a chain
+constexpr double kMaxSum = 1e-6;    // deviation of the sum of probabilities from 1, of rounding
+constexpr double kMaxSigma = 10.0;  // [rad], chosen: nothing is known of the phase
+constexpr double kMaxGain = 100.0;  // a ratio, chosen: 40 dB, more is no amplitude of a chain
 
 template <typename T>
 std::string encode(const std::vector<T>& values) {
@@ -97,7 +97,7 @@ Json burst_json(const ChainRecord::Burst& burst) {
   }
   Json json = {{"time_ns", burst.time.time_since_epoch().count()},
                {"noise", burst.noise},
-               {"level", burst.level},
+               {"gain", burst.gain},
                {"h", encode(parts)}};
   if (burst.place) {
     json["place"] = {burst.place->x, burst.place->y, burst.place->z};
@@ -123,9 +123,9 @@ class RecordReader {
     auto belief = belief_of(json.at("belief"), place + ".belief");
     RAYLOC_TRY(belief);
     record->belief = *std::move(belief);
-    auto level = level_of(json.at("level"), place + ".level");
-    RAYLOC_TRY(level);
-    record->level = *std::move(level);
+    auto gain = gain_of(json.at("gain"), place + ".gain");
+    RAYLOC_TRY(gain);
+    record->gain = *std::move(gain);
     auto favourite = favourite_of(json.at("favourite"), place + ".favourite");
     RAYLOC_TRY(favourite);
     record->favourite = *std::move(favourite);
@@ -143,7 +143,7 @@ class RecordReader {
   }
 
  private:
-  static bool is_level(double level) { return level > 1.0 / kMaxLevel && level < kMaxLevel; }
+  static bool is_gain(double gain) { return gain > 1.0 / kMaxGain && gain < kMaxGain; }
 
   static Expected<ChainRecord> counts_of(const Json& json, const std::string& place) {
     for (const char* key : {"learner", "learners", "bursts", "bursts_needed", "unrefined"}) {
@@ -180,12 +180,12 @@ class RecordReader {
     return belief;
   }
 
-  Expected<std::vector<double>> level_of(const Json& json, const std::string& key) const {
-    auto level = json.get<std::vector<double>>();
-    if (level.size() != chains_ || !std::all_of(level.begin(), level.end(), is_level)) {
+  Expected<std::vector<double>> gain_of(const Json& json, const std::string& key) const {
+    auto gain = json.get<std::vector<double>>();
+    if (gain.size() != chains_ || !std::all_of(gain.begin(), gain.end(), is_gain)) {
       return bad_input(key + " is not one amplitude of each chain");
     }
-    return level;
+    return gain;
   }
 
   Expected<std::vector<Value>> favourite_of(const Json& json, const std::string& key) const {
@@ -195,7 +195,7 @@ class RecordReader {
     }
     if ((!favourite.empty() && favourite.size() != chains_) ||
         !std::all_of(favourite.begin(), favourite.end(), [](const Value& one) {
-          return is_level(std::abs(one));
+          return is_gain(std::abs(one));
         })) {
       return bad_input(key + " is not one factor of each chain");
     }
@@ -209,9 +209,9 @@ class RecordReader {
     if (!(burst.noise >= 0.0 && burst.noise < 1.0)) {
       return bad_input(place + ".noise is not a share of the power");
     }
-    auto level = level_of(json.at("level"), place + ".level");
-    RAYLOC_TRY(level);
-    burst.level = *std::move(level);
+    auto gain = gain_of(json.at("gain"), place + ".gain");
+    RAYLOC_TRY(gain);
+    burst.gain = *std::move(gain);
     const auto parts = decode<float>(json.at("h"), 2 * chains_ * tones_, place + ".h");
     RAYLOC_TRY(parts);
     double power = 0.0;
@@ -266,7 +266,7 @@ Json to_json(const ChainRecord& record) {
           {"phase_sigma_rad", std::isfinite(record.phase_sigma) ? record.phase_sigma : kMaxSigma},
           {"unrefined", record.unrefined},
           {"belief", encode(record.belief)},
-          {"level", record.level},
+          {"gain", record.gain},
           {"favourite", std::move(favourite)},
           {"received", std::move(received)}};
 }

@@ -57,7 +57,7 @@ std::vector<CsiFrame> burst(int number) {
     frame.time += std::chrono::seconds(2 * number);
   }
   for (std::size_t a = 0; a < room.access_points.size(); ++a) {
-    test::turn_chain(frames, static_cast<int>(a), room.access_points[a].rx_chains[1], 2.1);
+    test::turn_chain(frames, a, room.access_points[a].rx_chains[1], 2.1);
   }
   return frames;
 }
@@ -169,7 +169,7 @@ TEST_F(ChainFile, WrongEvidenceIsRefusedWithItsPlace) {
   EXPECT_THAT(evidence("belief", "AAAA"), HasSubstr(place + ".belief"));
   EXPECT_THAT(evidence("belief", stored()["access_points"][0]["id"]), HasSubstr(place));
   EXPECT_THAT(evidence("bursts", -1), HasSubstr(place + ".bursts"));
-  EXPECT_THAT(evidence("level", Json::parse("[1.0]")), HasSubstr(place + ".level"));
+  EXPECT_THAT(evidence("gain", Json::parse("[1.0]")), HasSubstr(place + ".gain"));
   EXPECT_THAT(evidence("favourite", Json::parse("[[1.0, 0.0]]")), HasSubstr(place + ".favourite"));
   EXPECT_THAT(evidence("lead", nullptr), HasSubstr(place));
   const auto burst_key = [&](const std::string& key, const Json& value) {
@@ -179,7 +179,7 @@ TEST_F(ChainFile, WrongEvidenceIsRefusedWithItsPlace) {
   const std::string first = place + ".received[0]";
   EXPECT_THAT(burst_key("h", "AAAA"), HasSubstr(first + ".h"));
   EXPECT_THAT(burst_key("noise", -1.0), HasSubstr(first + ".noise"));
-  EXPECT_THAT(burst_key("level", Json::parse("[1.0, 0.0, 1.0]")), HasSubstr(first + ".level"));
+  EXPECT_THAT(burst_key("gain", Json::parse("[1.0, 0.0, 1.0]")), HasSubstr(first + ".gain"));
   EXPECT_THAT(burst_key("cells", 7), HasSubstr(first + ".weights"));
   EXPECT_THAT(refused([&](Json& json) {
                 Json& h = json["access_points"][1]["evidence"]["received"][0]["h"];
