@@ -40,9 +40,8 @@ const std::shared_ptr<const RoomModel>& room() {
 }
 
 void rotate(std::vector<CsiFrame>& frames) {
-  for (int a = 0; a < 3; ++a) {
-    test::turn_chain(
-        frames, a, room()->access_points[static_cast<std::size_t>(a)].rx_chains[2], kPhase);
+  for (std::size_t a = 0; a < 3; ++a) {
+    test::turn_chain(frames, a, room()->access_points[a].rx_chains[2], kPhase);
   }
 }
 
