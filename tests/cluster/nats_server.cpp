@@ -9,9 +9,11 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <array>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <utility>
 #include <vector>
 
 #include "capture/transport/file_descriptor.h"
@@ -56,16 +58,16 @@ std::uint16_t free_tcp_port() {
 
 bool NatsServer::is_installed() { return ::access(program().c_str(), X_OK) == 0; }
 
-std::pair<int, int> NatsServer::version() {
-  std::pair<int, int> version{0, 0};
+std::string NatsServer::version() {
+  std::array<char, 32> version{};
   FILE* const pipe = ::popen((program() + " --version").c_str(), "re");
   if (pipe != nullptr) {
-    if (std::fscanf(pipe, "nats-server: v%d.%d", &version.first, &version.second) != 2) {
-      version = {0, 0};
+    if (std::fscanf(pipe, "nats-server: v%31s", version.data()) != 1) {
+      version = {};
     }
     ::pclose(pipe);
   }
-  return version;
+  return version.data();
 }
 
 NatsServer::NatsServer(const std::filesystem::path& folder)

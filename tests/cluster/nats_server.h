@@ -7,7 +7,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
-#include <utility>
 
 namespace rayloc::cluster {
 
@@ -16,8 +15,8 @@ class NatsServer {
   // True if a server is installed; tests are skipped otherwise.
   static bool is_installed();
 
-  // Version of the installed server: {2, 9} for 2.9.10; {0, 0} if it prints none.
-  static std::pair<int, int> version();
+  // Version of the installed server, such as "2.9.10"; empty if it prints none.
+  static std::string version();
 
   // Address of the server, and the process whose network namespace it uses; 0: ours.
   struct Place {

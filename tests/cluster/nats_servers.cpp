@@ -13,9 +13,12 @@
 #include <map>
 #include <stdexcept>
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <httplib.h>
 #include <nlohmann/json.hpp>
 
+#include "daemon/live/cluster/operate/server_check.h"
 #include "tests/support/patience.h"
 
 namespace rayloc::cluster {
@@ -24,7 +27,6 @@ namespace {
 constexpr int kClientPort = 4222;  // the default ports of NATS
 constexpr int kServerPort = 6222;
 constexpr int kMonitorPort = 8222;
-constexpr int kFirstMinor = 11;  // 2.11, the first one that is known to keep acknowledged messages
 constexpr std::chrono::seconds kPatience{5};
 
 // Two networks: clients reach servers in the first, servers each other in the second.
@@ -135,9 +137,9 @@ std::string NatsServers::why_not() {
   if (!NatsServer::is_installed()) {
     return "no nats-server: install it, or name it in RAYLOC_NATS_SERVER";
   }
-  const auto [major, minor] = NatsServer::version();
-  if (major < 2 || (major == 2 && minor < kFirstMinor)) {
-    return "three servers need nats-server 2.11 or newer: name one in RAYLOC_NATS_SERVER";
+  if (is_too_old_for_clusters(NatsServer::version())) {
+    return fmt::format("three servers need nats-server {} or newer: name one in RAYLOC_NATS_SERVER",
+                       fmt::join(kClusterServer, "."));
   }
   if (::geteuid() != 0) {
     return "networks of their own need root";

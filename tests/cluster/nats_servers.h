@@ -2,8 +2,9 @@
 // of them may be killed, hang, or be cut off from the other servers, or from clients as well. The
 // servers and all processes that the test begins are in a network namespace of the test.
 //
-// Requires root, `ip` (iproute2), and a server that keeps acknowledged messages when one of three
-// is cut off: 2.9.10, the version in Debian 12, does not.
+// Requires root, `ip` (iproute2), and nats-server 2.14.6 or newer: 2.9.10, the version in Debian
+// 12, loses acknowledged messages when one of three is cut off, and 2.14.5 answers no direct get on
+// a follower that was a candidate.
 #pragma once
 
 #include <array>

@@ -2,7 +2,7 @@
 // the others (or all) while a device is located. No datagram is lost without a gap mark, no result
 // published twice, and the servers store the same afterwards. RAYLOC_SERVER_FAULTS: number of
 // faults (tests/soak), then also two servers or a server and a machine at once; by default one of
-// each kind. Skipped, by name, if the server is older than 2.11.
+// each kind. Skipped, by name, if the server is older than 2.14.6.
 #include <algorithm>
 #include <array>
 #include <csignal>

@@ -1,28 +1,19 @@
 #include "daemon/live/cluster/operate/server_check.h"
 
 #include <cstdio>
-#include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "engine/base/printable.h"
 
 namespace rayloc {
-namespace {
 
-// Clusters of older servers have lost messages of replicated streams after a node was cut off for 6
-// s (2.9.10), or lost streams (until 2.10.22).
-constexpr int kGoodMajor = 2;
-constexpr int kGoodMinor = 11;
-
-bool is_old_server(const std::string& version) {
-  int major = 0;
-  int minor = 0;
-  return std::sscanf(version.c_str(), "%d.%d", &major, &minor) != 2 ||
-         std::pair(major, minor) < std::pair(kGoodMajor, kGoodMinor);
+bool is_too_old_for_clusters(const std::string& version) {
+  std::array<int, 3> numbers{};
+  return std::sscanf(version.c_str(), "%d.%d.%d", &numbers[0], &numbers[1], &numbers[2]) != 3 ||
+         numbers < kClusterServer;
 }
-
-}  // namespace
 
 std::vector<Finding> check_server(const std::string& server,
                                   const Expected<ServerGreeting>& greeting) {
@@ -38,10 +29,10 @@ std::vector<Finding> check_server(const std::string& server,
   if (!greeting->jetstream) {
     findings.push_back(
         Finding::problem(what + ", without JetStream", "add jetstream { } to nats.conf"));
-  } else if (!greeting->cluster.empty() && is_old_server(greeting->version)) {
-    findings.push_back(
-        Finding::problem(what + ", a version that may lose messages of replicated streams",
-                         fmt::format("install {}.{} or newer", kGoodMajor, kGoodMinor)));
+  } else if (!greeting->cluster.empty() && is_too_old_for_clusters(greeting->version)) {
+    findings.push_back(Finding::problem(
+        what + ", a version that may lose or withhold messages of replicated streams",
+        fmt::format("install {} or newer", fmt::join(kClusterServer, "."))));
   } else {
     findings.push_back(Finding::ok(what));
   }

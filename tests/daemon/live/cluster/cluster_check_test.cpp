@@ -44,14 +44,19 @@ ServerGreeting greeting(const std::string& version, const std::string& cluster) 
 
 TEST(ServerCheck, AnOldServerIsAProblemInAClusterOnly) {
   EXPECT_THAT(kinds(check_server("nats://a", greeting("2.9.10", ""))), ElementsAre(Kind::kOk));
-  EXPECT_THAT(kinds(check_server("nats://a", greeting("2.11.0", "c"))), ElementsAre(Kind::kOk));
-  const std::vector<Finding> old = check_server("nats://a", greeting("2.9.10", "c"));
-  ASSERT_THAT(kinds(old), ElementsAre(Kind::kProblem));
-  EXPECT_THAT(old.front().advice, HasSubstr("2.11"));
+  for (const char* const current : {"2.14.6", "2.14.10", "2.15.0", "2.15.1-RC.1", "3.0.0"}) {
+    EXPECT_THAT(kinds(check_server("nats://a", greeting(current, "c"))), ElementsAre(Kind::kOk))
+        << current;
+  }
+  for (const char* const old : {"2.9.10", "2.11.0", "2.14.5", "1.15.7", "2.15", "dev", ""}) {
+    const std::vector<Finding> findings = check_server("nats://a", greeting(old, "c"));
+    ASSERT_THAT(kinds(findings), ElementsAre(Kind::kProblem)) << old;
+    EXPECT_THAT(findings.front().advice, HasSubstr("2.14.6")) << old;
+  }
 }
 
 TEST(ServerCheck, MissingFeaturesAndProtectionAreReported) {
-  ServerGreeting open = greeting("2.11.0", "");
+  ServerGreeting open = greeting("2.14.6", "");
   open.jetstream = open.asks_for_tls = false;
   const std::vector<Finding> findings = check_server("nats://a", open);
   ASSERT_THAT(kinds(findings), ElementsAre(Kind::kProblem, Kind::kWarning));
