@@ -13,6 +13,7 @@
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <fstream>
 #include <utility>
 #include <vector>
 
@@ -119,6 +120,13 @@ void NatsServer::launch() {
 
 bool NatsServer::comes() const {
   return eventually(kPatience, [&] { return listens(place_.host, place_.port); });
+}
+
+void NatsServer::limit_store(std::uint64_t memory, std::uint64_t files) {
+  configuration_ = folder_ / "limits.conf";
+  std::ofstream(configuration_) << "jetstream { store_dir: " << folder_
+                                << ", max_memory_store: " << memory << ", max_file_store: " << files
+                                << " }\n";
 }
 
 void NatsServer::kill() { end(SIGKILL); }

@@ -52,6 +52,9 @@ class NatsServer {
   // Later starts use this configuration file, not the options for the store; empty: none.
   void set_configuration(const std::filesystem::path& file) { configuration_ = file; }
 
+  // Later starts refuse to store more than that [bytes].
+  void limit_store(std::uint64_t memory, std::uint64_t files);
+
   std::string url() const { return "nats://" + place_.host + ":" + std::to_string(place_.port); }
   pid_t pid() const { return pid_; }
 
