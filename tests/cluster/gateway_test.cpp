@@ -113,6 +113,10 @@ TEST(Gateway, PublishesEachResultOfCurrentOwnersOnce) {
     const std::vector<int> now = seconds(daemon, "hall");
     EXPECT_EQ(std::count(now.begin(), now.end(), 27), 1);
     EXPECT_EQ(std::count(now.begin(), now.end(), 50), 0);
+    EXPECT_TRUE(eventually(kPatience, [&] {
+      return testing::http_get(daemon.http_port(), "/metrics")
+                 .find("rayloc_cluster_replica_faults{stream=\"OUT\"} 0") != std::string::npos;
+    }));
     EXPECT_EQ(daemon.stop(), 0) << daemon.errors();
   }
   std::filesystem::create_directories(folder.path() / "two");

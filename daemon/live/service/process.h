@@ -19,6 +19,7 @@
 #include "daemon/live/cluster/broker.h"
 #include "daemon/live/cluster/capture_role.h"
 #include "daemon/live/cluster/gateway_role.h"
+#include "daemon/live/cluster/operate/replica_watch.h"
 #include "daemon/live/cluster/ownership/claim_keeper.h"
 #include "daemon/live/cluster/ownership/overload_rule.h"
 #include "daemon/live/config/config.h"
@@ -173,7 +174,8 @@ class Process {
   ProcessLoad load_;
   OverloadRule overload_;
   std::string claim_trouble_;             // last logged
-  std::unique_ptr<GatewayRole> gateway_;  // null: not a gateway
+  std::unique_ptr<GatewayRole> gateway_;  // null: not a gateway, as for replicas_
+  std::unique_ptr<ReplicaWatch> replicas_;
   // For a worker: sites that it does not own, ready to run, by name, and those to be prepared.
   std::map<std::string, SitePreparation::Prepared> standby_;
   std::vector<SiteSetup> to_prepare_;

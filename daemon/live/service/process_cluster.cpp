@@ -22,6 +22,7 @@ Expected<void> Process::open_cluster() {
     auto gateway = GatewayRole::open(broker_, output_stream(result_options(config)));
     RAYLOC_TRY(gateway);
     gateway_ = std::move(*gateway);
+    replicas_ = std::make_unique<ReplicaWatch>(broker_);
     return {};
   }
   CaptureRole::Options options;

@@ -217,7 +217,7 @@ std::vector<ExtraMetric> Process::extra_metrics() const {
     metrics.push_back(running_sites_metric(sites_));
   }
   if (broker_) {
-    add(cluster_metrics(*broker_, claims_.get(), sites_));
+    add(cluster_metrics(*broker_, claims_.get(), replicas_.get(), sites_));
   }
   add(standby_metrics());
   if (capture_) {

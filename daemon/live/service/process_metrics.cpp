@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
 
 #include "daemon/live/log/log.h"
 
@@ -14,6 +15,22 @@ std::uint64_t sum_of(const NumberedRing::Counts& counts) {
     all += count;
   }
   return all;
+}
+
+ExtraMetric replica_metric(const ReplicaWatch& replicas) {
+  ExtraMetric faults{
+      "rayloc_cluster_replica_faults",
+      "Replicas of each stream that are offline or behind, and 1 for no leader; no name: "
+      "1 without an answer",
+      false,
+      {}};
+  for (const auto& [stream, count] : replicas.faults()) {
+    faults.samples.push_back({"stream", stream, static_cast<double>(count)});
+  }
+  if (faults.samples.empty()) {
+    faults.samples.push_back({"stream", "", 1.0});
+  }
+  return faults;
 }
 
 }  // namespace
@@ -118,6 +135,7 @@ ExtraMetric history_metric(const SiteSet& sites) {
 
 std::vector<ExtraMetric> cluster_metrics(const Broker& broker,
                                          const ClaimKeeper* claims,
+                                         const ReplicaWatch* replicas,
                                          const SiteSet& sites) {
   std::vector<ExtraMetric> metrics = {{"rayloc_cluster_broker_connected",
                                        "1 where a server of the cluster answers",
@@ -141,6 +159,9 @@ std::vector<ExtraMetric> cluster_metrics(const Broker& broker,
                        "1 while it gives its sites back and takes no more",
                        false,
                        {{"", "", claims->is_leaving() ? 1.0 : 0.0}}});
+  }
+  if (replicas != nullptr) {
+    metrics.push_back(replica_metric(*replicas));
   }
   return metrics;
 }

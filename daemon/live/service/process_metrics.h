@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "daemon/live/cluster/broker.h"
+#include "daemon/live/cluster/operate/replica_watch.h"
 #include "daemon/live/cluster/ownership/claim_keeper.h"
 #include "daemon/live/http/http_server.h"
 #include "daemon/live/http/metrics.h"
@@ -23,9 +24,10 @@ ExtraMetric log_metric();
 ExtraMetric running_sites_metric(const SiteSet& sites);
 // For a capture node: state of the datagrams that are missing according to marks of gaps.
 ExtraMetric history_metric(const SiteSet& sites);
-// For a machine of a cluster. `claims`: of a worker; null: it is none.
+// For a machine of a cluster. `claims`: of a worker, `replicas`: of a gateway; null: it is none.
 std::vector<ExtraMetric> cluster_metrics(const Broker& broker,
                                          const ClaimKeeper* claims,
+                                         const ReplicaWatch* replicas,
                                          const SiteSet& sites);
 
 }  // namespace rayloc

@@ -73,6 +73,7 @@ void Process::start() {
   }
   if (gateway_) {
     gateway_->start();
+    replicas_->start();
   }
   wait_until_started(working_stages());
   if (http_) {  // its handlers use running stages
@@ -101,6 +102,7 @@ std::vector<Stage> Process::working_stages() const {
   }
   if (gateway_) {
     stages.push_back({"gateway", &gateway_->progress()});
+    stages.push_back({"replicas", &replicas_->progress()});
   }
   stages.push_back({"publisher", &publisher_->progress()});
   stages.push_back({"connection guard", &guard_progress_});
@@ -150,7 +152,9 @@ std::vector<std::string> Process::stop(const std::string& reason,
     shutdown.wait_for(site->label() + "standby", at(97));
   }
   if (gateway_) {
+    shutdown.begin("replicas", [this] { replicas_->finish(); });
     shutdown.run("gateway", at(97), [this] { gateway_->finish(); });
+    shutdown.wait_for("replicas", at(97));
   }
   if (claims_) {
     shutdown.run("claims", at(98), [this] { claims_->finish(); });

@@ -23,6 +23,9 @@ class FakeBroker final : public Broker {
   enum class Fate { kStored, kLost, kAcknowledgedAndLost, kAcknowledgementLost };
   std::function<Fate(std::uint64_t)> fate = [](std::uint64_t) { return Fate::kStored; };
 
+  // Answers of the server about its streams; empty: it answers nothing. Set before the first use.
+  std::function<std::string(const std::string& subject)> answer;
+
   std::size_t most = std::size_t{1} << 20U;  // bytes of a message; larger ones are refused
 
   void set_connected(bool connected) {
@@ -98,9 +101,11 @@ class FakeBroker final : public Broker {
   Expected<Published> publish_behind(const std::string& subject,
                                      std::string_view data,
                                      std::uint64_t last) override;
-  // Acts as a server that answers nothing about its streams.
-  Expected<std::string> ask(const std::string& /*subject*/, std::string_view /*data*/) override {
-    return away();
+  Expected<std::string> ask(const std::string& subject, std::string_view /*data*/) override {
+    if (!answer || !connected()) {
+      return away();
+    }
+    return answer(subject);
   }
   Expected<void> ensure_stream(const StreamOptions& stream) override {
     const std::lock_guard lock(mutex_);
