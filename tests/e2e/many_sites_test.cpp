@@ -124,6 +124,15 @@ TEST(ManySites, EachHasTopicsPathsMetricsAndRecordingsOfItsOwn) {
   EXPECT_THAT(http_get(port, "/site/hall/map/main.js"), StartsWith("HTTP/1.1 200 "));
   EXPECT_THAT(http_get(port, "/site/attic/"), StartsWith("HTTP/1.1 404 "));
   EXPECT_THAT(http_get(port, "/api/v1/status"), HasSubstr("/api/v1/sites lists them"));
+  EXPECT_EQ(json_at(daemon, "/api/v1/map?site=hall").at("site"), "hall");
+  EXPECT_EQ(json_at(daemon, "/api/v1/map?site=lab%202").at("site"), "lab 2");
+  for (const char* const unknown : {"/api/v1/map?site=attic", "/api/v1/map?site=", "/api/v1/map"}) {
+    const std::string answer = http_get(port, unknown);
+    EXPECT_THAT(answer, StartsWith("HTTP/1.1 404 ")) << unknown;
+    EXPECT_EQ(nlohmann::json::parse(http_body(answer)).at("sites"),
+              nlohmann::json({"hall", "lab 2", "office"}))
+        << unknown;
+  }
   const std::string metrics = http_body(http_get(port, "/metrics"));
   EXPECT_THAT(metrics,
               HasSubstr("rayloc_source_received_total{site=\"lab 2\",access_point=\"ap2\"} 300"));

@@ -60,6 +60,9 @@ struct HttpRoute {
   std::function<HttpReply(const HttpParameters&, const std::string& body)> receive = nullptr;
   std::string content_type = "application/json";
   std::size_t most_bytes = 0;  // maximum size of a body for `receive`
+  // Path whose route answers in place of this one, by the parameters; empty, or no such route: none
+  // does.
+  std::function<std::string(const HttpParameters&)> alias = nullptr;
 };
 inline constexpr const char* kControlHeader = "X-RayLoc-Control";
 

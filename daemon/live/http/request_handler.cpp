@@ -194,7 +194,7 @@ class RequestHandler::Parser : public httplib::Server {
  private:
   void route(const httplib::Request& request, httplib::Response& response) {
     const std::shared_ptr<const Routes> routes = current_routes();
-    const HttpRoute* const found = route_at(*routes, request.path);
+    const HttpRoute* const found = route_of(*routes, request);
     if (has_body(request) && (found == nullptr || !found->receive)) {
       return set_json(response, 413, "no request here has a body");
     }
@@ -273,6 +273,14 @@ class RequestHandler::Parser : public httplib::Server {
     const HttpReply reply = route.receive(request.params, body_ == nullptr ? "" : *body_);
     response.status = reply.status;
     response.set_content(reply.body, reply.content_type);
+  }
+
+  const HttpRoute* route_of(const Routes& routes, const httplib::Request& request) const {
+    const HttpRoute* const found = route_at(routes, request.path);
+    const std::string alias =
+        found != nullptr && found->alias ? found->alias(request.params) : std::string();
+    const auto other = alias.empty() ? routes.end() : routes.find(alias);
+    return other == routes.end() ? found : &other->second;
   }
 
   // The route at the path itself, for direct clients, and below the base path.

@@ -1,6 +1,9 @@
 #include "daemon/live/service/http_api.h"
 
 #include <array>
+#include <map>
+#include <memory>
+#include <string>
 #include <utility>
 
 #include <nlohmann/json.hpp>
@@ -85,13 +88,22 @@ HttpReply readyz(const Readiness& now) {
 
 HttpReply json_text(std::string text) { return {200, "application/json", std::move(text)}; }
 
-// Response to programs that use the paths of a single site.
-HttpReply ask_a_site() {
+using SitePaths = std::map<std::string, std::string>;  // by the name of the site
+
+// Response to programs that use the paths of a single site, or name another one.
+HttpReply ask_a_site(const SitePaths& sites) {
   constexpr int kNotFound = 404;
+  nlohmann::ordered_json json = {
+      {"error",
+       "there are several sites here: /api/v1/sites lists them, and each answers this below "
+       "/site/NAME, or with ?site=NAME"},
+      {"sites", nlohmann::json::array()}};
+  for (const auto& [name, path] : sites) {
+    json["sites"].push_back(name);
+  }
   return {kNotFound,
           "application/json",
-          "{\"error\":\"there are several sites here: /api/v1/sites lists them, and each answers "
-          "this below /site/NAME\"}\n"};
+          json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n"};
 }
 
 constexpr std::array kPathsOfSites = {"/api/v1/status",
@@ -191,6 +203,45 @@ void add_below(const DaemonApi& daemon,
   routes[path + "/api/v1/sites"] = {[ask = daemon.sites] { return json_text(ask("../../")); }};
 }
 
+// A path of sites at the top: it answers for the site that the parameter names.
+void add_alias(const std::string& path,
+               const std::shared_ptr<const SitePaths>& sites,
+               bool changes,
+               HttpRoutes& routes) {
+  HttpRoute& route = routes[path];
+  route.handler = [sites] { return ask_a_site(*sites); };
+  if (changes) {
+    route.control = [sites](const HttpParameters&) { return ask_a_site(*sites); };
+  }
+  route.alias = [sites, path](const HttpParameters& parameters) {
+    const auto stated = parameters.find("site");
+    const auto site = stated == parameters.end() ? sites->end() : sites->find(stated->second);
+    return site == sites->end() ? "" : site->second + path;
+  };
+}
+
+// Adds every path below /api/v1 that a site has and the daemon has not.
+void add_aliases(const std::shared_ptr<const SitePaths>& sites, HttpRoutes& routes) {
+  std::map<std::string, bool> paths;  // true: a POST changes something
+  for (const char* const path : kPathsOfSites) {
+    paths[path] = false;
+  }
+  for (const auto& [name, top] : *sites) {
+    const std::string prefix = top + "/api/v1/";
+    for (auto at = routes.lower_bound(prefix);
+         at != routes.end() && at->first.rfind(prefix, 0) == 0;
+         ++at) {
+      bool& changes = paths[at->first.substr(top.size())];
+      changes = changes || at->second.control || at->second.receive;
+    }
+  }
+  for (const auto& [path, changes] : paths) {
+    if (routes.count(path) == 0) {
+      add_alias(path, sites, changes, routes);
+    }
+  }
+}
+
 }  // namespace
 
 HttpRoutes single_site_routes(const DaemonApi& daemon, const std::shared_ptr<const SiteApi>& site) {
@@ -207,15 +258,16 @@ HttpRoutes site_list_routes(const DaemonApi& daemon,
   HttpRoutes routes = map_routes();
   routes["/"] = routes.at("/map/sites.html");
   routes.merge(routes_of(daemon));
-  for (const char* const path : kPathsOfSites) {
-    routes[path] = {[] { return ask_a_site(); }};
-  }
+  SitePaths paths;
   for (const auto& site : sites) {
     add_below(daemon, site, routes);
+    paths[decoded_component(site->component)] = path_of_site(site->component);
   }
   for (const auto& [name, why] : absent) {
     add_absent(daemon, name, absence(why), routes);
+    paths[name] = path_of_site(topic_component(name));
   }
+  add_aliases(std::make_shared<const SitePaths>(std::move(paths)), routes);
   return routes;
 }
 

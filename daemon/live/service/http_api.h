@@ -9,7 +9,8 @@
 //   /  /map/NAME          the live map (http/map_files.h); with [[site]] the list of sites
 //   POST /api/v1/record/snapshot   202 and the files that the recent datagrams are written to
 //
-// Paths of a site, below /site/NAME, and for the only one ([site]) at the top as well:
+// Paths of a site, below /site/NAME, and for the only one ([site]) at the top as well; with
+// [[site]] those of /api/v1 answer at the top with ?site=NAME, and 404 with the names otherwise:
 //   /api/v1/status        a v1::Heartbeat as JSON
 //   /api/v1/sources       an array of v1::SourceState
 //   /api/v1/targets       an array of the last v1::Envelope of each target

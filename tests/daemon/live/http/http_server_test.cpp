@@ -54,6 +54,15 @@ class HttpServerTest : public ::testing::Test {
                                 }
                                 return HttpReply{200, "text/plain", text};
                               }};
+    routes["/of"] = {.handler =
+                         [] {
+                           return HttpReply{404, "text/plain", "name one\n"};
+                         },
+                     .alias =
+                         [](const HttpParameters& parameters) {
+                           const auto one = parameters.find("one");
+                           return one == parameters.end() ? std::string() : "/" + one->second;
+                         }};
     HttpRoute& written = routes["/written"];
     written.handler = [] { return HttpReply{200, "text/plain", "as it is\n"}; };
     written.receive = [](const HttpParameters&, const std::string& body) {
@@ -164,6 +173,26 @@ TEST_F(HttpServerTest, SendsALargeAnswerToAClientThatReadsInPieces) {
   // It is more than the kernel holds: the server has begun to send it, and waits for the client.
   ASSERT_TRUE(eventually(kPatience, [&] { return server_->counters().requests.count(200) == 1; }));
   EXPECT_EQ(testing::http_body(client.receive()).size(), std::size_t{32} << 20U);
+}
+
+// The route that the alias names answers, with its own method and token.
+TEST_F(HttpServerTest, AnAliasAnswersAsTheRouteThatItNames) {
+  HttpServer::Options options;
+  options.token = "token";
+  options.front.base_path = "/rayloc";
+  start(options);
+  const std::string token = "Authorization: Bearer token\r\n";
+  for (const std::string base : {"", "/rayloc"}) {
+    const auto get = [&](const std::string& query, const std::string& headers) {
+      return answer_to("GET " + base + "/of" + query + " HTTP/1.1\r\n" + headers + "\r\n");
+    };
+    EXPECT_THAT(get("?one=secret", token), EndsWith("here\n"));
+    EXPECT_THAT(get("?one=open", ""), EndsWith("fine\n"));
+    EXPECT_THAT(get("?one=secret", ""), StartsWith("HTTP/1.1 401 "));
+    EXPECT_THAT(get("?one=change", token), StartsWith("HTTP/1.1 405 "));
+    EXPECT_THAT(get("?one=none", token), EndsWith("name one\n"));
+    EXPECT_THAT(get("", token), EndsWith("name one\n"));
+  }
 }
 
 // Controls accept requests of our own pages, and of programs that send the control header.
