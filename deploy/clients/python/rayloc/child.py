@@ -43,10 +43,14 @@ def follow(lines: IO[str], progress: Optional[Progress], other: Callable[[str], 
     for line in lines:
         word, _, rest = line.rstrip("\n").partition(" ")
         share, _, text = rest.partition(" ")
-        if word != "progress":
+        try:
+            value = float(share) if word == "progress" else None
+        except ValueError:  # a message that begins with this word
+            value = None
+        if value is None:
             other(line)
         elif progress is not None:
-            progress(float(share), text)
+            progress(value, text)
 
 
 def end(child: subprocess.Popen[str]) -> None:
