@@ -44,6 +44,36 @@ function(rayloc_whole_program name entry filter cost)
     ENVIRONMENT "XDG_CACHE_HOME=${CMAKE_BINARY_DIR}/cache")
 endfunction()
 
+# rayloc_check_test_patterns(NAME PATTERNS pattern... SOURCES file...): ends the configuration if a pattern selects no test
+# of the sources. Renaming a test would otherwise move it into the gate without a notice.
+function(rayloc_check_test_patterns name)
+  cmake_parse_arguments(ARG "" "" "PATTERNS;SOURCES" ${ARGN})
+  if(NOT ARG_PATTERNS)
+    return()
+  endif()
+  set(tests)
+  foreach(source IN LISTS ARG_SOURCES)
+    file(REAL_PATH "${source}" path)
+    file(READ "${path}" text)
+    string(REGEX MATCHALL "TEST(_F|_P)?\\([ \n]*[A-Za-z0-9_]+,[ \n]*[A-Za-z0-9_]+" found "${text}")
+    list(TRANSFORM found REPLACE "TEST(_F|_P)?\\([ \n]*([A-Za-z0-9_]+),[ \n]*" "\\2.")
+    list(APPEND tests ${found})
+  endforeach()
+  foreach(pattern IN LISTS ARG_PATTERNS)
+    string(REGEX REPLACE "^[*A-Za-z0-9_]+/" "" regex "${pattern}")  # without the name of an instantiation
+    string(REGEX REPLACE "/.*$" "" regex "${regex}")                # and the parameter
+    if(NOT regex MATCHES "\\[\\.\\]")  # a glob
+      string(REPLACE "." "[.]" regex "${regex}")
+      string(REPLACE "*" ".*" regex "${regex}")
+    endif()
+    set(selected ${tests})
+    list(FILTER selected INCLUDE REGEX "^(${regex})")
+    if(NOT selected)
+      message(SEND_ERROR "${name}: no test is named like '${pattern}'; its test may have another name now")
+    endif()
+  endforeach()
+endfunction()
+
 # rayloc_test(NAME SOURCES file... [DEPENDS target...] [LABELS label...] [FILES_ONLY] [WHOLE] [CALIBRATED_SITE]
 #             [CONTRACT regex...] [NIGHTLY regex...] [DAILY regex] [SANITIZED_NIGHTLY glob...]): a GoogleTest program.
 # Its tests find tests/data and the programs with tests/support/test_paths.h.
@@ -60,6 +90,8 @@ endfunction()
 function(rayloc_test name)
   cmake_parse_arguments(ARG "CALIBRATED_SITE;FILES_ONLY;WHOLE" "DAILY"
                         "SOURCES;DEPENDS;LABELS;CONTRACT;NIGHTLY;SANITIZED_NIGHTLY" ${ARGN})
+  rayloc_check_test_patterns(${name} SOURCES ${ARG_SOURCES}
+                             PATTERNS ${ARG_CONTRACT} ${ARG_NIGHTLY} ${ARG_SANITIZED_NIGHTLY})
   if(NOT ARG_LABELS)
     set(ARG_LABELS unit)
   endif()
