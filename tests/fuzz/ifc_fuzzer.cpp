@@ -33,7 +33,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     require(checked.error().message.rfind(file + ":", 0) == 0);
     return 0;
   }
-  require(std::isfinite(rayloc::ifc_metres(*step)));
+  const double metres = rayloc::ifc_metres(*step);
+  require(std::isfinite(metres) && metres > 0.0);
   const auto elements = rayloc::ifc_elements(*step);
   const auto again = rayloc::StepText::parse(rayloc::plain_ifc(*step), file);
   require(again.has_value());

@@ -5,14 +5,18 @@
 #include <charconv>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <system_error>
+#include <unordered_set>
 #include <vector>
 
 #include <spdlog/fmt/fmt.h>
 
 #include "daemon/site/import/ifc/ifc_types.h"
+#include "daemon/site/import/ifc/ifc_units.h"
 
 namespace rayloc {
 namespace {
@@ -43,7 +47,7 @@ constexpr std::array<std::string_view, 4> kRepresentations = {"IFCREPRESENTATION
 
 // Entities of shapes, by a part of their type. In one of them a number above kMaxNumber makes
 // assimp work without an end, or end the process.
-constexpr std::array<std::string_view, 12> kShapes = {"CARTESIAN",
+constexpr std::array<std::string_view, 13> kShapes = {"CARTESIAN",
                                                       "PROFILEDEF",
                                                       "SOLID",
                                                       "CIRCLE",
@@ -54,11 +58,31 @@ constexpr std::array<std::string_view, 12> kShapes = {"CARTESIAN",
                                                       "SURFACE",
                                                       "BLOCK",
                                                       "CYLINDER",
-                                                      "SPHERE"};
+                                                      "SPHERE",
+                                                      "MEASUREWITHUNIT"};
 constexpr double kMaxNumber = 1e11;  // chosen: national coordinates in millimetres are below 1e10
 
-// The first number outside strings above kMaxNumber; empty: none.
-std::string_view large_number(std::string_view arguments) {
+// assimp makes segments of a revolved solid in proportion to its angle times the unit of angles.
+constexpr double kMaxAngle = 1e3;       // chosen: a full circle is 360 degrees or 400 gon
+constexpr double kMaxAngleUnit = 10.0;  // [rad], chosen: a full circle is below 7
+
+// Text of the file for a message.
+std::string clipped(std::string_view text) {
+  constexpr std::size_t kMaxText = 40;
+  if (text.size() <= kMaxText) {
+    return std::string(text);
+  }
+  std::size_t size = kMaxText;
+  while (size > 0 && (static_cast<unsigned char>(text[size]) & 0xc0U) == 0x80U) {
+    --size;  // no character of UTF-8 is cut
+  }
+  return std::string(text.substr(0, size)) + "...";
+}
+
+bool is_curve_type(std::string_view type) { return type.find("CURVE") != std::string_view::npos; }
+
+// The first number outside strings above `limit`; empty: none.
+std::string_view large_number(std::string_view arguments, double limit) {
   for (std::size_t at = 0; at < arguments.size();) {
     if (arguments[at] == '\'') {
       at = step_string_end(arguments, at);
@@ -69,7 +93,7 @@ std::string_view large_number(std::string_view arguments) {
     value.remove_prefix(value.starts_with('+') ? 1 : 0);
     double number = 0.0;
     const auto read = std::from_chars(value.data(), value.data() + value.size(), number);
-    if (read.ec == std::errc::result_out_of_range || !(std::abs(number) <= kMaxNumber)) {
+    if (read.ec == std::errc::result_out_of_range || !(std::abs(number) <= limit)) {
       return value;
     }
     at = std::max(end, at + 1);
@@ -85,7 +109,7 @@ struct ReferenceGraph {
 
 struct GraphFault {
   enum class Kind { kCycle, kDeep, kRepeated } kind;
-  std::uint32_t at;  // the entity with the edge that closes the cycle, or the one that is too much
+  std::uint32_t at;  // the entity with the edge that closes the cycle, or the entity over the limit
 };
 
 // Depth-first search without recursion: a file may be deeper than the stack.
@@ -166,7 +190,7 @@ class IfcCheck {
       return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
     });
     if (!schema.starts_with(kSchema)) {
-      return bad_input(file_ + ": is of the schema '" + schema +
+      return bad_input(file_ + ": is of the schema '" + clipped(schema) +
                        "', and only IFC 2x3 is read; export it as IFC 2x3 (Coordination View), or "
                        "as GLB");
     }
@@ -198,6 +222,7 @@ class IfcCheck {
       RAYLOC_TRY(check_derived(entity));
       RAYLOC_TRY(check_representations(entity));
       RAYLOC_TRY(check_numbers(entity));
+      RAYLOC_TRY(check_angles(entity));
     }
     graph_.begin.push_back(static_cast<std::uint32_t>(graph_.to.size()));
     return {};
@@ -212,6 +237,26 @@ class IfcCheck {
                   fault->kind == GraphFault::Kind::kCycle
                       ? "refers to an entity that refers back to it (a cycle)"
                       : fmt::format("has references nested more than {} deep", kMaxDepth));
+  }
+
+  // assimp converts a curve again for each curve that has it as a part.
+  Expected<void> check_curves() const {
+    const auto is_curve = [&](std::uint32_t at) {
+      return is_curve_type(step_.type(step_.entities()[at]));
+    };
+    ReferenceGraph curves;
+    for (std::uint32_t at = 0; at < step_.entities().size(); ++at) {
+      curves.begin.push_back(static_cast<std::uint32_t>(curves.to.size()));
+      if (is_curve(at)) {
+        std::copy_if(graph_.to.begin() + graph_.begin[at],
+                     graph_.to.begin() + graph_.begin[at + 1],
+                     std::back_inserter(curves.to),
+                     is_curve);
+      }
+    }
+    curves.begin.push_back(static_cast<std::uint32_t>(curves.to.size()));
+    const auto fault = GraphSearch(curves).fault(true);
+    return fault ? refuse(fault->at, "has the same curves many times") : Expected<void>();
   }
 
   // Containment is stated by relations, which no cycle of references shows.
@@ -279,7 +324,7 @@ class IfcCheck {
         entity.id,
         step_.type(entity),
         id,
-        type.empty() ? "(of several)" : type));
+        type.empty() ? "(of several)" : clipped(type)));
   }
   Expected<void> check_derived(const StepEntity& entity) const {
     if (std::find(kDerived.begin(), kDerived.end(), step_.type(entity)) != kDerived.end()) {
@@ -300,12 +345,15 @@ class IfcCheck {
       return {};
     }
     const auto items = step_items(step_.arguments(entity));
-    for (const std::string_view one : items.size() > kItems ? step_items(items[kItems]) : items) {
+    if (items.size() <= kItems) {
+      return refuse_entity(entity, "has too few attributes");
+    }
+    for (const std::string_view one : step_items(items[kItems])) {
       const auto found = step_.find(step_reference(one));
       const std::string_view kind = found ? step_.type(step_.entities()[*found]) : "";
       if (std::find(kRepresentations.begin(), kRepresentations.end(), kind) ==
           kRepresentations.end()) {
-        return refuse_entity(entity, fmt::format("has {} for a representation", one));
+        return refuse_entity(entity, fmt::format("has {} for a representation", clipped(one)));
       }
     }
     return {};
@@ -318,16 +366,59 @@ class IfcCheck {
         })) {
       return {};
     }
-    const std::string_view large = large_number(step_.arguments(entity));
+    const std::string_view large = large_number(step_.arguments(entity), kMaxNumber);
     if (large.empty()) {
       return {};
     }
-    return refuse_entity(entity, fmt::format("has the number {}, too large for a shape", large));
+    return refuse_entity(entity,
+                         fmt::format("has the number {}, too large for a shape", clipped(large)));
+  }
+
+  Expected<void> check_angles(const StepEntity& entity) {
+    constexpr std::size_t kAngle = 3;   // its place among the attributes
+    constexpr std::size_t kFactor = 3;  // same
+    const std::string_view type = step_.type(entity);
+    const bool is_revolved = type == "IFCREVOLVEDAREASOLID";
+    if (!is_revolved && type != "IFCCONVERSIONBASEDUNIT") {
+      return {};
+    }
+    const auto items = step_items(step_.arguments(entity));
+    if (is_revolved) {
+      const std::string_view large =
+          items.size() > kAngle ? large_number(items[kAngle], kMaxAngle) : "";
+      return large.empty() ? Expected<void>()
+                           : refuse_entity(entity,
+                                           fmt::format("has the angle {}, too large for a shape",
+                                                       clipped(large)));
+    }
+    const bool is_angle = items.size() > kFactor && items[1] == ".PLANEANGLEUNIT.";
+    return is_angle ? check_angle_unit(step_reference(items[kFactor])) : Expected<void>();
+  }
+
+  // Each factor is read once: many units may have the same one.
+  Expected<void> check_angle_unit(std::uint64_t factor) {
+    const auto found = step_.find(factor);
+    if (!found || !angle_units_.insert(factor).second) {
+      return {};
+    }
+    const StepEntity& entity = step_.entities()[*found];
+    if (step_.type(entity) != "IFCMEASUREWITHUNIT") {
+      return {};
+    }
+    const auto items = step_items(step_.arguments(entity));
+    const double value = items.empty() ? 0.0 : ifc_measure(items[0]);
+    if (value > 0.0 && value <= kMaxAngleUnit) {
+      return {};
+    }
+    return refuse_entity(
+        entity,
+        fmt::format("has no value above 0 and up to {} for a unit of angles", kMaxAngleUnit));
   }
 
   const StepText& step_;
   const std::string& file_;
   ReferenceGraph graph_;
+  std::unordered_set<std::uint64_t> angle_units_;
 };
 
 // A string for assimp, which removes spaces and searches the whole line for '#' and ')'.
@@ -360,6 +451,7 @@ Expected<void> check_ifc(const StepText& step, const std::string& file) {
   RAYLOC_TRY(check.check_schema());
   RAYLOC_TRY(check.check_references());
   RAYLOC_TRY(check.check_reference_graph());
+  RAYLOC_TRY(check.check_curves());
   return check.check_parts();
 }
 

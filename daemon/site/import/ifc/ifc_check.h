@@ -12,10 +12,11 @@
 
 namespace rayloc {
 
-// An Error (kBadInput, "FILE:LINE: ") names the first fault: another schema than IFC 2x3, a
-// reference to an entity that does not exist or whose type IFC 2x3 does not have, a value of '*'
-// where an attribute is needed, a cycle of references or of containment, deep or repeated nesting,
-// a representation of another type, a number too large for a shape. Thread-safe.
+// An Error (kBadInput) begins "FILE:LINE: ", or "FILE: " for the schema. It names the first fault:
+// another schema than IFC 2x3, a reference to an entity that does not exist or whose type IFC 2x3
+// does not have, a value of '*' where an attribute is needed, a cycle of references or of
+// containment, deep or repeated nesting, a representation of another type, a number or an angle too
+// large for a shape. Thread-safe.
 Expected<void> check_ifc(const StepText& step, const std::string& file);
 
 // The same entities for assimp: one on each line, without comments, without types that IFC 2x3 does

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cstddef>
 #include <cstdint>
+#include <string>
 #include <string_view>
 #include <unordered_map>
 #include <vector>
@@ -11,6 +13,9 @@ namespace rayloc {
 namespace {
 
 constexpr int kMaxWholes = 8;  // of a part, chosen
+// The limit of a material's name, chosen: the standard allows 255 characters. Each element has a
+// copy of it.
+constexpr std::size_t kMaxNameBytes = 1024;
 
 class MaterialReader {
  public:
@@ -34,9 +39,8 @@ class MaterialReader {
       if (items.size() < 3 || items[0].size() != kIfcGlobalId + 2 || items[0].front() != '\'') {
         continue;
       }
-      elements.try_emplace(
-          step_string(items[0]),
-          IfcElement{step_string(items[2]), material_name(material(entity.id), 0)});
+      elements.try_emplace(step_string(items[0]),
+                           IfcElement{step_string(items[2]), material_name(material(entity.id))});
     }
     return elements;
   }
@@ -73,58 +77,97 @@ class MaterialReader {
     return 0;
   }
 
-  std::string material_name(std::uint64_t id, int depth) const {
-    constexpr int kDeepest = 4;  // usage, set, layer, material
-    const auto found = step_.find(id);
-    if (!found || depth >= kDeepest) {
-      return "";
+  // Many elements have the same material.
+  const std::string& material_name(std::uint64_t id) {
+    const auto [name, is_new] = names_.try_emplace(id);
+    if (is_new) {
+      name->second = read_name(id);
     }
-    const StepEntity& entity = step_.entities()[*found];
-    const std::string_view type = step_.type(entity);
-    const auto items = step_items(step_.arguments(entity));
-    if (items.empty()) {
-      return "";
-    }
-    if (type == "IFCMATERIAL") {
-      return step_string(items[0]);
-    }
-    if (type == "IFCMATERIALLAYERSETUSAGE" || type == "IFCMATERIALLAYER") {
-      return material_name(step_reference(items[0]), depth + 1);
-    }
-    const auto members = step_items(items[0]);
-    if (members.empty()) {
-      return "";
-    }
-    if (type == "IFCMATERIALLIST") {
-      return material_name(step_reference(members[0]), depth + 1);
-    }
-    return type == "IFCMATERIALLAYERSET" ? material_name(thickest(members), depth + 1) : "";
+    return name->second;
   }
 
-  std::uint64_t thickest(const std::vector<std::string_view>& layers) const {
+  std::string read_name(std::uint64_t id) {
+    constexpr int kDeepest = 4;  // usage, set, layer, material
+    for (int depth = 0; depth < kDeepest; ++depth) {
+      const auto found = step_.find(id);
+      if (!found) {
+        return "";
+      }
+      const StepEntity& entity = step_.entities()[*found];
+      if (step_.type(entity) == "IFCMATERIAL") {
+        const auto items = step_items(step_.arguments(entity));
+        std::string name = items.empty() ? "" : step_string(items[0]);
+        return name.size() <= kMaxNameBytes ? name : "";
+      }
+      const auto [member, is_new] = member_of_.try_emplace(id);
+      if (is_new) {
+        member->second = read_member(entity);
+      }
+      id = member->second;
+    }
+    return "";
+  }
+
+  // The entity that has the name; 0: none.
+  std::uint64_t read_member(const StepEntity& entity) {
+    const std::string_view type = step_.type(entity);
+    const bool has_one = type == "IFCMATERIALLAYERSETUSAGE" || type == "IFCMATERIALLAYER";
+    const bool is_list = type == "IFCMATERIALLIST";
+    if (!has_one && !is_list && type != "IFCMATERIALLAYERSET") {
+      return 0;
+    }
+    const auto items = step_items(step_.arguments(entity));
+    if (items.empty() || has_one) {
+      return items.empty() ? 0 : step_reference(items[0]);
+    }
+    const auto members = step_items(items[0]);
+    if (members.empty() || is_list) {
+      return members.empty() ? 0 : step_reference(members[0]);
+    }
+    return thickest(members);
+  }
+
+  std::uint64_t thickest(const std::vector<std::string_view>& layers) {
     double most = -1.0;
     std::uint64_t thickest = 0;
     for (const std::string_view layer : layers) {
-      const auto found = step_.find(step_reference(layer));
-      const auto items = found ? step_items(step_.arguments(step_.entities()[*found]))
-                               : std::vector<std::string_view>();
-      double thickness = 0.0;
-      if (items.size() < 2 || step_reference(items[0]) == 0) {
-        continue;  // a layer without a material is air
+      const std::uint64_t id = step_reference(layer);
+      const auto [thickness, is_new] = thickness_of_.try_emplace(id);
+      if (is_new) {
+        thickness->second = read_thickness(id);
       }
-      std::from_chars(items[1].data(), items[1].data() + items[1].size(), thickness);
-      if (thickness > most) {
-        most = thickness;
-        thickest = step_reference(layer);
+      if (thickness->second > most) {
+        most = thickness->second;
+        thickest = id;
       }
     }
     return thickest;
+  }
+
+  // Below that of any layer if it is none, or air: a layer without a material.
+  double read_thickness(std::uint64_t id) const {
+    constexpr double kNone = -2.0;
+    const auto found = step_.find(id);
+    if (!found || step_.type(step_.entities()[*found]) != "IFCMATERIALLAYER") {
+      return kNone;
+    }
+    const auto items = step_items(step_.arguments(step_.entities()[*found]));
+    if (items.size() < 2 || step_reference(items[0]) == 0) {
+      return kNone;
+    }
+    double thickness = 0.0;
+    std::from_chars(items[1].data(), items[1].data() + items[1].size(), thickness);
+    return thickness;
   }
 
   const StepText& step_;
   Relations material_of_;
   Relations type_of_;
   Relations whole_of_;
+  // Each entity is read once, for files with many references to a long one.
+  std::unordered_map<std::uint64_t, std::string> names_;
+  Relations member_of_;
+  std::unordered_map<std::uint64_t, double> thickness_of_;
 };
 
 }  // namespace

@@ -2,7 +2,11 @@
 
 #include <array>
 #include <charconv>
+#include <cmath>
+#include <cstdint>
 #include <string_view>
+#include <system_error>
+#include <unordered_set>
 #include <vector>
 
 namespace rayloc {
@@ -21,71 +25,73 @@ constexpr std::array kLengthPrefixes = {SiPrefix{".MILLI.", 1e-3},
                                         SiPrefix{".DECI.", 1e-1},
                                         SiPrefix{".KILO.", 1e3}};
 
-struct IfcUnit {
-  std::string_view type;
-  IfcAttributes attributes;
-};
-
-IfcUnit unit_of(const StepText& step, std::string_view reference) {
-  const auto found = step.find(step_reference(reference));
-  if (!found) {
+// Empty if the entity is of another type.
+IfcAttributes attributes_of(const StepText& step, std::uint64_t id, std::string_view type) {
+  const auto found = step.find(id);
+  if (!found || step.type(step.entities()[*found]) != type) {
     return {};
   }
-  const StepEntity& entity = step.entities()[*found];
-  return {step.type(entity), step_items(step.arguments(entity))};
-}
-
-// IFCLENGTHMEASURE(0.3048); 0 for another text.
-double measure_of(std::string_view value) {
-  const std::size_t list = value.find('(');
-  const auto items =
-      list == std::string_view::npos ? IfcAttributes{value} : step_items(value.substr(list));
-  double number = 0.0;
-  if (items.size() == 1) {
-    std::from_chars(items[0].data(), items[0].data() + items[0].size(), number);
-  }
-  return number;
+  return step_items(step.arguments(step.entities()[*found]));
 }
 
 // The size of IFCCONVERSIONBASEDUNIT(Dimensions, UnitType, Name, ConversionFactor); 1 if unknown.
-double converted_metres(const StepText& step, const IfcUnit& unit) {
-  if (unit.attributes.size() < 4) {
+double converted_metres(const StepText& step, const IfcAttributes& unit) {
+  if (unit.size() < 4) {
     return 1.0;
   }
-  const IfcUnit factor = unit_of(step, unit.attributes[3]);
-  if (factor.type != "IFCMEASUREWITHUNIT" || factor.attributes.size() < 2) {
+  const auto factor = attributes_of(step, step_reference(unit[3]), "IFCMEASUREWITHUNIT");
+  if (factor.size() < 2) {
     return 1.0;
   }
-  const double number = measure_of(factor.attributes[0]);
-  const IfcUnit base = unit_of(step, factor.attributes[1]);
-  if (base.type != "IFCSIUNIT" || base.attributes.size() < 3 || !(number > 0.0)) {
+  const auto base = attributes_of(step, step_reference(factor[1]), "IFCSIUNIT");
+  if (base.size() < 3) {
     return 1.0;
   }
+  double metres = ifc_measure(factor[0]);
   for (const SiPrefix& prefix : kLengthPrefixes) {
-    if (base.attributes[2] == prefix.name) {
-      return number * prefix.factor;
+    if (base[2] == prefix.name) {
+      metres *= prefix.factor;
     }
   }
-  return number;
+  return std::isfinite(metres) && metres > 0.0 ? metres : 1.0;
 }
 
 }  // namespace
 
 double ifc_metres(const StepText& step) {
+  std::unordered_set<std::uint64_t> visited;
   for (const StepEntity& entity : step.entities()) {
     if (step.type(entity) != "IFCUNITASSIGNMENT") {
       continue;
     }
     const auto items = step_items(step.arguments(entity));
     for (const std::string_view one : items.empty() ? items : step_items(items[0])) {
-      const IfcUnit unit = unit_of(step, one);
-      if (unit.type == "IFCCONVERSIONBASEDUNIT" && unit.attributes.size() > 1 &&
-          unit.attributes[1] == kLength) {
+      const std::uint64_t id = step_reference(one);
+      if (!visited.insert(id).second) {
+        continue;
+      }
+      const auto unit = attributes_of(step, id, "IFCCONVERSIONBASEDUNIT");
+      if (unit.size() > 1 && unit[1] == kLength) {
         return converted_metres(step, unit);
       }
     }
   }
   return 1.0;
+}
+
+double ifc_measure(std::string_view value) {
+  const std::size_t list = value.find('(');
+  const auto items =
+      list == std::string_view::npos ? IfcAttributes{value} : step_items(value.substr(list));
+  if (items.size() != 1) {
+    return 0.0;
+  }
+  std::string_view text = items[0];
+  text.remove_prefix(text.starts_with('+') ? 1 : 0);
+  double number = 0.0;
+  const char* const end = text.data() + text.size();
+  const auto read = std::from_chars(text.data(), end, number);
+  return read.ec == std::errc() && read.ptr == end ? number : 0.0;
 }
 
 }  // namespace rayloc

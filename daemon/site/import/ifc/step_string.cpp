@@ -35,7 +35,7 @@ void append_utf8(std::uint32_t code, std::string& text) {
   }
 }
 
-// The number of `digits` hexadecimal digits; more than any code: these are none.
+// The number that `digits` are in hexadecimal; 0xffffffff if they are no number.
 std::uint32_t code_of(std::string_view digits) {
   std::uint32_t code = 0;
   const char* const end = digits.data() + digits.size();

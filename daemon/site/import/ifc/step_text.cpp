@@ -49,6 +49,9 @@ class StatementReader {
       if (c == ';') {
         return true;
       }
+      if (c == '/') {  // with the next character, it may begin a comment in the text for assimp
+        return refuse("has a '/' outside strings and comments; export it again");
+      }
       if (!is_printed(c)) {
         return refuse("has a byte outside a string that no STEP file has; export it again");
       }

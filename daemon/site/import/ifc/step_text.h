@@ -56,7 +56,7 @@ class StepText {
 // The position behind the string that begins at `at`.
 std::size_t step_string_end(std::string_view text, std::size_t at);
 
-// The items of a list "(A,(B,C),'D')"; empty if it is none.
+// The items of a list "(A,(B,C),'D')"; empty for another value.
 std::vector<std::string_view> step_items(std::string_view list);
 
 // The number of a reference "#12"; 0 for another value.

@@ -1,5 +1,6 @@
 // An office as IFC 2x3, and files on which the library assimp would end the process.
 #include <algorithm>
+#include <cstddef>
 #include <fstream>
 #include <iterator>
 #include <map>
@@ -8,6 +9,7 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <spdlog/fmt/fmt.h>
 
 #include "daemon/site/import/ifc/ifc_check.h"
 #include "daemon/site/import/ifc/ifc_materials.h"
@@ -49,6 +51,12 @@ StepText step_of(const std::string& entities) {
   auto step = StepText::parse(file_of(entities), "x.ifc");
   EXPECT_TRUE(step) << step.error().message;
   return step ? *std::move(step) : StepText();
+}
+
+// Empty if the entities pass the check.
+std::string fault_of(const std::string& entities) {
+  const auto checked = check_ifc(step_of(entities), "x.ifc");
+  return checked ? "" : checked.error().message;
 }
 
 class Ifc : public test::ImportFiles {};
@@ -117,7 +125,9 @@ TEST_F(Ifc, RefusesFilesThatEndTheReader) {
       {with_entity("#20", "#20=IFCRELAGGREGATES('09A2v1ZVYENib8LKWLYbwf',#5,$,$,#16,(#15));"),
        "is a part of its own part"},
       {with_entity("#28", "#28=IFCPRODUCTDEFINITIONSHAPE($,$,(#30));"), "for a representation"},
+      {with_entity("#28", "#28=IFCPRODUCTDEFINITIONSHAPE($,$);"), "too few attributes"},
       {with_entity("#26", "#26=IFCEXTRUDEDAREASOLID(#23,*,#7,200.0);"), "'*'"},
+      {with_entity("#26", "#26=IFCREVOLVEDAREASOLID(#23,#25,#7,1.E10);"), "the angle 1.E10"},
       {with_entity("#24", "#24=IFCCARTESIANPOINT((2500.0,2000.0,1.E30));"), "1.E30"},
   };
   for (const auto& [content, message] : cases) {
@@ -147,6 +157,7 @@ TEST_F(Ifc, RefusesFilesThatAreCutOrDamaged) {
       {with(text, "#2=", "#1="), "#1 is defined twice"},
       {with(text, "#2=", "#x="), "is no entity"},
       {with(text, "#2=", "#2=\x01"), "has a byte"},
+      {with(text, "#2=", "#2=/ *"), "has a '/'"},
       {with(text, "$,$,$,0)", std::string(40, '(') + std::string(40, ')') + ",$,$,0)"), "nested"},
   };
   for (const auto& [content, message] : cases) {
@@ -194,6 +205,90 @@ TEST(IfcCheck, RepeatedPartsAreRefused) {
   EXPECT_NE(checked.error().message.find("many times"), std::string::npos);
 }
 
+// Forty curves of two segments, each of which has the next curve, are 2^40 curves.
+TEST(IfcCheck, RepeatedCurvesAreRefused) {
+  const auto curves = [](int count) {
+    std::string entities = "#1=IFCPOLYLINE($);\n";
+    for (int id = 2; id <= count; ++id) {
+      entities += fmt::format("#{}=IFCCOMPOSITECURVE((#{},#{}),.F.);\n", id, 100 + id, 200 + id);
+      for (const int segment : {100 + id, 200 + id}) {
+        entities +=
+            fmt::format("#{}=IFCCOMPOSITECURVESEGMENT(.CONTINUOUS.,.T.,#{});\n", segment, id - 1);
+      }
+    }
+    return entities;
+  };
+  EXPECT_NE(fault_of(curves(40)).find("has the same curves many times"), std::string::npos);
+  EXPECT_EQ(fault_of(curves(10)), "");
+}
+
+TEST(IfcCheck, AnglesAreLimited) {
+  const auto unit = [](const std::string& value) {
+    return "#1=IFCSIUNIT(*,.PLANEANGLEUNIT.,$,.RADIAN.);\n#2=IFCMEASUREWITHUNIT(" + value +
+           ",#1);\n#3=IFCCONVERSIONBASEDUNIT($,.PLANEANGLEUNIT.,'DEGREE',#2);\n"
+           "#4=IFCCONVERSIONBASEDUNIT($,.PLANEANGLEUNIT.,'DEGREE',#2);\n";
+  };
+  for (const char* value :
+       {"IFCPLANEANGLEMEASURE(0.0174532925199433)", "IFCPLANEANGLEMEASURE(+1.)", "0.0157", "10."}) {
+    EXPECT_EQ(fault_of(unit(value)), "") << value;
+  }
+  for (const char* value : {"IFCPLANEANGLEMEASURE(1.E9)",
+                            "10.1",
+                            "0.",
+                            "-1.",
+                            "NAN",
+                            "1.E-999",
+                            "$",
+                            "IFCREAL(IFCREAL(1.))"}) {
+    const std::string fault = fault_of(unit(value));
+    EXPECT_TRUE(fault.starts_with("x.ifc:7: #2 IFCMEASUREWITHUNIT has ")) << value << fault;
+  }
+  EXPECT_EQ(fault_of("#1=IFCREVOLVEDAREASOLID($,$,$,-360.);\n"), "");
+  for (const char* angle : {"1001.", "-1.E9", "IFCREAL(IFCREAL(1.E9))"}) {
+    EXPECT_NE(fault_of(fmt::format("#1=IFCREVOLVEDAREASOLID($,$,$,{});\n", angle)).find("angle"),
+              std::string::npos)
+        << angle;
+  }
+}
+
+TEST(IfcCheck, MessagesHaveALimitedTextOfTheFile) {
+  const std::string text(1000, '1');
+  const std::vector<std::string> faults = {
+      fault_of("#1=IFCPOLYLINE(#2);\n#2=IFC" + text + "();\n"),
+      fault_of("#1=IFCPRODUCTDEFINITIONSHAPE($,$,('" + text + "'));\n"),
+      fault_of("#1=IFCDIRECTION((" + text + "));\n"),
+      fault_of("#1=IFCREVOLVEDAREASOLID($,$,$,IFCREAL(1" + std::string(1000, '0') + "));\n"),
+  };
+  for (const std::string& fault : faults) {
+    EXPECT_NE(fault.find("..."), std::string::npos) << fault;
+    EXPECT_LT(fault.size(), 250U) << fault;
+  }
+  // The fortieth byte is the second one of a character.
+  const auto step =
+      StepText::parse(with(file_of(""), "IFC2X3", std::string(39, 'X') + "\u00fc" + text), "x.ifc");
+  ASSERT_TRUE(step);
+  const auto checked = check_ifc(*step, "x.ifc");
+  ASSERT_FALSE(checked);
+  EXPECT_NE(checked.error().message.find("'" + std::string(39, 'X') + "...'"), std::string::npos)
+      << checked.error().message;
+}
+
+TEST(IfcUnits, AreFiniteAndAboveZero) {
+  const auto metres = [](const std::string& value, const std::string& prefix) {
+    return ifc_metres(step_of("#1=IFCSIUNIT(*,.LENGTHUNIT.," + prefix +
+                              ",.METRE.);\n#2=IFCMEASUREWITHUNIT(" + value +
+                              ",#1);\n#3=IFCCONVERSIONBASEDUNIT($,.LENGTHUNIT.,'x',#2);\n"
+                              "#4=IFCUNITASSIGNMENT((#1,#3));\n"));
+  };
+  EXPECT_EQ(metres("IFCLENGTHMEASURE(304.8)", ".MILLI."), 304.8 * 1e-3);
+  EXPECT_EQ(metres("0.3048", "$"), 0.3048);
+  EXPECT_EQ(metres("INF", "$"), 1.0);
+  EXPECT_EQ(metres("NAN", "$"), 1.0);
+  EXPECT_EQ(metres("IFCLENGTHMEASURE(1E308)", ".KILO."), 1.0);
+  EXPECT_EQ(metres("1E-323", ".MILLI."), 1.0);
+  EXPECT_EQ(metres("-1.", "$"), 1.0);
+}
+
 TEST(IfcCheck, TypesAreThoseOfTheStandard) {
   for (const char* type : {"IFCWALL", "IFCWALLSTANDARDCASE", "IFC2DCOMPOSITECURVE", "IFCZONE"}) {
     EXPECT_TRUE(is_ifc2x3_type(type)) << type;
@@ -238,6 +333,47 @@ TEST(IfcMaterials, PartsHaveTheMaterialOfTheirWhole) {
               "#5=IFCRELASSOCIATESMATERIAL('0000000000000000000005',$,$,$,(#1),#4);\n"));
   EXPECT_EQ(elements.at("0000000000000000000002").name, "slab");
   EXPECT_EQ(elements.at("0000000000000000000002").material, "Beton");
+}
+
+TEST(IfcMaterials, OnlyLayersHaveAThickness) {
+  const auto elements = ifc_elements(
+      step_of("#1=IFCWALL('0000000000000000000001',$,'wall',$,$,$,$,$);\n"
+              "#2=IFCMATERIAL('Beton');\n#3=IFCMATERIAL('Holz');\n"
+              "#4=IFCMATERIALLAYER(#2,9.,$);\n#5=IFCMATERIALLAYER(#3,10.,$);\n"
+              "#6=IFCPROPERTYSINGLEVALUE(#3,100.,$,$);\n#7=IFCMATERIALLAYER($,50.,$);\n"
+              "#8=IFCMATERIALLAYERSET((#4,#6,#5,#7,#5),$);\n"
+              "#9=IFCMATERIALLAYERSETUSAGE(#8,.AXIS2.,.POSITIVE.,0.);\n"
+              "#10=IFCRELASSOCIATESMATERIAL('0000000000000000000010',$,$,$,(#1),#9);\n"));
+  EXPECT_EQ(elements.at("0000000000000000000001").material, "Holz");
+}
+
+// Without a memory of what was read: 4e8 layers.
+TEST(IfcMaterials, ALayerSetIsReadOnce) {
+  constexpr int kElements = 20'000;
+  std::string entities =
+      "#1=IFCMATERIAL('Beton');\n#2=IFCMATERIALLAYER(#1,9.,$);\n#3=IFCMATERIALLAYERSET((#2";
+  for (int i = 1; i < kElements; ++i) {
+    entities += ",#2";
+  }
+  entities += "),$);\n";
+  for (int i = 0; i < kElements; ++i) {
+    entities += fmt::format("#{}=IFCWALL('{:022}',$,'wall',$,$,$,$,$);\n", 100'000 + i, i);
+    entities += fmt::format("#{}=IFCMATERIALLAYERSETUSAGE(#3,.AXIS2.,$,0.);\n", 200'000 + i);
+    entities += fmt::format("#{}=IFCRELASSOCIATESMATERIAL('',$,$,$,(#{}),#{});\n",
+                            300'000 + i,
+                            100'000 + i,
+                            200'000 + i);
+  }
+  const auto elements = ifc_elements(step_of(entities));
+  EXPECT_EQ(elements.at(fmt::format("{:022}", kElements - 1)).material, "Beton");
+}
+
+TEST(IfcMaterials, ANameIsLimited) {
+  const auto elements = ifc_elements(
+      step_of("#1=IFCWALL('0000000000000000000001',$,'wall',$,$,$,$,$);\n#2=IFCMATERIAL('" +
+              std::string(2000, 'x') +
+              "');\n#3=IFCRELASSOCIATESMATERIAL('0000000000000000000003',$,$,$,(#1),#2);\n"));
+  EXPECT_EQ(elements.at("0000000000000000000001").material, "");
 }
 
 }  // namespace
