@@ -67,7 +67,7 @@ Expected<void> run_studio(const StudioArguments& arguments) {
   });
   std::map<std::string, HttpRoute> routes = map_routes();
   routes.merge(editor_routes(editor, nullptr));
-  routes.merge(beginning_routes(editor));
+  routes.merge(beginning_routes(editor, StopSignal::requested));
   std::shared_ptr<CalibrationJob> calibration;
   if (!arguments.captures.empty()) {
     calibration = std::make_shared<CalibrationJob>(

@@ -1,6 +1,7 @@
 // Creates the first files of a site from a plan or from a drawing of another program.
 #include <chrono>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <string>
 #include <system_error>
@@ -62,16 +63,19 @@ std::string kind_of(const HttpParameters& parameters) {
   return kind.size() > 1 && kind.size() <= 6 && is_object_name(kind.substr(1)) ? kind : "";
 }
 
-Expected<ImportedFiles> import_apart(const fs::path& file, const SiteEditor& editor) {
+Expected<ImportedFiles> import_apart(const fs::path& file,
+                                     const SiteEditor& editor,
+                                     const std::function<bool()>& is_stopping) {
   const auto program = rayloc_program();
   RAYLOC_TRY(program);
   const std::string name = fs::weakly_canonical(editor.directory()).filename().string();
-  return run_import(*program, file, name, kMaxImportTime);
+  return run_import(*program, file, name, kMaxImportTime, is_stopping);
 }
 
 Expected<Json> begin_import(const SiteEditor& editor,
                             const std::string& kind,
-                            const std::string& bytes) {
+                            const std::string& bytes,
+                            const std::function<bool()>& is_stopping) {
   if (kind.empty()) {
     return bad_input(std::string("which kind of file is it? Name it as its format is called: ") +
                      kFormats);
@@ -81,7 +85,7 @@ Expected<Json> begin_import(const SiteEditor& editor,
   }
   const fs::path file = editor.directory() / ("import" + kind);
   RAYLOC_TRY(write_file(file, bytes));
-  auto imported = import_apart(file, editor);
+  auto imported = import_apart(file, editor, is_stopping);
   if (!imported) {
     std::error_code ignored;
     fs::remove(file, ignored);
@@ -97,7 +101,8 @@ Expected<Json> begin_import(const SiteEditor& editor,
 
 }  // namespace
 
-std::map<std::string, HttpRoute> beginning_routes(const std::shared_ptr<const SiteEditor>& editor) {
+std::map<std::string, HttpRoute> beginning_routes(const std::shared_ptr<const SiteEditor>& editor,
+                                                  const std::function<bool()>& is_stopping) {
   std::map<std::string, HttpRoute> routes;
   HttpRoute& room = routes["/api/v1/edit/room"];
   room.method = "POST";
@@ -107,8 +112,9 @@ std::map<std::string, HttpRoute> beginning_routes(const std::shared_ptr<const Si
   room.most_bytes = kMaxPlanBytes;
   HttpRoute& upload = routes["/api/v1/edit/import"];
   upload.method = "POST";
-  upload.receive = [editor](const HttpParameters& parameters, const std::string& body) {
-    return editor_reply(begin_import(*editor, kind_of(parameters), body));
+  upload.receive = [editor, is_stopping](const HttpParameters& parameters,
+                                         const std::string& body) {
+    return editor_reply(begin_import(*editor, kind_of(parameters), body, is_stopping));
   };
   upload.content_type = "application/octet-stream";
   upload.most_bytes = kLargestImport;

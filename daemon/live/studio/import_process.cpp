@@ -30,30 +30,32 @@ class ImportFolder {
  public:
   explicit ImportFolder(const fs::path& beside)
       : path_((fs::absolute(beside).parent_path() / "import-XXXXXX").string()) {
-    exists_ = mkdtemp(path_.data()) != nullptr;
+    error_ = mkdtemp(path_.data()) != nullptr ? 0 : errno;
   }
   ~ImportFolder() {
     std::error_code ignored;
-    if (exists_) {
+    if (error_ == 0) {
       fs::remove_all(path_, ignored);
     }
   }
   ImportFolder(const ImportFolder&) = delete;
   ImportFolder& operator=(const ImportFolder&) = delete;
 
-  bool exists() const { return exists_; }
+  int error() const { return error_; }  // errno; 0: it exists
   const std::string& path() const { return path_; }
 
  private:
   std::string path_;
-  bool exists_ = false;
+  int error_ = 0;
 };
 
-// Empty: it was ended after the limit.
-std::optional<int> import_status(ChildProcess& process, std::chrono::seconds limit) {
+// Empty: it has not ended before the limit or the stop.
+std::optional<int> import_status(ChildProcess& process,
+                                 std::chrono::seconds limit,
+                                 const std::function<bool()>& is_stopping) {
   constexpr std::chrono::milliseconds kPause{20};
   const auto end = Clock::now() + limit;
-  while (Clock::now() < end) {
+  while (Clock::now() < end && !is_stopping()) {
     if (const auto status = process.status()) {
       return status;
     }
@@ -87,7 +89,8 @@ Expected<std::map<std::string, std::string>> files_below(const fs::path& folder)
   std::error_code failed;
   for (fs::recursive_directory_iterator it(folder, failed), end; !failed && it != end;
        it.increment(failed)) {
-    if (!it->is_regular_file()) {
+    std::error_code unknown;
+    if (!it->is_regular_file(unknown)) {
       continue;
     }
     auto content = read_file(it->path());
@@ -105,12 +108,13 @@ Expected<std::map<std::string, std::string>> files_below(const fs::path& folder)
 Expected<ImportedFiles> run_import(const fs::path& program,
                                    const fs::path& file,
                                    const std::string& name,
-                                   std::chrono::seconds limit) {
+                                   std::chrono::seconds limit,
+                                   const std::function<bool()>& is_stopping) {
   const ImportFolder out(file);
-  if (!out.exists()) {
+  if (out.error() != 0) {
     return make_error(
         ErrorKind::kUnavailable,
-        file.parent_path().string() + ": cannot hold a new folder: " + std::strerror(errno));
+        file.parent_path().string() + ": cannot hold a new folder: " + std::strerror(out.error()));
   }
   std::vector<std::string> arguments{
       "scene", "import", fs::absolute(file).string(), "--out", out.path()};
@@ -119,8 +123,12 @@ Expected<ImportedFiles> run_import(const fs::path& program,
   }
   const auto process = ChildProcess::start(program, arguments);
   RAYLOC_TRY(process);
-  const auto status = import_status(**process, limit);
+  const auto status = import_status(**process, limit, is_stopping);
   const std::string place = file.string() + ": ";
+  if (!status && is_stopping()) {
+    return make_error(ErrorKind::kUnavailable,
+                      place + "its reading was ended with the studio; import it again");
+  }
   if (!status) {
     return bad_input(
         fmt::format("{}takes longer than {} s to read, and its reading was ended; "

@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -18,12 +19,14 @@ struct ImportedFiles {
 };
 
 // Runs `PROGRAM scene import FILE` and waits for it; `name` is the name of the site. A new folder
-// beside FILE holds the result meanwhile. Errors (kBadInput): the message of the program; that a
-// signal ended it; that it took longer than `limit` and was ended. kUnavailable: it cannot be
-// started. Thread-safe for files in different folders.
+// beside FILE holds the result meanwhile. Errors (kBadInput): the message of the program; a message
+// if a signal ended the program, or if it was ended after `limit`. kUnavailable: it cannot be
+// started, or it was ended because `is_stopping` returned true, which is called several times per
+// second by this thread. Thread-safe for files in different folders.
 Expected<ImportedFiles> run_import(const std::filesystem::path& program,
                                    const std::filesystem::path& file,
                                    const std::string& name,
-                                   std::chrono::seconds limit);
+                                   std::chrono::seconds limit,
+                                   const std::function<bool()>& is_stopping);
 
 }  // namespace rayloc

@@ -15,6 +15,7 @@
 // own type, which no form of another page can send.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -33,8 +34,10 @@ std::map<std::string, HttpRoute> editor_routes(const std::shared_ptr<const SiteE
 // `job` may be null: nothing is recorded here.
 std::map<std::string, HttpRoute> calibration_routes(const std::shared_ptr<CalibrationJob>& job);
 
-// For a folder without a site.
-std::map<std::string, HttpRoute> beginning_routes(const std::shared_ptr<const SiteEditor>& editor);
+// For a folder without a site. An import ends early when `is_stopping`, which the threads of the
+// server call, returns true.
+std::map<std::string, HttpRoute> beginning_routes(const std::shared_ptr<const SiteEditor>& editor,
+                                                  const std::function<bool()>& is_stopping);
 
 // Replies for results and errors.
 HttpReply editor_reply(const Expected<nlohmann::ordered_json>& result);

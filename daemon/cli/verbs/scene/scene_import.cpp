@@ -74,7 +74,7 @@ Expected<void> run_scene_import(const SceneImportArguments& arguments) {
                  size.y,
                  size.z);
     for (const std::string& remark : imported->remarks) {
-      std::fprintf(stderr, "  %s\n", printable(remark, '\n').c_str());
+      std::fprintf(stderr, "  %s\n", printable(remark).c_str());
     }
   }
   return {};

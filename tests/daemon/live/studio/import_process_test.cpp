@@ -4,8 +4,10 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <iterator>
 #include <string>
 #include <vector>
@@ -28,14 +30,16 @@ class ImportProcess : public ::testing::Test {
 
   // Arguments of the script: scene import FILE --out FOLDER --name=NAME.
   Expected<ImportedFiles> run(const std::string& script,
-                              std::chrono::seconds limit = std::chrono::seconds(60)) const {
+                              std::chrono::seconds limit = std::chrono::seconds(60),
+                              const std::function<bool()>& is_stopping = never) const {
     const fs::path program = folder_ / "program";
     std::ofstream(program) << "#!/bin/sh\n" << script << "\n";
     fs::permissions(program, fs::perms::owner_all);
-    auto result = run_import(program, folder_ / "import.ifc", "my room", limit);
+    auto result = run_import(program, folder_ / "import.ifc", "my room", limit, is_stopping);
     fs::remove(program);
     return result;
   }
+  static bool never() { return false; }
   bool leaves_nothing() const {
     return std::distance(fs::directory_iterator(folder_), fs::directory_iterator()) == 1;
   }
@@ -82,10 +86,41 @@ TEST_F(ImportProcess, ReturnsTheMessageOfARefusal) {
 }
 
 TEST_F(ImportProcess, AMissingProgramIsReported) {
-  const auto imported =
-      run_import("/nowhere/rayloc", folder_ / "import.ifc", "room", std::chrono::seconds(60));
+  const auto imported = run_import(
+      "/nowhere/rayloc", folder_ / "import.ifc", "room", std::chrono::seconds(60), never);
   ASSERT_FALSE(imported);
   EXPECT_EQ(imported.error().kind, ErrorKind::kUnavailable);
+}
+
+TEST_F(ImportProcess, AStopEndsTheReader) {
+  const auto begin = std::chrono::steady_clock::now();
+  int calls = 0;
+  const auto imported =
+      run("exec sleep 1000", std::chrono::seconds(60), [&] { return ++calls > 2; });
+  ASSERT_FALSE(imported);
+  EXPECT_EQ(imported.error().kind, ErrorKind::kUnavailable);
+  EXPECT_NE(imported.error().message.find("ended with the studio"), std::string::npos)
+      << imported.error().message;
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(30));
+  EXPECT_TRUE(leaves_nothing());
+}
+
+// A link to nothing, or to itself, is no file of the result.
+TEST_F(ImportProcess, OnlyFilesAreReturned) {
+  const auto imported =
+      run("ln -s /nowhere \"$5/link\"; ln -s loop \"$5/loop\"; echo x > \"$5/a\"");
+  ASSERT_TRUE(imported) << imported.error().message;
+  EXPECT_EQ(imported->files.size(), 1U);
+  EXPECT_TRUE(leaves_nothing());
+}
+
+TEST_F(ImportProcess, AMissingFolderIsReported) {
+  const auto imported = run_import(
+      "/bin/true", folder_ / "missing" / "a.ifc", "room", std::chrono::seconds(60), never);
+  ASSERT_FALSE(imported);
+  EXPECT_EQ(imported.error().kind, ErrorKind::kUnavailable);
+  EXPECT_NE(imported.error().message.find("No such file"), std::string::npos)
+      << imported.error().message;
 }
 
 }  // namespace
