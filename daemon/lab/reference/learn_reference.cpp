@@ -121,7 +121,7 @@ Expected<void> ReferenceLearner::fit_points(const std::vector<CsiFrame>& frames,
     return bad_input(inputs_.points_file + ": " + fit.error().message);
   }
   if (is_same_day) {
-    RAYLOC_TRY(check_echo_factors(people_room_, fit->reference));
+    RAYLOC_TRY(check_echo_factors(people_room_, fit->reference, measured.points));
   }
   const auto certainty = fit_person_certainty(people_room_, *fit, measured.points, measured.frames);
   RAYLOC_TRY(certainty);

@@ -28,26 +28,6 @@ constexpr double kRotationSigmas = 4.5;
 constexpr std::size_t kMaxPeopleFrames = 1024;
 constexpr const char* kRemedy = "give the empty room of that day: --people-empty [AP=]FILE";
 
-struct RotatedChain {
-  std::size_t row = 0;
-  double angle = 0.0;  // [rad], relative to the first chain
-};
-
-// The chain with the largest rotation, if it exceeds the limits.
-std::optional<RotatedChain> find_rotated(const RotatedChains& chains) {
-  RotatedChain largest;
-  bool is_rotated = false;
-  for (std::size_t row = 1; row < chains.turn.size(); ++row) {
-    const double angle = std::abs(std::arg(chains.turn[row]));
-    const double sigma = std::hypot(chains.sigma[row], chains.sigma[0]);
-    is_rotated = is_rotated || angle > std::max(kMinRotation, kRotationSigmas * sigma);
-    if (angle > largest.angle) {
-      largest = {row, angle};
-    }
-  }
-  return is_rotated ? std::optional(largest) : std::nullopt;
-}
-
 std::optional<RotatedChain> rotation_of(const RoomModel& room,
                                         const PersonLink& link,
                                         const std::vector<CsiFrame>& frames) {
@@ -71,6 +51,19 @@ void append(std::string& list, const std::string& entry) {
 }
 
 }  // namespace
+
+std::optional<RotatedChain> find_rotated(const RotatedChains& chains) {
+  std::optional<RotatedChain> largest;
+  for (std::size_t row = 1; row < chains.turn.size(); ++row) {
+    const double angle = std::abs(std::arg(chains.turn[row]));
+    const double sigma = std::hypot(chains.sigma[row], chains.sigma[0]);
+    if (angle > std::max(kMinRotation, kRotationSigmas * sigma) &&
+        (!largest || angle > largest->angle)) {
+      largest = {row, angle};
+    }
+  }
+  return largest;
+}
 
 Expected<void> check_people_day(const RoomModel& room,
                                 const PersonReference& reference,
@@ -97,15 +90,26 @@ Expected<void> check_people_day(const RoomModel& room,
   return {};
 }
 
-Expected<void> check_echo_factors(const RoomModel& room, const PersonReference& fitted) {
+Expected<void> check_echo_factors(const RoomModel& room,
+                                  const PersonReference& fitted,
+                                  const std::vector<PersonPoint>& points) {
   std::string factors;
-  for (const PersonLink& link : fitted.links) {
+  for (std::size_t l = 0; l < fitted.links.size(); ++l) {
+    const PersonLink& link = fitted.links[l];
+    if (std::all_of(points.begin(), points.end(), [&](const PersonPoint& point) {
+          return point.h[l].empty();
+        })) {
+      continue;  // no person was received: its factor is not fitted
+    }
     if (!is_scale_at_limit(link.scale)) {
       return {};
     }
     append(
         factors,
         fmt::format("{}: {:.2f}", room.access_points[link.access_point].id, std::abs(link.scale)));
+  }
+  if (factors.empty()) {
+    return {};
   }
   return bad_input("the echo factor of a person is at a limit of the fit at every access point (" +
                    factors +

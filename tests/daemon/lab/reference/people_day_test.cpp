@@ -62,6 +62,20 @@ TEST(PeopleDay, NamesTheRotatedChainAndTheOption) {
   EXPECT_THAT(message, Not(HasSubstr(room.access_points[0].id + ":")));
 }
 
+TEST(PeopleDay, ANoisyChainIsNotNamed) {
+  RotatedChains chains;
+  chains.turn = {1.0, std::polar(1.0, 0.8), std::polar(1.0, 1.4)};
+  chains.sigma = {0.01, 0.02, 0.5};
+  const auto rotated = find_rotated(chains);
+  ASSERT_TRUE(rotated);
+  EXPECT_EQ(rotated->row, 1U);
+  EXPECT_NEAR(rotated->angle, 0.8, 1e-9);
+  chains.sigma[2] = 0.02;
+  EXPECT_EQ(find_rotated(chains)->row, 2U) << "the largest rotation";
+  chains.sigma = {0.5, 0.5, 0.5};
+  EXPECT_FALSE(find_rotated(chains));
+}
+
 TEST(PeopleDay, RefusesEchoesAtALimitAtEveryAccessPoint) {
   const RoomModel room = test::make_room();
   PersonReference fitted;
@@ -69,13 +83,30 @@ TEST(PeopleDay, RefusesEchoesAtALimitAtEveryAccessPoint) {
   fitted.links[0].scale = {0.0, 1.804};
   fitted.links[1].access_point = 1;
   fitted.links[1].scale = {-0.9, 0.0};
-  EXPECT_TRUE(check_echo_factors(room, fitted));
+  std::vector<PersonPoint> points(2);
+  points[0].h = {{1.0}, {1.0}};
+  points[1].h = {{1.0}, {}};
+  EXPECT_TRUE(check_echo_factors(room, fitted, points));
   fitted.links[1].scale = {0.355, 0.0};
-  const auto checked = check_echo_factors(room, fitted);
+  const auto checked = check_echo_factors(room, fitted, points);
   ASSERT_FALSE(checked);
   EXPECT_EQ(checked.error().kind, ErrorKind::kBadInput);
   EXPECT_THAT(checked.error().message, HasSubstr("1.80"));
   EXPECT_THAT(checked.error().message, HasSubstr("--people-empty"));
+}
+
+TEST(PeopleDay, AnAccessPointWithoutPeopleDoesNotAcceptTheEchoesOfOthers) {
+  const RoomModel room = test::make_room();
+  PersonReference fitted;
+  fitted.links.resize(2);
+  fitted.links[0].scale = {0.0, 1.804};
+  fitted.links[1].access_point = 1;
+  fitted.links[1].scale = 1.0;  // not fitted
+  std::vector<PersonPoint> points(2);
+  points[0].h = points[1].h = {{1.0}, {}};
+  EXPECT_FALSE(check_echo_factors(room, fitted, points));
+  points[1].h[1] = {1.0};
+  EXPECT_TRUE(check_echo_factors(room, fitted, points));
 }
 
 }  // namespace
