@@ -99,6 +99,9 @@ Expected<std::unique_ptr<PersonEstimator>> SiteEstimators::make_people(
   people.method = &method;
   people.settings = method_options();
   people.before = before;
+  if (method.create_device == nullptr) {  // otherwise the devices provide the chains
+    people.chain_file = options_.chain_file;
+  }
   return PersonEstimator::create(setup_.site, people);
 }
 
