@@ -6,9 +6,10 @@
 // does not: learned factors are removed. Access points whose chains are being learned are left out.
 // The chains of a transmitter have no effect, because it has one antenna.
 //
-// Where the empty room was recorded after the power cycle, on the earlier calibration, the array
-// contains the factors (ReferenceChains): these frames are used as received, with a warning. So are
-// those of access points whose chains the calibration does not state.
+// Where the empty room was recorded after a power cycle, on the earlier calibration, the array
+// contains the factors of that time (ReferenceChains): the frames are multiplied by these, with a
+// warning. Frames of access points whose chains the calibration does not state are used as
+// received.
 //
 // The result depends on the bursts alone. Thread safety: for one thread, except notices().
 #pragma once
@@ -55,11 +56,17 @@ class PersonChains {
   std::vector<std::string> notices() { return keeper_.notices(); }
 
  private:
-  void apply(const ChainState& state, const MacAddress& transmitter, Usable& result) const;
+  void apply(const ChainState& state,
+             const MacAddress& transmitter,
+             bool is_of_file,
+             Usable& result) const;
+  void leave_out(const ChainState& state, bool is_of_file, Usable& result) const;
+  std::string unlearned_text() const;
   bool has_link(const MacAddress& transmitter, std::span<const CsiFrame> frames) const;
 
   std::shared_ptr<const RoomModel> room_;
-  ChainKeeper keeper_;
+  std::string file_;
+  ChainKeeper keeper_;  // of the notices
   std::vector<ChainState> restored_;
   ReferenceChains references_;
   std::map<MacAddress, std::set<std::size_t>> access_points_;  // of the links of each transmitter

@@ -30,6 +30,8 @@ struct ChainState {
   double phase_sigma = 0.0;  // [rad], largest over its phases
   // Evidence to continue from, for a learner that restores this state, and for a file; else null.
   std::shared_ptr<const ChainRecord> record;
+  // Learned chains that bursts since the start have confirmed; set by the owner of the learner.
+  bool is_confirmed = false;
 };
 
 // Requirements for using a state of the chains.

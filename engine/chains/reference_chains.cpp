@@ -48,7 +48,7 @@ void ReferenceChains::add(const MacAddress& transmitter,
                           std::size_t access_point,
                           std::vector<Value> empty) {
   RAYLOC_CHECK(empty.size() == room_->access_points.at(access_point).gains.gain.size());
-  links_[{transmitter, access_point}] = {std::move(empty), std::nullopt};
+  links_[{transmitter, access_point}] = {std::move(empty), std::nullopt, {}, {}};
 }
 
 // Share of the frames' power that the array of the link does not explain; nothing: not usable.
@@ -63,22 +63,60 @@ std::optional<double> ReferenceChains::unexplained(const Link& link,
   return 1.0 - aligner_.align(link.empty, burst->h).correlation;
 }
 
-std::optional<bool> ReferenceChains::evaluate(const Link& link,
+std::optional<bool> ReferenceChains::contains(const Link& link,
+                                              const std::vector<Value>& factors,
                                               const ChainState& state,
                                               std::span<const CsiFrame> frames) const {
   const std::size_t a = state.access_point;
+  const RoomAccessPoint& ap = room_->access_points[a];
   std::vector<CsiFrame> first = first_of(frames, a);
-  const std::optional<double> received = unexplained(link, a, first);
-  undo(state, room_->access_points[a], first);
-  const std::optional<double> undone = unexplained(link, a, first);
-  if (!received || !undone) {
+  undo(state, ap, first);
+  const std::optional<double> without = unexplained(link, a, first);
+  for (CsiFrame& frame : first) {
+    multiply(ap, factors, frame);
+  }
+  const std::optional<double> with = unexplained(link, a, first);
+  if (!without || !with) {
     return std::nullopt;
   }
-  const double least = std::min(*received, *undone);
-  if (least > kMaxUnexplained || least > kClear * std::max(*received, *undone)) {
+  const double least = std::min(*without, *with);
+  if (least > kMaxUnexplained || least > kClear * std::max(*without, *with)) {
     return std::nullopt;
   }
-  return *received < *undone;
+  return *with < *without;
+}
+
+void ReferenceChains::decide(const ChainState& state,
+                             std::span<const CsiFrame> frames,
+                             Link& link) const {
+  const std::vector<Value>& learned = state.factors.factor;
+  const std::optional<bool> has_learned = contains(link, learned, state, frames);
+  if (!has_learned) {
+    return;
+  }
+  link.presumed = *has_learned ? learned : std::vector<Value>();
+  // An array that fits without the learned factors confirms these itself.
+  if (state.is_confirmed || !*has_learned) {
+    link.recorded = link.presumed;
+    link.decided_with = learned;
+  }
+}
+
+// Factors that were wrong at the decision are not in the array: it then fits without them.
+void ReferenceChains::verify(const ChainState& state,
+                             std::span<const CsiFrame> frames,
+                             Link& link) const {
+  const std::vector<Value>& learned = state.factors.factor;
+  if (link.recorded->empty() || !state.is_confirmed ||
+      distance(learned, link.decided_with) < kRotated) {
+    return;
+  }
+  const std::optional<bool> is_right = contains(link, *link.recorded, state, frames);
+  if (is_right) {
+    link.decided_with = learned;
+    link.recorded = *is_right ? *link.recorded : std::vector<Value>();
+    link.presumed = *link.recorded;
+  }
 }
 
 void ReferenceChains::observe(const MacAddress& transmitter,
@@ -86,29 +124,43 @@ void ReferenceChains::observe(const MacAddress& transmitter,
                               std::span<const ChainState> states) {
   for (const ChainState& state : states) {
     const auto found = links_.find({transmitter, state.access_point});
-    if (found == links_.end() || state.knowledge == ChainKnowledge::kLearning) {
+    if (found == links_.end()) {
       continue;
     }
     Link& link = found->second;
-    if (state.knowledge == ChainKnowledge::kAsCalibrated || !is_rotated(state)) {
-      if (link.contains_factors == true) {  // the factors were wrong
-        link.contains_factors.reset();
+    if (link.recorded) {
+      if (state.knowledge == ChainKnowledge::kLearned) {
+        verify(state, frames, link);
       }
-    } else if (!link.contains_factors) {
-      link.contains_factors = evaluate(link, state, frames);
+    } else if (state.knowledge == ChainKnowledge::kLearned && is_rotated(state)) {
+      decide(state, frames, link);
+    } else {
+      link.presumed.clear();
     }
   }
 }
 
-bool ReferenceChains::contains_factors(const MacAddress& transmitter,
-                                       std::size_t access_point) const {
+std::vector<Value> ReferenceChains::recorded(const MacAddress& transmitter,
+                                             std::size_t access_point) const {
   const auto found = links_.find({transmitter, access_point});
-  return found != links_.end() && found->second.contains_factors.value_or(false);
+  return found == links_.end() ? std::vector<Value>()
+                               : found->second.recorded.value_or(std::vector<Value>());
+}
+
+std::vector<Value> ReferenceChains::presumed(const MacAddress& transmitter,
+                                             std::size_t access_point) const {
+  const auto found = links_.find({transmitter, access_point});
+  return found == links_.end() ? std::vector<Value>() : found->second.presumed;
+}
+
+bool ReferenceChains::is_undecided(const MacAddress& transmitter, std::size_t access_point) const {
+  const auto found = links_.find({transmitter, access_point});
+  return found != links_.end() && !found->second.recorded;
 }
 
 void ReferenceChains::restart() {
   for (auto& [key, link] : links_) {
-    link.contains_factors.reset();
+    link = {std::move(link.empty), std::nullopt, {}, {}};
   }
 }
 

@@ -3,11 +3,14 @@
 //
 // Learned factors are relative to the calibration. An array that was recorded with the chains of
 // the calibration is compared with frames whose factors are removed. An array that was recorded
-// after a power cycle, on the earlier calibration, contains the factors: frames with these removed
-// do not match it, and frames as received do. The burst of a fixed transmitter distinguishes the
-// two, since a person changes an array less than a phase jump does. The first clear burst decides,
-// because the array does not change: a later burst that fits as received shows a power cycle back
-// to the chains of the calibration.
+// after a power cycle, on the earlier calibration, contains the factors of that time: frames with
+// the learned factors removed match it after multiplication by those. The burst of a fixed
+// transmitter distinguishes the two, since a person changes an array less than a phase jump does.
+//
+// A burst that fits as received has two explanations: the array contains the learned factors, or
+// these are from before the start and the chains are as calibrated again. It decides only if the
+// state is confirmed (ChainState::is_confirmed). The first clear burst decides, because the array
+// does not change. After other factors are learned, the decision is verified with these.
 //
 // The result depends on the bursts alone. Thread safety: for one thread.
 #pragma once
@@ -44,9 +47,15 @@ class ReferenceChains {
                std::span<const CsiFrame> frames,
                std::span<const ChainState> states);
 
-  // True if the array of the link contains the learned factors. False until a burst shows that, and
-  // for a link that was not added.
-  bool contains_factors(const MacAddress& transmitter, std::size_t access_point) const;
+  // Factors that the array of the link contains, [chain], to multiply frames by whose learned
+  // factors are removed. Empty: those of the calibration, no decision yet, or no such link.
+  std::vector<std::complex<double>> recorded(const MacAddress& transmitter,
+                                             std::size_t access_point) const;
+  // The same, before the decision by the last clear burst: as unconfirmed factors fit the array.
+  std::vector<std::complex<double>> presumed(const MacAddress& transmitter,
+                                             std::size_t access_point) const;
+  // True for a link without a decision.
+  bool is_undecided(const MacAddress& transmitter, std::size_t access_point) const;
 
   // Resets to the state before the first burst; links stay.
   void restart();
@@ -54,13 +63,20 @@ class ReferenceChains {
  private:
   struct Link {
     std::vector<std::complex<double>> empty;
-    std::optional<bool> contains_factors;  // nothing: no clear burst yet
+    // Factors in the array, [chain], empty: of the calibration. Nothing: no decision yet.
+    std::optional<std::vector<std::complex<double>>> recorded;
+    std::vector<std::complex<double>> decided_with;  // learned factors at the decision
+    std::vector<std::complex<double>> presumed;      // as `recorded`, until the decision
   };
+  void decide(const ChainState& state, std::span<const CsiFrame> frames, Link& link) const;
+  void verify(const ChainState& state, std::span<const CsiFrame> frames, Link& link) const;
   std::optional<double> unexplained(const Link& link,
                                     std::size_t access_point,
                                     std::span<const CsiFrame> frames) const;
-  // Nothing if the burst is not clear, or not usable.
-  std::optional<bool> evaluate(const Link& link,
+  // True if the array contains `factors`, false if it contains none. Nothing if the burst is not
+  // clear, or not usable.
+  std::optional<bool> contains(const Link& link,
+                               const std::vector<std::complex<double>>& factors,
                                const ChainState& state,
                                std::span<const CsiFrame> frames) const;
 

@@ -1,5 +1,7 @@
 #include "daemon/pipeline/device/chain_supervisor.h"
 
+#include <algorithm>
+#include <cstdint>
 #include <utility>
 
 #include "daemon/pipeline/device/calibration_warnings.h"
@@ -7,9 +9,15 @@
 #include "daemon/pipeline/warm/carried.h"
 #include "daemon/site/model/reference_file.h"
 #include "daemon/site/model/room_model.h"
+#include "engine/chains/chain_frames.h"
 
 namespace rayloc {
 namespace {
+
+// Probabilities that restored chains are wrong, chosen: 0.1 before the first burst, which one clear
+// burst changes to about 0.002 or 0.86.
+constexpr double kConfirmed = 0.01;
+constexpr double kContradicted = 0.5;
 
 CalibrationMonitor::Transmitter placed(const SiteTransmitter& fixed) {
   return {*fixed.position, device_model(fixed)};
@@ -37,13 +45,55 @@ Expected<void> ChainSupervisor::prepare(const Site& site, const RoomModel& room)
   return {};
 }
 
-// Finds the references that contain the learned factors, and reports each access point once.
-void ChainSupervisor::name_references(const Burst& burst, const ChainCapability& learner) {
-  const std::vector<ChainState> states = learner.states();
+std::vector<ChainState> ChainSupervisor::with_confirmation(std::vector<ChainState> states) const {
+  for (ChainState& state : states) {
+    state.is_confirmed =
+        state.knowledge == ChainKnowledge::kLearned && confirmed_.count(state.access_point) != 0;
+  }
+  return states;
+}
+
+// Chains that were learned since the start are confirmed.
+void ChainSupervisor::note_learned(const ChainCapability& learner) {
+  for (const ChainState& state : learner.states()) {
+    if (state.knowledge != ChainKnowledge::kLearned) {
+      unlearned_.insert(state.access_point);
+      confirmed_.erase(state.access_point);
+      kept_.erase(state.access_point);
+    } else if (unlearned_.count(state.access_point) != 0) {
+      confirmed_.insert(state.access_point);
+    }
+  }
+}
+
+// A counted burst of a device confirms or contradicts chains of an earlier run.
+void ChainSupervisor::judge(const Burst& burst, ChainCapability& learner) {
+  for (const ChainState& state : learner.states()) {
+    const std::size_t number = state.access_point;
+    if (state.knowledge != ChainKnowledge::kLearned || confirmed_.count(number) != 0) {
+      continue;
+    }
+    std::vector<CsiFrame> own = burst.frames;
+    std::erase_if(own, [&](const CsiFrame& frame) { return frame.access_point != number; });
+    if (own.empty()) {
+      continue;
+    }
+    const double wrong = learner.trust(own).chain_fault.probability;
+    if (wrong < kConfirmed) {
+      confirmed_.insert(number);
+    } else if (wrong > kContradicted && kept_.erase(number) != 0) {
+      learner.power_cycled(number, burst.frames.back().time);
+    }
+  }
+}
+
+// Finds the references that contain learned factors, and reports each access point once.
+void ChainSupervisor::report_references(const Burst& burst, const ChainCapability& learner) {
+  const std::vector<ChainState> states = with_confirmation(learner.states());
   references_->observe(burst.transmitter, burst.frames, states);
   for (const ChainState& state : states) {
-    if (references_->contains_factors(burst.transmitter, state.access_point) &&
-        named_.insert(state.access_point).second) {
+    if (!references_->recorded(burst.transmitter, state.access_point).empty() &&
+        reported_.insert(state.access_point).second) {
       keeper_.notify(other_reference_text(rooms_.first().access_points[state.access_point]));
     }
   }
@@ -56,13 +106,47 @@ std::vector<CsiFrame> ChainSupervisor::compared_frames(const Burst& burst,
     return frames_on(rooms_.first().grid, burst.frames);
   }
   std::vector<CsiFrame> frames = learner->undone(burst.frames);
-  for (std::size_t i = 0; i < frames.size(); ++i) {
-    const auto access_point = static_cast<std::size_t>(frames[i].access_point);
-    if (references_->contains_factors(burst.transmitter, access_point)) {
-      frames[i] = burst.frames[i];
+  for (CsiFrame& frame : frames) {
+    const auto recorded = references_->recorded(burst.transmitter, frame.access_point);
+    if (!recorded.empty()) {
+      multiply(rooms_.first().access_points[frame.access_point], recorded, frame);
     }
   }
   return frames;
+}
+
+// True for learned chains of an earlier run that only the fixed transmitter contradicts.
+bool ChainSupervisor::keep_restored(const Burst& burst,
+                                    std::size_t access_point,
+                                    const ChainCapability& learner) {
+  const std::vector<ChainState> states = learner.states();
+  const bool is_restored = std::any_of(states.begin(),
+                                       states.end(),
+                                       [&](const ChainState& state) {
+                                         return state.access_point == access_point &&
+                                                state.knowledge == ChainKnowledge::kLearned;
+                                       }) &&
+                           confirmed_.count(access_point) == 0;
+  if (!is_restored || !references_->is_undecided(burst.transmitter, access_point)) {
+    return false;
+  }
+  if (kept_.insert(access_point).second) {
+    keeper_.notify("access point " + rooms_.first().access_points[access_point].id +
+                   ": its chains as learned before do not fit its empty room; they are kept until "
+                   "a burst of a device contradicts them. If the warning remains, run `rayloc "
+                   "calibrate --rechain`, then `rayloc reference` again");
+  }
+  return true;
+}
+
+// The fixed transmitter shows other chains than those of its expected array.
+void ChainSupervisor::report_jump(const Burst& burst,
+                                  std::size_t access_point,
+                                  ChainCapability& learner) {
+  if (!keep_restored(burst, access_point, learner)) {
+    learner.power_cycled(access_point, burst.frames.back().time);
+    keeper_.spread(learner, rooms_.learners(), rooms_.first());
+  }
 }
 
 void ChainSupervisor::check(const SiteTransmitter& fixed, const Burst& burst) {
@@ -70,7 +154,8 @@ void ChainSupervisor::check(const SiteTransmitter& fixed, const Burst& burst) {
   const auto before = monitor_->warnings();
   watched_[burst.transmitter] = burst.last;
   if (!all.empty()) {
-    name_references(burst, *all.front());
+    note_learned(*all.front());
+    report_references(burst, *all.front());
   }
   // The verdicts of the predecessor contain the bursts that it has checked.
   const auto checked = watched_before_.find(burst.transmitter);
@@ -80,13 +165,13 @@ void ChainSupervisor::check(const SiteTransmitter& fixed, const Burst& burst) {
   for (const CalibrationWarning& warning : monitor_->warnings()) {
     if (!is_stated(warning, before) && warning.problem == CalibrationProblem::kChainPhaseJump &&
         !all.empty()) {
-      all.front()->power_cycled(warning.access_point, burst.frames.back().time);
-      keeper_.spread(*all.front(), all, rooms_.first());
+      report_jump(burst, warning.access_point, *all.front());
     }
   }
   if (!all.empty()) {
     all.front()->receive_at(*fixed.position, burst.frames);
     keeper_.spread(*all.front(), all, rooms_.first());
+    note_learned(*all.front());
   }
 }
 
@@ -97,7 +182,13 @@ std::span<const CsiFrame> ChainSupervisor::accept(const Burst& burst,
   if (learner == nullptr) {
     return burst.frames;
   }
+  note_learned(*learner);
+  const std::uint64_t changes = learner->changes();
   learner->receive(burst.frames);
+  note_learned(*learner);
+  if (learner->changes() != changes) {
+    judge(burst, *learner);
+  }
   keeper_.spread(*learner, rooms_.learners(), room.room());
   if (learner->leaves_alone()) {
     return burst.frames;
@@ -129,7 +220,7 @@ LocationEstimate ChainSupervisor::locate_coarsely(const Burst& burst,
 std::shared_ptr<const std::vector<ChainState>> ChainSupervisor::shared_states() const {
   return rooms_.learners().empty()
              ? nullptr
-             : std::make_shared<const std::vector<ChainState>>(keeper_.states());
+             : std::make_shared<const std::vector<ChainState>>(with_confirmation(keeper_.states()));
 }
 
 void ChainSupervisor::go_on(const Carried& before) {
@@ -169,6 +260,9 @@ void ChainSupervisor::restart() {
   watched_.clear();
   watched_before_.clear();
   keeper_.restart();
+  unlearned_.clear();
+  confirmed_.clear();
+  kept_.clear();
   for (ChainCapability* learner : rooms_.learners()) {
     learner->restart();
   }

@@ -35,9 +35,10 @@ class ChainSupervisor {
   // member; an Error if a file cannot be used. REQUIRES: the rooms are prepared from `room`.
   Expected<void> prepare(const Site& site, const RoomModel& room);
 
-  // The burst of a fixed transmitter at a known place. Where the empty room was recorded with the
-  // learned chains, its frames are compared as received, and the operator is notified once.
-  // REQUIRES: fixed.position.
+  // The burst of a fixed transmitter at a known place. Where the empty room was recorded with
+  // learned chains, its frames are compared with these, and the operator is notified once. Chains
+  // of an earlier run that do not fit the empty room are kept until a device's burst contradicts
+  // them: the empty room may contain other chains. REQUIRES: fixed.position.
   void check(const SiteTransmitter& fixed, const Burst& burst);
   // The burst of a device, whose method may learn from it. The result are the frames of the access
   // points with known chains, corrected to the calibration: those of the burst, or the remaining
@@ -64,7 +65,7 @@ class ChainSupervisor {
   void restart();
 
   std::vector<ChainState> states() const { return keeper_.states(); }
-  // States for the estimators that follow; null where no method learns chains.
+  // States for the estimators that follow, with `is_confirmed`; null where no method learns chains.
   std::shared_ptr<const std::vector<ChainState>> shared_states() const;
   // Changes for the log since the last call.
   std::vector<std::string> notices() { return keeper_.notices(); }
@@ -73,12 +74,21 @@ class ChainSupervisor {
 
  private:
   std::vector<CsiFrame> compared_frames(const Burst& burst, const ChainCapability* learner) const;
-  void name_references(const Burst& burst, const ChainCapability& learner);
+  void report_references(const Burst& burst, const ChainCapability& learner);
+  void report_jump(const Burst& burst, std::size_t access_point, ChainCapability& learner);
+  bool keep_restored(const Burst& burst, std::size_t access_point, const ChainCapability& learner);
+  void note_learned(const ChainCapability& learner);
+  void judge(const Burst& burst, ChainCapability& learner);
+  std::vector<ChainState> with_confirmation(std::vector<ChainState> states) const;
 
   DeviceRooms& rooms_;
   std::unique_ptr<CalibrationMonitor> monitor_;
   std::unique_ptr<ReferenceChains> references_;
-  std::set<std::size_t> named_;  // access points whose reference was reported
+  // Sets of access points:
+  std::set<std::size_t> reported_;   // reference reported
+  std::set<std::size_t> unlearned_;  // chains not learned at some time since the start
+  std::set<std::size_t> confirmed_;  // learned chains confirmed since the start
+  std::set<std::size_t> kept_;       // restored chains kept against a fixed transmitter
   ChainKeeper keeper_;
   std::map<MacAddress, Timestamp> watched_;         // last frame of each fixed transmitter
   std::map<MacAddress, Timestamp> watched_before_;  // the same of the predecessor

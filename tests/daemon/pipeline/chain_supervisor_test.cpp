@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <complex>
 #include <cstddef>
@@ -127,7 +128,8 @@ constexpr int kBursts = 25;     // more than the monitor needs
 // point.
 class ReferenceOfChains {
  public:
-  explicit ReferenceOfChains(double recorded) {
+  // The chain is as learned by an earlier run.
+  explicit ReferenceOfChains(double recorded, double restored = kPhase) {
     const RoomModel room = test::make_room();
     SiteTransmitter& plug = fake_.site.transmitters.emplace_back();
     plug.role = TransmitterRole::kFixed;
@@ -146,10 +148,22 @@ class ReferenceOfChains {
     const auto prepared = chains_.prepare(fake_.site, room);
     EXPECT_TRUE(prepared) << prepared.error().message;
     std::filesystem::remove(file);
-    ChainState& state = chains().learned.emplace();
-    state.knowledge = ChainKnowledge::kLearned;
-    state.factors = ChainFactors::unity(3);
-    state.factors.factor[2] = std::polar(1.0, kPhase);
+    set_learned(restored);
+  }
+
+  // The chain is learned since the start.
+  void learn(double phase) {
+    chains().learned.reset();
+    chains().is_learning = true;
+    receive_device();
+    chains().is_learning = false;
+    set_learned(phase);
+  }
+  // Receives a burst of a device after which the learned chains are wrong with this probability.
+  void receive_device(double wrong) {
+    chains().fault.probability = wrong;
+    chains().counts = true;
+    receive_device();
   }
 
   // Receives bursts with that phase of the chain.
@@ -159,7 +173,12 @@ class ReferenceOfChains {
     }
   }
   test::FakeChains& chains() { return fake_.method().fake_chains; }
-  ChainSupervisor& supervisor() { return chains_; }
+  bool has_jump() const {
+    const auto warnings = chains_.monitor_warnings();
+    return std::any_of(warnings.begin(), warnings.end(), [](const CalibrationWarning& warning) {
+      return warning.problem == CalibrationProblem::kChainPhaseJump;
+    });
+  }
   // New lines of the log that name the reference.
   std::size_t reference_notices() {
     std::size_t count = 0;
@@ -170,6 +189,16 @@ class ReferenceOfChains {
   }
 
  private:
+  void receive_device() {
+    std::vector<CsiFrame> kept;
+    chains_.accept(burst(0.0, 1), fake_.rooms.of(nullptr), kept);
+  }
+  void set_learned(double phase) {
+    ChainState& state = chains().learned.emplace();
+    state.knowledge = ChainKnowledge::kLearned;
+    state.factors = ChainFactors::unity(3);
+    state.factors.factor[2] = std::polar(1.0, phase);
+  }
   static Burst burst(double phase, unsigned seed) {
     static const RoomModel kRoom = test::make_room();
     static const std::vector<std::complex<double>> kChannel =
@@ -202,12 +231,52 @@ TEST(ChainReferences, LearnedChainsFitTheReferenceOfTheCalibration) {
 
 TEST(ChainReferences, AReferenceRecordedAfterThePowerCycleKeepsLearnedChains) {
   ReferenceOfChains plug(kPhase);
+  plug.learn(kPhase);
   plug.receive(kPhase);
   EXPECT_EQ(plug.chains().power_cycles, 0);
-  EXPECT_TRUE(plug.supervisor().monitor_warnings().empty());
+  EXPECT_FALSE(plug.has_jump());
   EXPECT_EQ(plug.reference_notices(), 1U) << "once";
   plug.receive(kPhase + 2.0);
   EXPECT_EQ(plug.chains().power_cycles, 1) << "a later power cycle is detected";
+  EXPECT_TRUE(plug.has_jump());
+  plug.learn(kPhase + 2.0);
+  plug.receive(kPhase + 2.0);
+  EXPECT_FALSE(plug.has_jump()) << "its chains are learned";
+  EXPECT_EQ(plug.chains().power_cycles, 1);
+  EXPECT_EQ(plug.reference_notices(), 0U);
+}
+
+TEST(ChainReferences, RestoredChainsThatADeviceContradictsAreDiscarded) {
+  ReferenceOfChains plug(0.0);
+  plug.receive(0.0);  // the chains are as calibrated again
+  EXPECT_TRUE(plug.has_jump());
+  EXPECT_EQ(plug.chains().power_cycles, 0) << "or the reference contains the learned factors";
+  EXPECT_EQ(plug.reference_notices(), 1U);
+  plug.receive_device(0.2);
+  EXPECT_EQ(plug.chains().power_cycles, 0);
+  plug.receive_device(0.8);
+  EXPECT_EQ(plug.chains().power_cycles, 1);
+}
+
+TEST(ChainReferences, RestoredChainsThatADeviceConfirmsAreThoseOfTheReference) {
+  ReferenceOfChains plug(kPhase);
+  plug.receive(kPhase);
+  EXPECT_EQ(plug.reference_notices(), 1U);
+  plug.receive_device(0.001);
+  plug.receive(kPhase);
+  EXPECT_EQ(plug.chains().power_cycles, 0);
+  EXPECT_FALSE(plug.has_jump());
+  EXPECT_EQ(plug.reference_notices(), 1U) << "the reference contains the factors";
+}
+
+TEST(ChainReferences, RestoredChainsAreNotDiscardedByTheFixedTransmitterAlone) {
+  ReferenceOfChains plug(kPhase, kPhase + 2.0);
+  plug.receive(kPhase + 2.0);
+  EXPECT_TRUE(plug.has_jump());
+  EXPECT_EQ(plug.reference_notices(), 1U) << "once, for all chains and bursts";
+  plug.receive_device(0.001);
+  plug.receive(kPhase + 2.0);
+  EXPECT_EQ(plug.chains().power_cycles, 0);
 }
 
 TEST_F(ChainSupervisorTest, SharesItsStatesWithTheEstimatorsThatFollow) {
@@ -216,6 +285,14 @@ TEST_F(ChainSupervisorTest, SharesItsStatesWithTheEstimatorsThatFollow) {
   ASSERT_TRUE(chains_.shared_states());
   ASSERT_THAT(*chains_.shared_states(), SizeIs(1));
   EXPECT_EQ(chains_.shared_states()->front().knowledge, ChainKnowledge::kLearning);
+  EXPECT_FALSE(chains_.shared_states()->front().is_confirmed);
+  fake().is_learning = false;
+  ChainState& learned = fake().learned.emplace();
+  learned.knowledge = ChainKnowledge::kLearned;
+  learned.factors = ChainFactors::unity(3);
+  fake().counted = 5;  // a change
+  chains_.accept(burst_, fake_.rooms.of(nullptr), kept_);
+  EXPECT_TRUE(chains_.shared_states()->front().is_confirmed) << "learned since the start";
   fake_.method(0).has_chains = fake_.method(1).has_chains = false;
   EXPECT_FALSE(chains_.shared_states()) << "no method learns chains";
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -46,7 +47,10 @@ class FakeTracks : public TrackCapability {
 
 class FakeChains : public ChainCapability {
  public:
-  void receive(std::span<const CsiFrame>) override { ++received; }
+  void receive(std::span<const CsiFrame>) override {
+    ++received;
+    counted += counts ? 1U : 0U;
+  }
   void receive_at(const Vec3d& place, std::span<const CsiFrame>) override {
     places.push_back(place);
   }
@@ -61,7 +65,7 @@ class FakeChains : public ChainCapability {
     return all;
   }
   bool leaves_alone() const override { return !is_learning && !learned; }
-  ChainTrust trust(std::span<const CsiFrame>) const override { return {{}, 3}; }
+  ChainTrust trust(std::span<const CsiFrame>) const override { return {fault, 3}; }
   LocationEstimate locate_coarsely(std::span<const CsiFrame>) const override { return coarse; }
   std::vector<ChainState> states() const override {
     if (learned) {
@@ -72,7 +76,7 @@ class FakeChains : public ChainCapability {
     return {state};
   }
   std::optional<ChainRecord> record(std::size_t) const override { return evidence; }
-  std::uint64_t changes() const override { return is_learning ? 1 : 0; }
+  std::uint64_t changes() const override { return counted + (is_learning ? 1U : 0U); }
   void adopt(const ChainState& state) override { adopted.push_back(state); }
   void restore(const ChainState& state) override { restored.push_back(state); }
   void power_cycled(std::size_t, Timestamp) override { ++power_cycles; }
@@ -81,6 +85,9 @@ class FakeChains : public ChainCapability {
   bool is_learning = false;
   std::optional<ChainState> learned;
   int power_cycles = 0;
+  FrameFault fault;     // of each burst
+  bool counts = false;  // the bursts of devices
+  std::uint64_t counted = 0;
   std::size_t accepts = 0;  // frames of a burst while chains are being learned
   LocationEstimate coarse;
   std::optional<ChainRecord> evidence;
