@@ -34,7 +34,7 @@ void multiply(const RoomAccessPoint& ap,
 void undo(const ChainState& state, const RoomAccessPoint& ap, std::span<CsiFrame> frames) {
   const std::vector<std::complex<double>> undoing = inverses(state.factors.factor);
   for (CsiFrame& frame : frames) {
-    if (static_cast<std::size_t>(frame.access_point) == state.access_point) {
+    if (frame.access_point == state.access_point) {
       multiply(ap, undoing, frame);
     }
   }

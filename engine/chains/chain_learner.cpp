@@ -153,6 +153,8 @@ ChainLearner::NewArrays ChainLearner::new_of(std::span<const CsiFrame> frames,
     ap.*last = fresh.time;
     evaluate_waiting(*received.map, localizer_->room().likelihood_exponent, ap);
     if (is_new(received, ap)) {
+      ap.last_new = fresh.time;
+      ap.before_new = ap.belief.probability();
       fresh.arrays.push_back(&received);
     }
   }
@@ -193,10 +195,15 @@ RoomObservation ChainLearner::known_of(const RoomObservation& observation) const
 }
 
 bool ChainLearner::is_new(const ArrayObservation& received, const ChainMemory& ap) const {
+  const auto is_similar = [&](const auto& before) {
+    return aligner_.align(before.h, received.h).correlation > kSameCorrelation;
+  };
   return received.observed.array.noise <= kMaxNoise &&
-         std::none_of(ap.received.begin(), ap.received.end(), [&](const RememberedBurst& before) {
-           return aligner_.align(before.h, received.h).correlation > kSameCorrelation;
-         });
+         std::none_of(ap.received.begin(), ap.received.end(), is_similar) &&
+         (ap.waiting == nullptr ||
+          std::none_of(ap.waiting->received.begin(),
+                       ap.waiting->received.begin() + static_cast<std::ptrdiff_t>(ap.unevaluated),
+                       is_similar));
 }
 
 ChainLearner::CellsOfEach ChainLearner::for_any_rotation(const NewArrays& fresh) {
@@ -286,7 +293,6 @@ void ChainLearner::remember(RememberedBurst burst,
   if (most < kMinEvidence) {
     return;
   }
-  ap.before_last = ap.belief.probability();
   ap.belief.receive(log_evidence);
   ++changes_;
   ++ap.state.bursts;
@@ -302,7 +308,9 @@ void ChainLearner::remember(RememberedBurst burst,
     return std::abs(one);
   });
   ap.remember(std::move(burst));
-  decide(*received.map, time, ap);
+  if (ap.waiting == nullptr) {
+    decide(*received.map, time, ap);
+  }
 }
 
 void ChainLearner::decide(const AccessPointMap& map, Timestamp time, ChainMemory& ap) {
@@ -438,6 +446,7 @@ void ChainLearner::adopt(const ChainState& state) {
   ChainMemory& ap = of(state.access_point);
   ++changes_;
   ap.received.clear();
+  ap.last_new.reset();
   close_.clear();
   ap.accept(state.factors);
   const bool before = are_all_learning();
@@ -464,7 +473,9 @@ void ChainLearner::power_cycled(std::size_t access_point, Timestamp time) {
   ++changes_;
   ap.belief.suspect(kRotatedAfterCycle);
   ap.received.clear();
+  ap.last_new.reset();
   ap.waiting.reset();
+  ap.unevaluated = 0;
   ap.last_sure = time;
   withdraw(time, ap);
 }
@@ -474,12 +485,6 @@ void ChainLearner::withdraw(Timestamp time, ChainMemory& ap) {
   ap.set_knowledge(ChainKnowledge::kLearning, time);
   withdrawals_ += !before && are_all_learning() ? 1U : 0U;
   close_.clear();
-}
-
-bool ChainLearner::are_all_learning() const {
-  return std::all_of(aps_.begin(), aps_.end(), [](const auto& one) {
-    return one.second.state.knowledge == ChainKnowledge::kLearning;
-  });
 }
 
 void ChainLearner::restart() {

@@ -64,8 +64,9 @@ class ChainLearner {
   // Evidence on the chains of an access point that are being learned, for a later run: restore() a
   // state that has it. Empty without evidence.
   std::optional<ChainRecord> record(std::size_t access_point) const;
-  // Probability of each state of the chains, [access point of the room][state], without the
-  // evidence of `frames`; empty for access points that are not being learned.
+  // Probability of each state of the chains, [access point of the room][state], before `frames`
+  // were received, the last burst with new information on the access point. Empty for other frames:
+  // their evidence is in the belief already, and for access points that are not being learned.
   std::vector<std::vector<double>> beliefs_before(std::span<const CsiFrame> frames) const;
   std::uint64_t changes() const { return changes_; }  // equal counts mean equal states
   // Number of times that the last accepted access point was given up: all estimates from frames up

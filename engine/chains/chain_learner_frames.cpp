@@ -32,6 +32,12 @@ bool ChainLearner::leaves_alone() const {
   });
 }
 
+bool ChainLearner::are_all_learning() const {
+  return std::all_of(aps_.begin(), aps_.end(), [](const auto& one) {
+    return one.second.state.knowledge == ChainKnowledge::kLearning;
+  });
+}
+
 std::vector<ChainState> ChainLearner::states() const {
   std::vector<ChainState> result;
   for (const auto& [access_point, ap] : aps_) {
@@ -45,15 +51,15 @@ std::optional<ChainRecord> ChainLearner::record(std::size_t access_point) const 
   return found == aps_.end() ? std::nullopt : record_of(found->second);
 }
 
-// receive() counts a burst at the time of its last frame.
+// receive() evaluates a burst at the time of its last frame. A burst that it does not evaluate, or
+// that resembles a remembered one, has no belief: its evidence is that of an earlier burst.
 std::vector<std::vector<double>> ChainLearner::beliefs_before(
     std::span<const CsiFrame> frames) const {
   std::vector<std::vector<double>> beliefs(localizer_->room().access_points.size());
   for (const auto& [access_point, ap] : aps_) {
-    if (ap.state.knowledge == ChainKnowledge::kLearning) {
-      const bool is_counted = !frames.empty() && !ap.received.empty() && !ap.before_last.empty() &&
-                              ap.received.back().time == frames.back().time;
-      beliefs[access_point] = is_counted ? ap.before_last : ap.belief.probability();
+    if (ap.state.knowledge == ChainKnowledge::kLearning && !frames.empty() &&
+        ap.last_new == frames.back().time) {
+      beliefs[access_point] = ap.before_new;
     }
   }
   return beliefs;

@@ -5,6 +5,7 @@
 #include <complex>
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "engine/base/timestamp.h"
@@ -25,15 +26,20 @@ struct ChainMemory {
 
   ChainState state;
   ChainBelief belief;
-  std::vector<double> before_last;  // ChainBelief::probability() before the last of `received`
-  std::vector<RememberedBurst> received;        // oldest first
-  std::shared_ptr<const ChainRecord> waiting;   // bursts of an earlier run, not yet evaluated
+  std::vector<RememberedBurst> received;  // oldest first
+  // Evidence of an earlier run; the first of its bursts are not yet evaluated, the others are the
+  // first of `received`.
+  std::shared_ptr<const ChainRecord> waiting;
+  std::size_t unevaluated = 0;
   std::vector<std::complex<double>> gain;       // of the best state, relative to factors
   std::vector<std::complex<double>> favourite;  // factors of that state
   std::size_t unrefined = 0;                    // bursts since factors were refined or compared
-  Timestamp last;                               // last evaluation for a device ...
-  Timestamp last_fixed;                         // ... and for a transmitter at a known place
-  Timestamp last_sure;                          // last time the accepted state was certain
+  // Last evaluation for a burst unlike those remembered, and ChainBelief::probability() before it.
+  std::optional<Timestamp> last_new;
+  std::vector<double> before_new;
+  Timestamp last;        // last evaluation for a device ...
+  Timestamp last_fixed;  // ... and for a transmitter at a known place
+  Timestamp last_sure;   // last time the accepted state was certain
 
   // True if the chains are known well enough to locate devices that others receive.
   bool is_known() const;

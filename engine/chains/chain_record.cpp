@@ -6,6 +6,8 @@
 #include <utility>
 
 #include "engine/chains/chain_evidence.h"
+#include "engine/chains/chain_memory.h"
+#include "engine/localize/access_point_map.h"
 
 namespace rayloc {
 namespace {
@@ -83,10 +85,14 @@ std::optional<ChainRecord> record_of(const ChainMemory& ap) {
   ChainRecord record;
   if (ap.waiting != nullptr) {
     record = *ap.waiting;
-  } else {
-    for (const RememberedBurst& burst : ap.received) {
-      record.received.push_back(record_burst(burst));
-    }
+    const auto first = record.received.begin();
+    const std::size_t kept = std::min(ap.unevaluated, ChainMemory::kMost - ap.received.size());
+    record.received.erase(first + static_cast<std::ptrdiff_t>(ap.unevaluated),
+                          record.received.end());
+    record.received.erase(first, first + static_cast<std::ptrdiff_t>(ap.unevaluated - kept));
+  }
+  for (const RememberedBurst& burst : ap.received) {
+    record.received.push_back(record_burst(burst));
   }
   record.belief = ap.belief.probability();
   record.gain.clear();
@@ -104,6 +110,7 @@ std::optional<ChainRecord> record_of(const ChainMemory& ap) {
 
 void resume(ChainMemory& ap) {
   ap.waiting = std::exchange(ap.state.record, nullptr);
+  ap.unevaluated = ap.waiting == nullptr ? 0 : ap.waiting->received.size();
   if (ap.waiting == nullptr) {
     return;
   }
@@ -119,11 +126,12 @@ void resume(ChainMemory& ap) {
 }
 
 void evaluate_waiting(const AccessPointMap& map, double likelihood_exponent, ChainMemory& ap) {
-  const auto record = std::exchange(ap.waiting, nullptr);
-  if (record == nullptr) {
+  if (ap.waiting == nullptr) {
     return;
   }
-  for (const ChainRecord::Burst& burst : record->received) {
+  const std::size_t end = ap.unevaluated - std::min(ap.unevaluated, kEvaluatedAtOnce);
+  while (ap.unevaluated > end && ap.received.size() < ChainMemory::kMost) {
+    const ChainRecord::Burst& burst = ap.waiting->received[--ap.unevaluated];
     RememberedBurst result;
     if (!evaluate(map, burst, ap.belief.grid(), likelihood_exponent, result)) {
       continue;
@@ -135,7 +143,11 @@ void evaluate_waiting(const AccessPointMap& map, double likelihood_exponent, Cha
     result.place = burst.place.value_or(Vec3d());
     result.floor = burst_floor(map, result, likelihood_exponent);
     result.since.assign(burst.gain.size(), 1.0);
-    ap.remember(std::move(result));
+    ap.received.insert(ap.received.begin(), std::move(result));
+  }
+  if (ap.unevaluated == 0 || ap.received.size() == ChainMemory::kMost) {
+    ap.waiting.reset();
+    ap.unevaluated = 0;
   }
 }
 

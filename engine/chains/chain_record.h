@@ -9,10 +9,11 @@
 
 #include "engine/base/timestamp.h"
 #include "engine/base/vec3.h"
-#include "engine/chains/chain_memory.h"
-#include "engine/localize/access_point_map.h"
 
 namespace rayloc {
+
+class AccessPointMap;
+struct ChainMemory;
 
 // Relative to ChainState::factors, with which it is stored.
 struct ChainRecord {
@@ -47,8 +48,12 @@ std::optional<ChainRecord> record_of(const ChainMemory& ap);
 // REQUIRES: the sizes of its arrays are those of the access point.
 void resume(ChainMemory& ap);
 
-// Evaluates the waiting bursts, up to 0.1 s of a core each. Weights of another number of cells are
-// replaced by equal ones. REQUIRES: the map has all antennas of the access point.
+// Bursts per call of evaluate_waiting(), chosen: some milliseconds of a core each. All of them at
+// once would delay live bursts until they are dropped.
+inline constexpr std::size_t kEvaluatedAtOnce = 8;
+
+// Evaluates the latest of the waiting bursts. Weights of another number of cells are replaced by
+// equal ones. REQUIRES: the map has all antennas of the access point.
 void evaluate_waiting(const AccessPointMap& map, double likelihood_exponent, ChainMemory& ap);
 
 }  // namespace rayloc

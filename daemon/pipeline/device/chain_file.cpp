@@ -43,7 +43,10 @@ Json to_json(const ChainState& state, const RoomAccessPoint& ap) {
   return json;
 }
 
-ChainState from_json(const Json& json, std::size_t access_point) {
+// `place` leads to `json`.
+Expected<ChainState> from_json(const Json& json,
+                               const std::string& place,
+                               std::size_t access_point) {
   ChainState state;
   state.access_point = access_point;
   state.knowledge = json.at("chains").get<std::string>() == kLearned ? ChainKnowledge::kLearned
@@ -53,15 +56,24 @@ ChainState from_json(const Json& json, std::size_t access_point) {
   }
   state.factors.sigma = json.at("phase_sigma_rad").get<std::vector<double>>();
   state.factors.log_gain_sigma = json.at("level_sigma").get<std::vector<double>>();
-  state.since = Timestamp(Duration(json.at("since_ns").get<std::int64_t>()));
-  state.bursts = json.at("bursts").get<std::size_t>();
+  const auto since = chain_time_from_json(json.at("since_ns"), place + ".since_ns");
+  RAYLOC_TRY(since);
+  state.since = *since;
+  const auto bursts = chain_count_from_json(json.at("bursts"), place + ".bursts");
+  RAYLOC_TRY(bursts);
+  state.bursts = *bursts;
   return state;
 }
 
+bool is_sigma(double value) { return value >= 0.0 && value <= kMaxChainSigma; }
+
 bool is_usable(const ChainState& state, std::size_t chains) {
   const auto& factor = state.factors.factor;
-  return factor.size() == chains && state.factors.sigma.size() == chains &&
-         state.factors.log_gain_sigma.size() == chains &&
+  const auto& sigma = state.factors.sigma;
+  const auto& level_sigma = state.factors.log_gain_sigma;
+  return factor.size() == chains && sigma.size() == chains && level_sigma.size() == chains &&
+         std::all_of(sigma.begin(), sigma.end(), is_sigma) &&
+         std::all_of(level_sigma.begin(), level_sigma.end(), is_sigma) &&
          std::all_of(factor.begin(), factor.end(), [](const auto& value) {
            return std::isfinite(std::abs(value)) && std::abs(value) > 0.0;
          });
@@ -82,13 +94,15 @@ Expected<std::vector<ChainState>> states_of(const Json& json, const RoomModel& r
           ap.rx_chains != one.at("cores").get<std::vector<std::uint8_t>>()) {
         continue;
       }
-      ChainState state = from_json(one, a);
+      const std::string place = "access_points[" + std::to_string(i) + "]";
+      auto read = from_json(one, place, a);
+      RAYLOC_TRY(read);
+      ChainState& state = *read;
       if (!is_usable(state, ap.rx_chains.size())) {
         continue;
       }
       if (state.knowledge == ChainKnowledge::kLearning && one.contains(kEvidence)) {
-        auto record = record_from_json(
-            one[kEvidence], "access_points[" + std::to_string(i) + "]." + kEvidence, room, a);
+        auto record = record_from_json(one[kEvidence], place + "." + kEvidence, room, a);
         RAYLOC_TRY(record);
         state.record = std::make_shared<const ChainRecord>(*std::move(record));
       }

@@ -16,15 +16,19 @@ bool differs(const ChainState& a, const ChainState& b) {
   return a.knowledge != b.knowledge || a.factors.factor != b.factors.factor;
 }
 
+// True if the learner has this state; its evidence may be another one.
+bool has_state(const ChainCapability& learner, const ChainState& state) {
+  const std::vector<ChainState> own = learner.states();
+  return std::any_of(own.begin(), own.end(), [&](const ChainState& one) {
+    return one.access_point == state.access_point && one.since == state.since &&
+           !differs(one, state);
+  });
+}
+
 // True if a learner has restored evidence on the same unknown chains from the file.
 bool has_evidence(const ChainState& state, const std::vector<ChainCapability*>& learners) {
   return std::any_of(learners.begin(), learners.end(), [&](const ChainCapability* learner) {
-    const std::vector<ChainState> own = learner->states();
-    return learner->record(state.access_point) &&
-           std::any_of(own.begin(), own.end(), [&](const ChainState& one) {
-             return one.access_point == state.access_point && one.since == state.since &&
-                    !differs(one, state);
-           });
+    return learner->record(state.access_point) && has_state(*learner, state);
   });
 }
 
@@ -165,7 +169,8 @@ void ChainKeeper::spread(const ChainCapability& learner,
     }
     is_new = true;
     for (ChainCapability* other : learners) {
-      if (other != &learner) {
+      // A learner that adopts a state loses its own evidence on it.
+      if (other != &learner && !has_state(*other, state)) {
         other->adopt(state);
       }
     }

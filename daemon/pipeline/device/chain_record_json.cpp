@@ -12,6 +12,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "engine/chains/chain_memory.h"
 #include "engine/likelihood/rotated_likelihood.h"
 
 namespace rayloc {
@@ -24,8 +25,8 @@ constexpr std::string_view kDigits =
     "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 constexpr double kWeightStep = 0.1;  // [nat], chosen: far below the evidence of a burst
 constexpr double kMaxWeight = 255.0;
-constexpr double kMaxSum = 1e-6;    // deviation of the sum of probabilities from 1, of rounding
-constexpr double kMaxSigma = 10.0;  // [rad], chosen: nothing is known of the phase
+constexpr double kMaxSum = 1e-6;  // deviation of the sum of probabilities from 1, of rounding
+constexpr std::int64_t kMaxTime = 4'000'000'000'000'000'000;  // [ns], chosen: 127 years
 constexpr double kMaxGain = 100.0;  // a ratio, chosen: 40 dB, more is no amplitude of a chain
 
 template <typename T>
@@ -146,21 +147,25 @@ class RecordReader {
   static bool is_gain(double gain) { return gain > 1.0 / kMaxGain && gain < kMaxGain; }
 
   static Expected<ChainRecord> counts_of(const Json& json, const std::string& place) {
-    for (const char* key : {"learner", "learners", "bursts", "bursts_needed", "unrefined"}) {
-      if (!json.at(key).is_number_unsigned()) {
-        return bad_input(place + "." + key + " is not a count");
-      }
-    }
     ChainRecord record;
-    record.learner = json.at("learner").get<std::size_t>();
-    record.learners = json.at("learners").get<std::size_t>();
-    record.bursts = json.at("bursts").get<std::size_t>();
-    record.bursts_needed = json.at("bursts_needed").get<std::size_t>();
+    const std::array<std::pair<const char*, std::size_t ChainRecord::*>, 5> counts = {
+        {{"learner", &ChainRecord::learner},
+         {"learners", &ChainRecord::learners},
+         {"bursts", &ChainRecord::bursts},
+         {"bursts_needed", &ChainRecord::bursts_needed},
+         {"unrefined", &ChainRecord::unrefined}}};
+    for (const auto& [key, member] : counts) {
+      const auto count = chain_count_from_json(json.at(key), place + "." + key);
+      RAYLOC_TRY(count);
+      record.*member = *count;
+    }
     record.lead = json.at("lead").get<double>();
     record.phase_sigma = json.at("phase_sigma_rad").get<double>();
-    record.unrefined = json.at("unrefined").get<std::size_t>();
-    if (!std::isfinite(record.lead) || !std::isfinite(record.phase_sigma)) {
-      return bad_input(place + ".lead and .phase_sigma_rad must be finite");
+    if (!std::isfinite(record.lead)) {
+      return bad_input(place + ".lead must be finite");
+    }
+    if (!(record.phase_sigma >= 0.0 && record.phase_sigma <= kMaxChainSigma)) {
+      return bad_input(place + ".phase_sigma_rad must be 0 to 10");
     }
     return record;
   }
@@ -204,7 +209,9 @@ class RecordReader {
 
   Expected<ChainRecord::Burst> burst_of(const Json& json, const std::string& place) const {
     ChainRecord::Burst burst;
-    burst.time = Timestamp(Duration(json.at("time_ns").get<std::int64_t>()));
+    const auto time = chain_time_from_json(json.at("time_ns"), place + ".time_ns");
+    RAYLOC_TRY(time);
+    burst.time = *time;
     burst.noise = json.at("noise").get<double>();
     if (!(burst.noise >= 0.0 && burst.noise < 1.0)) {
       return bad_input(place + ".noise is not a share of the power");
@@ -229,9 +236,10 @@ class RecordReader {
         return bad_input(place + ".place is not finite");
       }
     } else if (json.contains("weights")) {
-      const auto cells = json.at("cells").get<std::size_t>();
-      const auto weights = cells > 0 && cells < kMaxCells
-                               ? decode<std::uint8_t>(json["weights"], cells, place + ".weights")
+      const auto cells = chain_count_from_json(json.at("cells"), place + ".cells");
+      RAYLOC_TRY(cells);
+      const auto weights = *cells > 0 && *cells < kMaxCells
+                               ? decode<std::uint8_t>(json["weights"], *cells, place + ".weights")
                                : bad_input(place + ".cells is not a number of cells");
       RAYLOC_TRY(weights);
       for (const std::uint8_t one : *weights) {
@@ -249,6 +257,22 @@ class RecordReader {
 
 }  // namespace
 
+Expected<std::size_t> chain_count_from_json(const Json& json, const std::string& key) {
+  if (!json.is_number_unsigned() || json.get<std::uint64_t>() > kMaxChainCount) {
+    return bad_input(key + " is not a count");
+  }
+  return json.get<std::size_t>();
+}
+
+Expected<Timestamp> chain_time_from_json(const Json& json, const std::string& key) {
+  const bool is_too_late =
+      json.is_number_unsigned() && json.get<std::uint64_t>() > std::uint64_t{kMaxTime};
+  if (!json.is_number_integer() || is_too_late || json.get<std::int64_t>() < -kMaxTime) {
+    return bad_input(key + " is not a time");
+  }
+  return Timestamp(Duration(json.get<std::int64_t>()));
+}
+
 Json to_json(const ChainRecord& record) {
   Json favourite = Json::array();
   for (const Value& one : record.favourite) {
@@ -263,7 +287,8 @@ Json to_json(const ChainRecord& record) {
           {"bursts", record.bursts},
           {"bursts_needed", record.bursts_needed},
           {"lead", record.lead},
-          {"phase_sigma_rad", std::isfinite(record.phase_sigma) ? record.phase_sigma : kMaxSigma},
+          {"phase_sigma_rad",
+           record.phase_sigma < kMaxChainSigma ? record.phase_sigma : kMaxChainSigma},
           {"unrefined", record.unrefined},
           {"belief", encode(record.belief)},
           {"gain", record.gain},

@@ -29,19 +29,20 @@ std::shared_ptr<const Localizer> localizer() {
   return kLocalizer;
 }
 
-// A device somewhere else every two seconds.
-std::vector<CsiFrame> burst(int number) {
+// A device somewhere else every two seconds. `noise`: seed.
+std::vector<CsiFrame> burst(int number, unsigned noise) {
   std::mt19937 random(static_cast<unsigned>(number + 1));
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
   const double x = 1.2 * uniform(random);
-  auto frames = test::frames_at(localizer()->room(),
-                                {x, 0.9 * uniform(random), 1.2},
-                                {4, 30.0, static_cast<unsigned>(number + 1)});
+  auto frames =
+      test::frames_at(localizer()->room(), {x, 0.9 * uniform(random), 1.2}, {4, 30.0, noise});
   for (CsiFrame& frame : frames) {
     frame.time += std::chrono::seconds(2 * number);
   }
   return frames;
 }
+
+std::vector<CsiFrame> burst(int number) { return burst(number, static_cast<unsigned>(number + 1)); }
 
 // Chains that multiply by these.
 std::vector<CsiFrame> through(std::vector<CsiFrame> frames, const std::vector<Value>& factors) {
@@ -219,6 +220,43 @@ TEST(ChainLearner, ContinuesFromTheEvidenceOfAnEarlierRun) {
   }
 }
 
+// Many bursts of an earlier run are evaluated a few at a time, and none is lost or decides before.
+TEST(ChainLearner, EvaluatesTheBurstsOfAnEarlierRunAFewAtATime) {
+  const std::vector<Value> factors = {1.0, std::polar(1.1, 0.6), std::polar(1.0, 3.0)};
+  ChainLearner first(localizer());
+  first.power_cycled(0, burst(0).front().time);
+  for (int i = 0; i < 5; ++i) {
+    first.receive(through(burst(i), factors));
+  }
+  ChainState state = first.states().at(0);
+  ChainRecord record = *first.record(0);
+  const std::vector<ChainRecord::Burst> once = record.received;
+  ASSERT_GT(once.size(), 2U);
+  while (record.received.size() <= 4 * kEvaluatedAtOnce) {
+    record.received.insert(record.received.end(), once.begin(), once.end());
+  }
+  record.bursts = record.received.size();
+  state.record = std::make_shared<const ChainRecord>(record);
+  ChainLearner next(localizer());
+  next.restore(state);
+  for (int i = 5; i < 7; ++i) {
+    next.receive(through(burst(i), factors));
+    const auto now = next.record(0);
+    ASSERT_TRUE(now) << "decided while bursts wait";
+    EXPECT_EQ(now->received.size(), now->bursts);
+    for (std::size_t k = 0; k < record.received.size(); ++k) {
+      EXPECT_EQ(now->received[k].time, record.received[k].time) << k;
+    }
+    // A burst that waits is a remembered one.
+    auto repeated = burst(0, 77);
+    for (CsiFrame& frame : repeated) {
+      frame.time += std::chrono::seconds(2 * i + 1);
+    }
+    next.receive(through(repeated, factors));
+    EXPECT_EQ(next.states().at(0).bursts, now->bursts);
+  }
+}
+
 TEST(ChainLearner, APowerCycleEndsTheEvidenceOfAnEarlierRun) {
   const std::vector<Value> factors = {1.0, std::polar(1.1, 0.6), std::polar(1.0, 3.0)};
   ChainLearner first(localizer());
@@ -241,10 +279,28 @@ TEST(ChainLearner, StatesTheBeliefBeforeABurst) {
   EXPECT_TRUE(learner.beliefs_before(burst(0)).at(0).empty());
   learner.power_cycled(0, burst(0).front().time);
   learner.receive(burst(0));
-  const std::vector<double> after_first = learner.beliefs_before(burst(1)).at(0);
+  ASSERT_EQ(learner.states().at(0).bursts, 1U);
+  const std::vector<double> after_first = learner.record(0)->belief;
+  EXPECT_FALSE(learner.beliefs_before(burst(0)).at(0).empty());
   EXPECT_NE(learner.beliefs_before(burst(0)).at(0), after_first);
   learner.receive(burst(1));
   EXPECT_EQ(learner.beliefs_before(burst(1)).at(0), after_first);
+}
+
+// The belief contains the evidence of such a burst: that of the one that it repeats.
+TEST(ChainLearner, ARepeatedBurstHasNoBelief) {
+  ChainLearner learner(localizer());
+  learner.power_cycled(0, burst(0).front().time);
+  learner.receive(burst(0));
+  for (const auto later : {std::chrono::milliseconds(100), std::chrono::milliseconds(2000)}) {
+    auto repeated = burst(0, 77);
+    for (CsiFrame& frame : repeated) {
+      frame.time += later;
+    }
+    learner.receive(repeated);
+    EXPECT_EQ(learner.states().at(0).bursts, 1U);
+    EXPECT_TRUE(learner.beliefs_before(repeated).at(0).empty()) << later.count();
+  }
 }
 
 // A transmitter at a known place decides which of similar states is right; alone it counts as one
