@@ -115,7 +115,8 @@ std::vector<CsiFrame> ChainSupervisor::compared_frames(const Burst& burst,
   return frames;
 }
 
-// True for learned chains of an earlier run that only the fixed transmitter contradicts.
+// True for learned chains of an earlier run where the array of the fixed transmitter may contain
+// their factors, since its frames fit as received.
 bool ChainSupervisor::keep_restored(const Burst& burst,
                                     std::size_t access_point,
                                     const ChainCapability& learner) {
@@ -127,14 +128,16 @@ bool ChainSupervisor::keep_restored(const Burst& burst,
                                                 state.knowledge == ChainKnowledge::kLearned;
                                        }) &&
                            confirmed_.count(access_point) == 0;
-  if (!is_restored || !references_->is_undecided(burst.transmitter, access_point)) {
+  if (!is_restored || !references_->is_undecided(burst.transmitter, access_point) ||
+      references_->presumed(burst.transmitter, access_point).empty()) {
     return false;
   }
   if (kept_.insert(access_point).second) {
-    keeper_.notify("access point " + rooms_.first().access_points[access_point].id +
-                   ": its chains as learned before do not fit its empty room; they are kept until "
-                   "a burst of a device contradicts them. If the warning remains, run `rayloc "
-                   "calibrate --rechain`, then `rayloc reference` again");
+    keeper_.notify(
+        "access point " + rooms_.first().access_points[access_point].id +
+        ": its empty room fits without the chains as learned before; they are kept "
+        "until a burst of a device contradicts them. If the warning remains, run `rayloc "
+        "calibrate --rechain`, then `rayloc reference` again");
   }
   return true;
 }
