@@ -130,12 +130,14 @@ class ReferenceOfChains {
  public:
   // The chain is as learned by an earlier run.
   explicit ReferenceOfChains(double recorded) {
-    const RoomModel room = test::make_room();
+    RoomModel room = test::make_room();
+    room.calibration_id = "calibration";
     SiteTransmitter& plug = fake_.site.transmitters.emplace_back();
     plug.role = TransmitterRole::kFixed;
     plug.mac = {{0x02, 0, 0, 0, 0, 7}};
     plug.position = Vec3d{1.1, -0.8, 1.2};
     PersonReference reference;
+    reference.id = "reference";
     reference.mac = plug.mac;
     reference.transmitter.position = *plug.position;
     std::vector<std::string> warnings;
@@ -146,7 +148,7 @@ class ReferenceOfChains {
     std::ofstream(file) << reference_toml({reference}, room, 0);
     fake_.site.reference_file = file;
     const auto prepared = chains_.prepare(fake_.site, room);
-    EXPECT_TRUE(prepared) << prepared.error().message;
+    EXPECT_TRUE(prepared) << (prepared ? "" : prepared.error().message);
     std::filesystem::remove(file);
     set_learned(kPhase);
   }

@@ -248,9 +248,9 @@ TEST(ChainLearner, EvaluatesTheBurstsOfAnEarlierRunAFewAtATime) {
       EXPECT_EQ(now->received[k].time, record.received[k].time) << k;
     }
     // A burst that waits is a remembered one.
-    auto repeated = burst(0, 77);
+    auto repeated = burst(1, 77);
     for (CsiFrame& frame : repeated) {
-      frame.time += std::chrono::seconds(2 * i + 1);
+      frame.time += std::chrono::seconds(2 * i - 1);
     }
     next.receive(through(repeated, factors));
     EXPECT_EQ(next.states().at(0).bursts, now->bursts);
@@ -276,24 +276,24 @@ TEST(ChainLearner, APowerCycleEndsTheEvidenceOfAnEarlierRun) {
 // The belief that a burst's own coarse fix uses does not contain the burst.
 TEST(ChainLearner, StatesTheBeliefBeforeABurst) {
   ChainLearner learner(localizer());
-  EXPECT_TRUE(learner.beliefs_before(burst(0)).at(0).empty());
-  learner.power_cycled(0, burst(0).front().time);
-  learner.receive(burst(0));
+  EXPECT_TRUE(learner.beliefs_before(burst(1)).at(0).empty());
+  learner.power_cycled(0, burst(1).front().time);
+  learner.receive(burst(1));
   ASSERT_EQ(learner.states().at(0).bursts, 1U);
   const std::vector<double> after_first = learner.record(0)->belief;
-  EXPECT_FALSE(learner.beliefs_before(burst(0)).at(0).empty());
-  EXPECT_NE(learner.beliefs_before(burst(0)).at(0), after_first);
-  learner.receive(burst(1));
-  EXPECT_EQ(learner.beliefs_before(burst(1)).at(0), after_first);
+  EXPECT_FALSE(learner.beliefs_before(burst(1)).at(0).empty());
+  EXPECT_NE(learner.beliefs_before(burst(1)).at(0), after_first);
+  learner.receive(burst(2));
+  EXPECT_EQ(learner.beliefs_before(burst(2)).at(0), after_first);
 }
 
 // The belief contains the evidence of such a burst: that of the one that it repeats.
 TEST(ChainLearner, ARepeatedBurstHasNoBelief) {
   ChainLearner learner(localizer());
-  learner.power_cycled(0, burst(0).front().time);
-  learner.receive(burst(0));
+  learner.power_cycled(0, burst(1).front().time);
+  learner.receive(burst(1));
   for (const auto later : {std::chrono::milliseconds(100), std::chrono::milliseconds(2000)}) {
-    auto repeated = burst(0, 77);
+    auto repeated = burst(1, 77);
     for (CsiFrame& frame : repeated) {
       frame.time += later;
     }
