@@ -1,7 +1,7 @@
 // Measures the time that links of a scene file take in C++, for tests/bench/python_ratio.
 //   link_bench SCENE COUNT tree|reuse TX RX
-// reuse: one receiver's tree for all links; tree: a tree for each link. TX and RX are X,Y,Z [m]. The
-// transmitter moves by 1 mm along x from link to link. Prints CPU seconds per link.
+// reuse: one receiver's tree for all links; tree: a tree for each link. TX and RX are X,Y,Z [m].
+// The transmitter moves by 1 mm along x from link to link. Prints CPU seconds per link.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
