@@ -46,11 +46,9 @@ bool has_all_antennas(const ArrayObservation& received) {
   return received.map->antennas() == received.map->access_point().rx_chains.size();
 }
 
-// The burst with the amplitudes of the best state removed: the grid has no amplitudes.
+// The burst with the amplitudes of the best state removed.
 ObservedBurst gain_undone(const ArrayObservation& received, const ChainMemory& ap) {
-  std::vector<Value> h = received.h;
-  multiply(inverses(ap.gain), h);
-  return received.map->observe(h, received.observed.array.noise);
+  return without_gain(*received.map, received.h, ap.gain, received.observed.array.noise);
 }
 
 }  // namespace
@@ -300,9 +298,7 @@ void ChainLearner::remember(RememberedBurst burst,
   burst.h = received.h;
   burst.time = time;
   burst.noise = received.observed.array.noise;
-  burst.floor =
-      most + localizer_->room().likelihood_exponent * received.map->null_model(received.observed) -
-      ChainBelief::kMaxOfBurst;
+  burst.floor = burst_floor(*received.map, burst, localizer_->room().likelihood_exponent);
   burst.since.assign(ap.gain.size(), 1.0);
   std::transform(ap.gain.begin(), ap.gain.end(), std::back_inserter(burst.gain), [](auto one) {
     return std::abs(one);

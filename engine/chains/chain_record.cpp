@@ -14,14 +14,6 @@ namespace {
 
 using Value = std::complex<double>;
 
-// The burst with these amplitudes removed, as ChainLearner evaluates it.
-ObservedBurst without_gains(const AccessPointMap& map, const ChainRecord::Burst& burst) {
-  const std::vector<Value> gain(burst.gain.begin(), burst.gain.end());
-  std::vector<Value> h = burst.h;
-  multiply(inverses(gain), h);
-  return map.observe(h, burst.noise);
-}
-
 ChainRecord::Burst record_burst(const RememberedBurst& burst) {
   ChainRecord::Burst record{burst.h, burst.time, burst.noise, burst.gain, {}, {}};
   if (burst.known_place != nullptr) {
@@ -57,7 +49,8 @@ bool evaluate(const AccessPointMap& map,
               const RotationGrid& grid,
               double likelihood_exponent,
               RememberedBurst& result) {
-  const ObservedBurst observed = without_gains(map, burst);
+  const std::vector<Value> gain(burst.gain.begin(), burst.gain.end());
+  const ObservedBurst observed = without_gain(map, burst.h, gain, burst.noise);
   if (!burst.place) {
     const std::vector<double> log_weight = weights_in(map, burst);
     result.evidence = turn_evidence(map, observed, grid, likelihood_exponent, log_weight);

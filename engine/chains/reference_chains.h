@@ -51,7 +51,7 @@ class ReferenceChains {
   // factors are removed. Empty: those of the calibration, no decision yet, or no such link.
   std::vector<std::complex<double>> recorded(const MacAddress& transmitter,
                                              std::size_t access_point) const;
-  // The same, before the decision by the last clear burst: as unconfirmed factors fit the array.
+  // The same; before the decision, what the last clear burst suggests with unconfirmed factors.
   std::vector<std::complex<double>> presumed(const MacAddress& transmitter,
                                              std::size_t access_point) const;
   // True for a link without a decision.
@@ -66,7 +66,8 @@ class ReferenceChains {
     // Factors in the array, [chain], empty: of the calibration. Nothing: no decision yet.
     std::optional<std::vector<std::complex<double>>> recorded;
     std::vector<std::complex<double>> decided_with;  // learned factors at the decision
-    std::vector<std::complex<double>> presumed;      // as `recorded`, until the decision
+    std::vector<std::complex<double>>
+        presumed;  // as `recorded`; before the decision, by the last clear burst
   };
   void decide(const ChainState& state, std::span<const CsiFrame> frames, Link& link) const;
   void verify(const ChainState& state, std::span<const CsiFrame> frames, Link& link) const;

@@ -97,6 +97,14 @@ void multiply(const std::vector<Value>& factors, std::vector<Value>& h) {
   }
 }
 
+ObservedBurst without_gain(const AccessPointMap& map,
+                           std::vector<Value> h,
+                           const std::vector<Value>& gain,
+                           double noise) {
+  multiply(inverses(gain), h);
+  return map.observe(h, noise);
+}
+
 std::vector<ChainFactors> compare_states(const AccessPointMap& map,
                                          std::span<const RememberedBurst> received,
                                          std::span<const std::vector<Value>> starts,

@@ -44,6 +44,12 @@ std::vector<std::complex<double>> inverses(const std::vector<std::complex<double
 // h: [chain][tone].
 void multiply(const std::vector<std::complex<double>>& factors,
               std::vector<std::complex<double>>& h);
+// A burst with these amplitudes of its chains removed, since RotationGrid has no amplitudes. h:
+// [chain][tone]; noise: as ObservedArray::noise.
+ObservedBurst without_gain(const AccessPointMap& map,
+                           std::vector<std::complex<double>> h,
+                           const std::vector<std::complex<double>>& gain,
+                           double noise);
 
 // Refines each start (a state relative to the accepted one) to its maximum and returns the results
 // that differ, the best first. REQUIRES: starts and bursts not empty.
