@@ -12,21 +12,21 @@
 namespace rayloc {
 
 PersonChains::PersonChains(const std::string& file, std::shared_ptr<const RoomModel> room)
-    : room_(std::move(room)), file_(file), keeper_({"", ""}), references_(room_) {
+    : room_(std::move(room)), file_(file), references_(room_) {
   if (file.empty()) {
     return;
   }
   auto states = read_chain_file(file, *room_);
   if (!states) {
-    keeper_.notify(states.error().message);
+    notices_.push_back(states.error().message);
     return;
   }
   restored_ = *std::move(states);
   for (const ChainState& state : restored_) {
-    keeper_.notify("access point " + room_->access_points[state.access_point].id + ": " +
-                   (state.knowledge == ChainKnowledge::kLearned
-                        ? "its chains are as learned before: " + rotations_text(state, *room_)
-                        : unlearned_text()));
+    notices_.push_back("access point " + room_->access_points[state.access_point].id + ": " +
+                       (state.knowledge == ChainKnowledge::kLearned
+                            ? "its chains are as learned before: " + rotations_text(state, *room_)
+                            : unlearned_text()));
   }
 }
 

@@ -11,7 +11,8 @@
 // warning. Frames of access points whose chains the calibration does not state are used as
 // received.
 //
-// The result depends on the bursts alone. Thread safety: for one thread, except notices().
+// The result depends on the bursts alone. Thread safety: for one thread, except notices(), for
+// one other thread.
 #pragma once
 
 #include <map>
@@ -19,10 +20,11 @@
 #include <set>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "daemon/pipeline/burst_collector.h"
-#include "daemon/pipeline/device/chain_keeper.h"
+#include "engine/chains/chain_state.h"
 #include "engine/chains/reference_chains.h"
 #include "engine/person/person_reference.h"
 #include "engine/room/room_model.h"
@@ -52,8 +54,8 @@ class PersonChains {
   // A recording continues at another position.
   void restart() { references_.restart(); }
 
-  // Lines for the log since the last call. From any thread.
-  std::vector<std::string> notices() { return keeper_.notices(); }
+  // Lines for the log about the file, at the first call.
+  std::vector<std::string> notices() { return std::exchange(notices_, {}); }
 
  private:
   void apply(const ChainState& state,
@@ -66,7 +68,7 @@ class PersonChains {
 
   std::shared_ptr<const RoomModel> room_;
   std::string file_;
-  ChainKeeper keeper_;  // of the notices
+  std::vector<std::string> notices_;
   std::vector<ChainState> restored_;
   ReferenceChains references_;
   std::map<MacAddress, std::set<std::size_t>> access_points_;  // of the links of each transmitter

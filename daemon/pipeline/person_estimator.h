@@ -65,7 +65,8 @@ class PersonEstimator : public Estimator {
 
   // Sum over all trackers. Thread safety: may be called from any thread.
   PersonTrackerCounters tracker_counters() const;
-  // Lines for the log about the file of chains, since the last call. From any thread.
+  // Lines for the log about the file of chains, at the first call. Thread safety: for one thread,
+  // which may be another than that of the bursts.
   std::vector<std::string> chain_notices() { return chains_.notices(); }
 
  private:

@@ -46,7 +46,10 @@ Expected<std::unique_ptr<PersonEstimator>> make_person_estimator(
   estimation.method = options.method;
   estimation.settings = options.settings;
   estimation.before = carried;
-  estimation.chain_file = options.chains.read;
+  // With an estimator of devices, its bursts provide the chains.
+  if (options.kind == Kind::kPerson || options.method->create_device == nullptr) {
+    estimation.chain_file = options.chains.read;
+  }
   return PersonEstimator::create(site, estimation);
 }
 

@@ -76,36 +76,18 @@ void ChainKeeper::notify(std::string line) {
   notices_.push_back(std::move(line));
 }
 
-std::optional<std::vector<ChainState>> ChainKeeper::read(const RoomModel& room,
-                                                         std::size_t learners) {
-  if (options_.read.empty()) {
-    return std::nullopt;
+void ChainKeeper::restore(const std::vector<ChainCapability*>& learners, const RoomModel& room) {
+  if (options_.read.empty() || learners.empty()) {
+    return;
   }
-  auto states = read_chain_file(options_.read, room);
+  const auto states = read_chain_file(options_.read, room);
   if (!states) {
     notify(states.error().message);
-    return std::nullopt;
+    return;
   }
-  for (ChainState& state : *states) {
+  for (ChainState state : *states) {
     const bool is_learned = state.knowledge == ChainKnowledge::kLearned;
     state.bursts = is_learned ? state.bursts : 0;  // those of the evidence count, if any
-    notify("access point " + room.access_points[state.access_point].id + ": " +
-           (is_learned ? "its chains are as learned before: " + rotations_text(state, room)
-                       : "its chains were not known when " + options_.read + " was written; " +
-                             learning_text(with_evidence(state, learners), room)));
-  }
-  return *std::move(states);
-}
-
-void ChainKeeper::restore(const std::vector<ChainCapability*>& learners, const RoomModel& room) {
-  if (learners.empty()) {
-    return;
-  }
-  const auto states = read(room, learners.size());
-  if (!states) {
-    return;
-  }
-  for (const ChainState& state : *states) {
     for (std::size_t i = 0; i < learners.size(); ++i) {
       ChainState own = state;
       own.record = is_comparable(state, learners.size()) && state.record->learner == i
@@ -113,6 +95,10 @@ void ChainKeeper::restore(const std::vector<ChainCapability*>& learners, const R
                        : nullptr;
       learners[i]->restore(own);
     }
+    notify("access point " + room.access_points[state.access_point].id + ": " +
+           (is_learned ? "its chains are as learned before: " + rotations_text(state, room)
+                       : "its chains were not known when " + options_.read + " was written; " +
+                             learning_text(with_evidence(state, learners.size()), room)));
   }
   keep(learners.front()->states());
 }

@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <map>
 #include <mutex>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,9 +24,6 @@ class ChainKeeper {
   };
   explicit ChainKeeper(Options options) : options_(std::move(options)) {}
 
-  // States of the file, reported to the operator; nothing if there is no readable file.
-  // The evidence of chains that were being learned is reported if it is of `learners` learners.
-  std::optional<std::vector<ChainState>> read(const RoomModel& room, std::size_t learners = 0);
   // Restores the learners from the file. To be called before the first burst.
   void restore(const std::vector<ChainCapability*>& learners, const RoomModel& room);
   // Restores the learners from the state of a predecessor, without a report: it was reported then.

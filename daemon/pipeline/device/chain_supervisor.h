@@ -37,8 +37,8 @@ class ChainSupervisor {
 
   // The burst of a fixed transmitter at a known place. Where the empty room was recorded with
   // learned chains, its frames are compared with these, and the operator is notified once. Chains
-  // of an earlier run that do not fit the empty room are kept until a device's burst contradicts
-  // them: the empty room may contain other chains. REQUIRES: fixed.position.
+  // of an earlier run whose empty room fits without them are kept until a device's burst
+  // contradicts them: the empty room may contain their factors. REQUIRES: fixed.position.
   void check(const SiteTransmitter& fixed, const Burst& burst);
   // The burst of a device, whose method may learn from it. The result are the frames of the access
   // points with known chains, corrected to the calibration: those of the burst, or the remaining

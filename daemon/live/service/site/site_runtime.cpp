@@ -301,6 +301,10 @@ std::vector<std::string> SiteRuntime::notices() {
     const auto chains = estimator()->chain_notices();
     lines.insert(lines.end(), chains.begin(), chains.end());
   }
+  if (estimators_->people() != nullptr) {
+    const auto chains = estimators_->people()->chain_notices();
+    lines.insert(lines.end(), chains.begin(), chains.end());
+  }
   if (results_) {
     const auto left_out = results_->notices();
     lines.insert(lines.end(), left_out.begin(), left_out.end());
