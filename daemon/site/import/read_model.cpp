@@ -4,9 +4,7 @@
 #include <array>
 #include <cctype>
 #include <cmath>
-#include <fstream>
 #include <functional>
-#include <iterator>
 #include <map>
 #include <optional>
 #include <string_view>
@@ -260,15 +258,12 @@ void set_units(ModelFormat format, const ModelUnits& units, double ifc_metres, M
   apply(metres, up == 'y', model);
 }
 
-std::string bytes_of(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return std::string((std::istreambuf_iterator<char>(in)), {});
-}
-
 // assimp reads a missing z as 0 and ignores numbers beyond the counts.
 Expected<void> check_counts(const std::filesystem::path& file, Model& model) {
+  const auto bytes = read_file(file);
+  RAYLOC_TRY(bytes);
   std::vector<SceneNote> notes;
-  auto checked = check_ply(bytes_of(file), file.string(), notes);
+  auto checked = check_ply(*bytes, file.string(), notes);
   for (SceneNote& note : notes) {
     model.remarks.push_back(std::move(note.message));
   }
@@ -276,7 +271,9 @@ Expected<void> check_counts(const std::filesystem::path& file, Model& model) {
 }
 
 Expected<IfcContent> checked_ifc(const std::filesystem::path& file) {
-  const auto step = StepText::parse(bytes_of(file), file.string());
+  const auto bytes = read_file(file);
+  RAYLOC_TRY(bytes);
+  const auto step = StepText::parse(*bytes, file.string());
   RAYLOC_TRY(step);
   RAYLOC_TRY(check_ifc(*step, file.string()));
   return IfcContent{plain_ifc(*step), ifc_elements(*step), ifc_metres(*step)};

@@ -1,13 +1,14 @@
 #include "daemon/site/import/ifc/ifc_materials.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
 #include <unordered_map>
 #include <vector>
+
+#include "daemon/site/import/ifc/ifc_units.h"
 
 namespace rayloc {
 namespace {
@@ -155,9 +156,7 @@ class MaterialReader {
     if (items.size() < 2 || step_reference(items[0]) == 0) {
       return kNone;
     }
-    double thickness = 0.0;
-    std::from_chars(items[1].data(), items[1].data() + items[1].size(), thickness);
-    return thickness;
+    return ifc_measure(items[1]);
   }
 
   const StepText& step_;

@@ -14,8 +14,8 @@ inline constexpr std::size_t kIfcGlobalId = 22;  // its characters
 
 struct IfcElement {
   std::string name;  // UTF-8; may be empty
-  std::string
-      material;  // of the element; otherwise of its type; otherwise of the assembly; may be empty
+  // Of the element; otherwise of its type; otherwise of the assembly; may be empty.
+  std::string material;
 };
 
 // By the GlobalId of the element. A list of materials counts as its first, layers as the thickest

@@ -1,13 +1,14 @@
 #include "daemon/site/import/ifc/ifc_units.h"
 
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <string_view>
-#include <system_error>
 #include <unordered_set>
 #include <vector>
+
+#include "engine/base/number_text.h"
 
 namespace rayloc {
 namespace {
@@ -87,11 +88,8 @@ double ifc_measure(std::string_view value) {
     return 0.0;
   }
   std::string_view text = items[0];
-  text.remove_prefix(text.starts_with('+') ? 1 : 0);
-  double number = 0.0;
-  const char* const end = text.data() + text.size();
-  const auto read = std::from_chars(text.data(), end, number);
-  return read.ec == std::errc() && read.ptr == end ? number : 0.0;
+  const std::optional<double> number = read_number(text);
+  return number && text.empty() ? *number : 0.0;
 }
 
 }  // namespace rayloc

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "daemon/site/import/ifc/step_text.h"
+#include "engine/base/printable.h"
 
 namespace rayloc {
 namespace {
@@ -16,7 +17,7 @@ void append_utf8(std::uint32_t code, std::string& text) {
   const auto byte = [&](std::uint32_t bits) { text += static_cast<char>(bits); };
   const auto rest = [&](unsigned shift) { byte(0x80U | ((code >> shift) & 0x3fU)); };
   const bool is_surrogate = code >= 0xd800U && code < 0xe000U;
-  if (code < 0x20U || code == 0x7fU || is_surrogate || code > 0x10ffffU) {
+  if (is_surrogate || code > 0x10ffffU) {
     text += '?';
   } else if (code < 0x80U) {
     byte(code);
@@ -97,11 +98,10 @@ std::string step_string(std::string_view value) {
       at += append_directive(inner.substr(at), text);
       continue;
     }
-    const auto c = static_cast<unsigned char>(inner[at]);
-    text += c < 0x20 || c == 0x7f ? '?' : inner[at];
+    text += inner[at];
     at += inner.substr(at, 2) == "''" ? std::size_t{2} : std::size_t{1};
   }
-  return text;
+  return printable(std::move(text));
 }
 
 }  // namespace rayloc
