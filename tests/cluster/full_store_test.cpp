@@ -211,7 +211,7 @@ TEST_F(FullStore, OfAStreamCausesMarksAndLiveBatchesOnceItHasSpace) {
                   csi_subjects("office"),
                   csi_subjects("office"),
                   live_subjects("office")));
-  ASSERT_TRUE(made && made->find("\"error\"") == std::string::npos) << *made;
+  ASSERT_TRUE(made && made->find("\"error\"") == std::string::npos) << made.value_or("");
   expect_marks_and_return(
       broker,
       "maximum bytes exceeded",

@@ -20,15 +20,20 @@ std::uint64_t sum_of(const NumberedRing::Counts& counts) {
 ExtraMetric replica_metric(const ReplicaWatch& replicas) {
   ExtraMetric faults{
       "rayloc_cluster_replica_faults",
-      "Replicas of each stream that are offline or behind, and 1 for no leader; no name: "
-      "1 without an answer",
+      "Per stream, replicas that are offline or behind, plus 1 without a leader; without a name: 1 "
+      "if no server answers",
       false,
       {}};
-  for (const auto& [stream, count] : replicas.faults()) {
+  const auto by_stream = replicas.faults();
+  if (!by_stream) {
+    faults.samples.push_back({"stream", "", 1.0});
+    return faults;
+  }
+  for (const auto& [stream, count] : *by_stream) {
     faults.samples.push_back({"stream", stream, static_cast<double>(count)});
   }
-  if (faults.samples.empty()) {
-    faults.samples.push_back({"stream", "", 1.0});
+  if (by_stream->empty()) {
+    faults.samples.push_back({"stream", "", 0.0});
   }
   return faults;
 }

@@ -25,25 +25,25 @@ void ReplicaWatch::run() {
   while (!finishing_) {
     progress_.beat();
     lock.unlock();
-    std::map<std::string, std::size_t> faults;
+    std::optional<std::map<std::string, std::size_t>> faults;
     if (broker_->connected()) {
       if (const auto streams = streams_of(*broker_)) {
+        faults.emplace();
         for (const StreamReport& stream : *streams) {
-          faults[stream.options.name] = stream.troubles.size();
+          (*faults)[stream.options.name] = stream.troubles.size();
         }
       }
     }
     lock.lock();
     faults_ = std::move(faults);
     progress_.rest();
-    wake_.wait_for(lock, faults_.empty() ? std::min(kReplicaRetry, every_) : every_, [&] {
-      return finishing_;
-    });
+    wake_.wait_for(
+        lock, faults_ ? every_ : std::min(kReplicaRetry, every_), [&] { return finishing_; });
   }
   progress_.rest();
 }
 
-std::map<std::string, std::size_t> ReplicaWatch::faults() const {
+std::optional<std::map<std::string, std::size_t>> ReplicaWatch::faults() const {
   const std::lock_guard lock(mutex_);
   return faults_;
 }

@@ -10,6 +10,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <utility>
@@ -34,8 +35,8 @@ class ReplicaWatch {
   void finish();
 
   // By stream, the number of its replicas that are offline or behind, and one more without a
-  // leader. Empty if the last request was not answered.
-  std::map<std::string, std::size_t> faults() const;
+  // leader. Nothing if the last request was not answered.
+  std::optional<std::map<std::string, std::size_t>> faults() const;
   const StageProgress& progress() const { return progress_; }
 
  private:
@@ -46,8 +47,8 @@ class ReplicaWatch {
   StageProgress progress_;
   mutable std::mutex mutex_;
   std::condition_variable wake_;
-  std::map<std::string, std::size_t> faults_;  // guarded by mutex_
-  bool finishing_ = false;                     // guarded by mutex_
+  std::optional<std::map<std::string, std::size_t>> faults_;  // guarded by mutex_
+  bool finishing_ = false;                                    // guarded by mutex_
   std::thread thread_;
 };
 

@@ -16,7 +16,7 @@ namespace rayloc {
 // get on a follower that was a candidate (2.14.5): a reader that asks it reads no further.
 inline constexpr std::array<int, 3> kClusterServer{2, 14, 6};
 
-// `version`: "2.14.6"; true as well if it has not three numbers. A single server may be older.
+// `version`: "2.14.6"; also true if it does not have three numbers. A single server may be older.
 bool is_too_old_for_clusters(const std::string& version);
 
 // `server`: its address; `greeting`: its greeting, or the reason why there is none.

@@ -44,6 +44,9 @@ StreamReport report_of(const json& stream) {
   report.answers_directly = config.value("allow_direct", false);
   report.bytes = stream.value("state", json::object()).value("bytes", std::uint64_t{0});
   const json cluster = stream.value("cluster", json::object());
+  if (!cluster.is_object()) {
+    return report;
+  }
   if (!cluster.empty() && cluster.value("leader", "").empty()) {
     report.troubles.emplace_back("no leader");
   }
