@@ -23,8 +23,8 @@ struct FitObserver : Observer {
   // Reasons of a failure that `force` overrides: of survey or site before the fit, or of the fit.
   std::function<void(const CalibrationVerdict& verdict)> on_verdict;
 
-  // The result of the fit. It is called before any file is written, so that a full disk does not
-  // lose the result.
+  // Receives the result of the fit before any file is written, so that a full disk does not lose
+  // it.
   std::function<void(const CalibrationResult& result)> on_result;
 
   void begin(const std::string& part) const {

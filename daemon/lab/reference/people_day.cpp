@@ -4,12 +4,12 @@
 #include <cmath>
 #include <complex>
 #include <cstddef>
-#include <numbers>
 #include <optional>
 #include <string>
 
 #include <spdlog/fmt/fmt.h>
 
+#include "engine/base/constants.h"
 #include "engine/observe/chain_gains.h"
 #include "engine/person/calibrate/another_day.h"
 #include "engine/person/calibrate/occupied_room.h"
@@ -22,7 +22,7 @@ namespace {
 // a mean over places of people. Chosen: in a closet of 3 x 2.4 m, with 8 to 12 places, people of
 // the same day remained below 0.9 of the larger limit, those of another day were above 1.2 of it at
 // each access point, and above 3.5 at one.
-constexpr double kMinRotation = std::numbers::pi / 6.0;
+constexpr double kMinRotation = 30.0 * kDegree;
 constexpr double kRotationSigmas = 4.5;
 // Number of frames of people averaged for each access point.
 constexpr std::size_t kMaxPeopleFrames = 1024;
@@ -80,7 +80,7 @@ Expected<void> check_people_day(const RoomModel& room,
              fmt::format("{}: rx chain {} by {:.0f} degrees",
                          ap.id,
                          ap.rx_chains[chain->row],
-                         chain->angle * 180.0 / std::numbers::pi));
+                         kDegreesPerRadian * chain->angle));
     }
   }
   if (!rotated.empty()) {

@@ -114,7 +114,7 @@ Expected<ImportedFiles> run_import(const fs::path& program,
   if (out.error() != 0) {
     return make_error(
         ErrorKind::kUnavailable,
-        file.parent_path().string() + ": cannot hold a new folder: " + std::strerror(out.error()));
+        file.parent_path().string() + ": cannot create a folder: " + std::strerror(out.error()));
   }
   std::vector<std::string> arguments{
       "scene", "import", fs::absolute(file).string(), "--out", out.path()};

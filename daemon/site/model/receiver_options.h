@@ -12,7 +12,7 @@ namespace rayloc {
 
 // `index`: into Site::access_points.
 inline CsiReceiverOptions receiver_options(const Site& site, std::size_t index) {
-  const SiteAccessPoint& access_point = site.access_points[static_cast<std::size_t>(index)];
+  const SiteAccessPoint& access_point = site.access_points[index];
   CsiReceiverOptions options;
   options.access_point = index;
   options.format = access_point.format;

@@ -49,8 +49,8 @@ Expected<PersonFit> fit_person(const RoomModel& room,
                                std::span<const PersonPoint> points,
                                const PersonFitOptions& options = {});
 
-// True if the absolute value of `scale` of a fitted link is an end of the range that is searched
-// (0.36 to 1.80): the body does not explain what the link received.
+// True if the absolute value of `scale` of a fitted link is at an end of the range that is searched
+// (0.35 to 1.80): the body does not explain what the link received.
 bool is_scale_at_limit(std::complex<double> scale);
 
 }  // namespace rayloc
