@@ -36,6 +36,7 @@ signal.signal(signal.SIGPIPE, signal.SIG_DFL)
 os.execv(sys.argv[2], sys.argv[2:])
 """
 
+# Kind of an Error by exit status, as in daemon/base/exit_status.h.
 KINDS = {64: "usage", 65: "bad_input", 69: "unavailable", 70: "internal", 78: "configuration"}
 
 
