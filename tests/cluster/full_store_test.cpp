@@ -46,7 +46,7 @@ class FullStore : public ::testing::Test {
     server_ = std::make_unique<NatsServer>(folder_);
     server_->limit_store(kMemory, kFiles);
   }
-  ~FullStore() override {
+  void TearDown() override {
     server_->kill();
     std::filesystem::remove_all(folder_);
   }
