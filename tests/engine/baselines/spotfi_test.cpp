@@ -185,6 +185,12 @@ TEST(Spotfi, ReportsTheReasonForNoFix) {
   EXPECT_THAT(
       Spotfi::create(std::make_shared<const RoomModel>(single), {}, nullptr)->locate(frames).reason,
       HasSubstr("a has 1 usable antenna: a bearing needs 2"));
+  RoomModel bent = *room;
+  bent.access_points.resize(1);
+  bent.access_points[0].array.element_offset[2].y += 0.02;
+  EXPECT_THAT(
+      Spotfi::create(std::make_shared<const RoomModel>(bent), {}, nullptr)->locate(frames).reason,
+      HasSubstr("a: its antennas are not a line of equal steps along its y: no bearing"));
   RoomModel odd = *room;
   odd.grid.tone_index = {1, 2, 3, 5, 8};
   const auto no_comb = Spotfi::create(std::make_shared<const RoomModel>(odd), {}, nullptr);
