@@ -313,6 +313,24 @@ TEST(Widar2, RefusesUnusableFramesWithAMessage) {
   EXPECT_THAT(refused.error().message, HasSubstr("a has 1 usable antenna: a bearing needs 2"));
 }
 
+TEST(Widar2, RefusesARoomWithoutTonesGainsOrAnAccessPoint) {
+  const auto message = [](const RoomModel& model, const Widar2Link& link) {
+    const auto refused = Widar2::create(std::make_shared<const RoomModel>(model), link, {});
+    EXPECT_FALSE(refused);
+    return refused ? std::string() : refused.error().message;
+  };
+  RoomModel odd = test::make_room();
+  odd.grid.tone_index = {1, 2, 3, 5, 8};
+  EXPECT_THAT(message(odd, kLink), HasSubstr("widar2 needs tones in equal steps"));
+  RoomModel uncalibrated = test::make_room();
+  for (RoomAccessPoint& ap : uncalibrated.access_points) {
+    ap.gains = {};
+  }
+  EXPECT_THAT(message(uncalibrated, kLink), HasSubstr("calibrate the site"));
+  EXPECT_THAT(message(test::make_room(), {kPlug, kLink.position, {}}),
+              HasSubstr("widar2 needs an access point that receives the transmitter"));
+}
+
 TEST(Widar2, BeginsAnewAfterAGap) {
   const auto place = [](double t) { return Vec3d{-0.7 + 0.3 * t, 0.4, 1.2}; };
   auto widar2 = *Widar2::create(room(), kLink, {});

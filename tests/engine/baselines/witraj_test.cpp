@@ -208,6 +208,11 @@ TEST(Witraj, RefusesInvalidInputsWithAMessage) {
   EXPECT_EQ(one.error().message,
             "witraj needs 2 access points that receive one transmitter, 3 to drop the worst; the "
             "site has a");
+  RoomModel odd = test::make_room();
+  odd.grid.tone_index = {1, 2, 3, 5, 8};
+  const auto no_comb = Witraj::create(std::make_shared<const RoomModel>(odd), kLink, Vec3d{}, {});
+  ASSERT_FALSE(no_comb);
+  EXPECT_THAT(no_comb.error().message, HasSubstr("witraj needs tones in equal steps"));
   auto slow = *Witraj::create(room(), kLink, Vec3d{}, {});
   EXPECT_TRUE(received(slow,
                        walk(1.5,

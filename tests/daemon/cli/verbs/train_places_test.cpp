@@ -289,6 +289,21 @@ TEST_F(TrainPlaces, RefusesABrokenOrMissingTraining) {
   EXPECT_THAT(aoa.err, HasSubstr("trained with input=phase; leave it out, or train again"));
   EXPECT_THAT(train("cifi", "nowhere", {"--empty", capture(1, "empty")}).err,
               HasSubstr("--empty is of methods that locate people; leave it out"));
+  const std::string training = path("weights") + "/training/cifi.toml";
+  const std::string text = content(training);
+  const auto refused_after = [&](const std::string& from, const std::string& to) {
+    std::string edited = text;
+    edited.replace(edited.find(from), from.size(), to);
+    std::ofstream(training) << edited;
+    const Finished finished = replay("weights", "cifi", "survey");
+    EXPECT_EQ(finished.status, 78);
+    return finished.err;
+  };
+  EXPECT_THAT(refused_after("bandwidth_mhz = 40", "bandwidth_mhz = 80"),
+              HasSubstr("trained at 80 MHz"));
+  EXPECT_THAT(refused_after("calibration = \"", "calibration = \"0"),
+              HasSubstr("trained with calibration 0"));
+  EXPECT_THAT(refused_after("format = 1", "format = 2"), HasSubstr("format 2 is not known"));
 }
 
 TEST_F(TrainPlaces, DscpLearnsFromPeople) {
@@ -320,6 +335,14 @@ TEST_F(TrainPlaces, DscpLearnsFromPeople) {
   EXPECT_EQ(wrong.status, 65);
   EXPECT_THAT(wrong.err,
               HasSubstr("no fixed transmitter of the site is received at the time of any"));
+  const Finished full = train("dscp", "nowhere", {"--empty", capture(1, "survey")});
+  EXPECT_EQ(full.status, 65);
+  EXPECT_THAT(full.err, HasSubstr("--empty: does not hold 02:52:4c:00:00:09"));
+  std::string other = toml;
+  other.replace(other.find("4c:00:00:09"), 11, "4c:00:00:08");
+  std::ofstream(path("dscp") + "/training/dscp.toml") << other;
+  EXPECT_THAT(reasons(replay("dscp", "dscp", "people", {"--burst", "1.2s"}).out),
+              ::testing::Each(HasSubstr("dscp was trained with 02:52:4c:00:00:08 as the sender")));
 }
 
 TEST_F(TrainPlaces, MethodsForWalkersRefuseMissingInputs) {
