@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <utility>
 
 #include <Eigen/Core>
 #include <Eigen/Eigenvalues>
@@ -10,62 +10,16 @@
 #include "engine/base/check.h"
 #include "engine/base/work_done.h"
 #include "engine/likelihood/gain_profile.h"
+#include "engine/likelihood/known_rays.h"
 #include "engine/likelihood/min_power.h"
 #include "engine/likelihood/place_moments.h"
 
 namespace rayloc {
 namespace {
 
-using Value = std::complex<double>;
 using Eigen::Index;
 
 constexpr double kFieldLeftOut = 1e-5;  // share of the known power, chosen: below any noise
-
-// Selects the rays of largest known power; the ray that may be obstructed comes first.
-void choose_known(const ObservationModel& model,
-                  const ObservationModel::Place& place,
-                  const ObservationModel::RayTerms& terms,
-                  FieldCovariance& out) {
-  std::vector<double> power(place.rays.size());
-  for (std::size_t p = 0; p < power.size(); ++p) {
-    power[p] = std::norm(terms.parts[p].known * place.rays[p].amplitude);
-  }
-  std::vector<std::size_t> order(power.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return power[a] > power[b];
-  });
-  double left = std::accumulate(power.begin(), power.end(), 0.0);
-  const double least = kFieldLeftOut * left;
-  for (std::size_t i = 0; i < order.size() && i < kFieldRays && (i == 0 || left > least); ++i) {
-    left -= power[order[i]];
-    out.known.push_back(order[i]);
-  }
-  const auto direct = std::find(out.known.begin(), out.known.end(), model.obstructable(place.rays));
-  if (direct != out.known.end()) {
-    out.has_direct = true;
-    std::rotate(out.known.begin(), direct, direct + 1);
-  }
-}
-
-// v_p before the factor of its known part: [antenna][coordinate of one].
-Eigen::VectorXcd array_of(const ObservationModel& model,
-                          const ObservationModel::Place& place,
-                          const ObservationModel::RayTerms& terms,
-                          std::size_t p) {
-  const std::size_t antennas = place.element_offset.size();
-  const std::size_t q = model.dimension() / antennas;
-  const Ray& ray = place.rays[p];
-  Eigen::VectorXcd s(static_cast<Index>(model.dimension()));
-  for (std::size_t m = 0; m < antennas; ++m) {
-    const double length = norm(ray.length * ray.at_array - place.element_offset[m]);
-    const Value phase = std::polar(1.0, -model.wave_number() * (length - terms.first_length));
-    for (std::size_t i = 0; i < q; ++i) {
-      s(static_cast<Index>(m * q + i)) = phase * terms.tone[p * q + i];
-    }
-  }
-  return s;
-}
 
 template <typename Sums>
 void put_lane(std::complex<float> value, std::size_t lane, Sums& to) {
@@ -105,18 +59,11 @@ FieldCovariance field_covariance(const ObservationModel& model,
   RAYLOC_CHECK(!place.rays.empty());
   FieldCovariance out;
   const auto terms = model.ray_terms(place, error);
-  choose_known(model, place, terms, out);
+  KnownRays known = known_rays(model, place, terms, kFieldRays, kFieldLeftOut);
   const auto size = static_cast<Index>(model.dimension());
-  PlaceMoments moments(size);
-  Eigen::MatrixXcd unknown(size, static_cast<Index>(place.rays.size()));
-  for (std::size_t p = 0; p < place.rays.size(); ++p) {
-    const auto& parts = terms.parts[p];
-    const bool is_known = std::find(out.known.begin(), out.known.end(), p) != out.known.end();
-    const double share = parts.unknown + (is_known ? 0.0 : parts.known * parts.known);
-    unknown.col(static_cast<Index>(p)) = std::sqrt(share) * array_of(model, place, terms, p);
-  }
-  moments.add(unknown);
-  moments.diffuse = diffuse_share(error, terms.first_length);
+  const PlaceMoments moments = unknown_moments(model, place, error, terms, known);
+  out.known = std::move(known.rays);
+  out.has_direct = known.has_direct;
   const Eigen::Tridiagonalization<Eigen::MatrixXcd> reduced(moments.covariance(
       place.element_offset.size(), model.diffuse_covariance(error.diffuse_decay)));
   const Eigen::MatrixXcd q = reduced.matrixQ();
