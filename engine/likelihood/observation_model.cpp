@@ -19,7 +19,6 @@ namespace {
 using Value = std::complex<double>;
 using Eigen::Index;
 
-constexpr double kDelayStep = 1.5e-9;  // [s]
 // Earliest and latest delay of the strongest echo after the first ray.
 constexpr double kEarliest = -12e-9;
 // Decays between the tabulated ones, which are kDiffuseDecay times powers of 2^(1/4), are mixtures
@@ -340,7 +339,7 @@ ObservedArray ObservationModel::observe(std::span<const Value> h) const {
   std::vector<Value> step(tones);
   for (std::size_t k = 0; k < tones; ++k) {
     const double w = 2.0 * std::numbers::pi * grid_.offset_hz(k);
-    step[k] = std::polar(1.0, -w * kDelayStep);
+    step[k] = std::polar(1.0, -w * ObservedArray::kDelayStep);
     const Value turn = std::polar(scale, w * start);
     for (std::size_t m = 0; m < antennas_; ++m) {
       moved[m * tones + k] *= turn;

@@ -19,7 +19,8 @@ namespace rayloc {
 struct ObservedArray {
   static constexpr std::size_t kStride = 4;            // from one coarse delay to the next
   static constexpr std::size_t kWindows = kLaneCount;  // a count: a coarse delay for each lane
-  static constexpr std::size_t kDelays = kStride * kWindows;  // a count, 1.5 ns apart
+  static constexpr std::size_t kDelays = kStride * kWindows;  // a count, kDelayStep apart
+  static constexpr double kDelayStep = 1.5e-9;                // [s]
   using Row = LaneRow;
   struct Block {
     std::vector<Row> re;  // [coordinate][delay]
