@@ -23,6 +23,9 @@ constexpr std::size_t kMaxKeptBoxes = 16'384;
 // Bytes, chosen: memory for the boxes of tracks, and as much for the covariances that they share. A
 // walk through a room needs one or two thousand boxes.
 constexpr std::size_t kFieldBytes = std::size_t{48} << 20U;
+// Bytes, chosen: memory for the boxes of clouds, 12,000 of them at 40 MHz. A walk through a
+// laboratory needs as many.
+constexpr std::size_t kPlaceBoxBytes = std::size_t{48} << 20U;
 // A count, chosen: heights in the mixture of a whole cell; each costs as much as one more
 // cell.
 constexpr std::size_t kMaxInColumn = 5;
@@ -54,6 +57,11 @@ std::size_t kept_fields(std::size_t dimension, const FieldLattice& lattice) {
   const std::size_t sums = dimension + lattice.plan.count_x + lattice.heights.size();
   const std::size_t by_y = lattice.plan.count_y / kLaneCount * kFieldRays * sizeof(LaneSums);
   return kFieldBytes / (sums * sizeof(RaySums) + by_y + sizeof(RayField));
+}
+
+std::size_t kept_place_boxes(std::size_t antennas, std::size_t dimension) {
+  const std::size_t floats = PlaceBox::floats_of({kBoxRays, antennas, dimension / antennas});
+  return kPlaceBoxBytes / (floats * sizeof(float) + sizeof(PlaceBox));
 }
 
 }  // namespace
@@ -116,7 +124,10 @@ AccessPointMap::AccessPointMap(const Source& source,
       close_boxes_(std::make_unique<Kept<PlaceLikelihood>>(kMaxKeptBoxes)),
       field_lattice_(places_of_box(source.grid, wavelength_of(*source.room))),
       covariances_(std::make_unique<Kept<FieldCovariance>>(kept_covariances(model_.dimension()))),
-      fields_(std::make_unique<Kept<RayField>>(kept_fields(model_.dimension(), field_lattice_))) {
+      fields_(std::make_unique<Kept<RayField>>(kept_fields(model_.dimension(), field_lattice_))),
+      box_lattice_(source.grid),
+      place_boxes_(
+          std::make_unique<Kept<PlaceBox>>(kept_place_boxes(offsets_.size(), model_.dimension()))) {
   build_cells();
   for (std::size_t i = 0; i < offsets_.size(); ++i) {
     without_.push_back(std::make_unique<Lazy<AccessPointMap>>());
@@ -294,6 +305,37 @@ std::shared_ptr<const RayField> AccessPointMap::field(std::size_t cell,
   return fields_->get(cell * source_.grid.layers.size() + layer, [&] {
     const std::vector<Ray> rays = rays_in(cell, layer);
     return ray_field(model_, covariance, field_place(rays), access_point().error, field_lattice_);
+  });
+}
+
+bool AccessPointMap::has_place_boxes() const {
+  return source_.likelihood == LikelihoodKind::kPartial && antennas() <= kMaxBoxAntennas &&
+         dimension() <= kMaxBoxDimension && access_point().error.noise > 0.0;
+}
+
+std::shared_ptr<const PlaceBox> AccessPointMap::place_box(std::uint32_t box,
+                                                          int noise_class) const {
+  RAYLOC_CHECK(has_place_boxes() && box < box_lattice_.size() && noise_class >= 0 &&
+               noise_class < kNoiseClasses);
+  const std::size_t number =
+      std::size_t{box} * kNoiseClasses + static_cast<std::size_t>(noise_class);
+  return place_boxes_->get(number, [&]() -> PlaceBox {
+    const std::size_t cell = box_lattice_.cell(box);
+    if (tracing_->rays[cell].empty()) {
+      return {};
+    }
+    const Vec3d shift = box_lattice_.middle(box) - source_.grid.centre(cell);
+    const std::vector<Ray> rays = rays_at(cell, shift.z);
+    const double wavelength = wavelength_of(*source_.room);
+    const double height =
+        box_lattice_.is_height_known() ? 0.0 : NearbyLikelihood::kHeightDistance * wavelength;
+    ModelError error = access_point().error;
+    error.noise += noise_of_class(noise_class, error.noise);
+    return rayloc::place_box(
+        model_,
+        {rays, offsets_, NearbyLikelihood::kPlaceDistance * wavelength, 0.0, height},
+        error,
+        {{shift.x, shift.y, 0.0}, box_lattice_.half()});
   });
 }
 

@@ -18,11 +18,13 @@
 #include "engine/grid/grid.h"
 #include "engine/grid/height_layers.h"
 #include "engine/grid/lattice.h"
+#include "engine/likelihood/box/place_box.h"
 #include "engine/likelihood/likelihood.h"
 #include "engine/likelihood/nearby_likelihood.h"
 #include "engine/likelihood/observation_model.h"
 #include "engine/likelihood/ray_field.h"
 #include "engine/likelihood/received_power.h"
+#include "engine/localize/box_lattice.h"
 #include "engine/localize/path_grid.h"
 #include "engine/room/room_model.h"
 
@@ -118,6 +120,14 @@ class AccessPointMap {
   // Number of the band of layers that share a covariance.
   static std::size_t band_of(std::size_t layer) { return layer / kLayersOfBand; }
 
+  // True if a burst can be compared with single places by PlaceBox: kPartial, at most
+  // kMaxBoxAntennas and kMaxBoxDimension, a model with noise.
+  bool has_place_boxes() const;
+  // For a box of box_lattice() and a class of noise (noise_class_of()). A pure function of both;
+  // kept while there is room. REQUIRES: has_place_boxes().
+  std::shared_ptr<const PlaceBox> place_box(std::uint32_t box, int noise_class) const;
+  const BoxLattice& box_lattice() const { return box_lattice_; }
+
   // Traces the rays of a device at a place.
   std::vector<Ray> rays_to(const Vec3d& position) const;
   // Model of a device at the origin of these rays, a position known to `survey_sigma` [m] on each
@@ -154,8 +164,10 @@ class AccessPointMap {
   std::unique_ptr<Kept<PlaceLikelihood>> boxes_;        // the device at one of them, as a whole ...
   std::unique_ptr<Kept<PlaceLikelihood>> close_boxes_;  // ... and for the places of a box
   FieldLattice field_lattice_;
-  std::unique_ptr<Kept<FieldCovariance>> covariances_;          // of a cell and a band of layers
-  std::unique_ptr<Kept<RayField>> fields_;                      // of a box
+  std::unique_ptr<Kept<FieldCovariance>> covariances_;  // of a cell and a band of layers
+  std::unique_ptr<Kept<RayField>> fields_;              // of a box
+  BoxLattice box_lattice_;
+  std::unique_ptr<Kept<PlaceBox>> place_boxes_;                 // of a box and a class of noise
   std::vector<double> traced_power_db_;                         // of each cell with a ray
   std::vector<std::unique_ptr<Lazy<AccessPointMap>>> without_;  // [antenna]
 };
