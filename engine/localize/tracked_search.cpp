@@ -9,6 +9,7 @@
 #include "engine/base/highest.h"
 #include "engine/base/parallel.h"
 #include "engine/posterior/cell_places.h"
+#include "engine/posterior/place_fusion.h"
 
 namespace rayloc {
 namespace {
@@ -202,28 +203,6 @@ double TrackedSearch::mean_of(std::size_t layer,
   return sum / weights;
 }
 
-std::vector<FusedArray> TrackedSearch::fused(const AccessPointFusion& fusion) const {
-  static_assert(kBlunted[0].exponent == 1.0 / 4.0 && kBlunted[1].exponent == 1.0 / 16.0,
-                "as of FusedArray");
-  std::vector<FusedArray> arrays(received_.size());
-  for (std::size_t i = 0; i < arrays.size(); ++i) {
-    FusedArray& one = arrays[i];
-    one.exponent = static_cast<float>(room_.likelihood_exponent);
-    one.shift = one.exponent * highest_[i];
-    if (received_.size() == 1) {  // no other access point can contradict it
-      one.right = static_cast<float>(std::exp(fusion.log_right(i)));
-      continue;
-    }
-    const auto shift = static_cast<double>(one.shift);
-    const AccessPointFusion::Terms& factor = fusion.log_factor(i);
-    one.right = static_cast<float>(std::exp(factor[0]));
-    one.quarter = static_cast<float>(std::exp(factor[1] - (1.0 - kBlunted[0].exponent) * shift));
-    one.sixteenth = static_cast<float>(std::exp(factor[2] - (1.0 - kBlunted[1].exponent) * shift));
-    one.wrong = static_cast<float>(std::exp(fusion.log_wrong(i) - shift));
-  }
-  return arrays;
-}
-
 TrackedSearch::Mass TrackedSearch::uniform(const Box& box, double sum) const {
   Mass mass;
   mass.sum = sum;
@@ -272,7 +251,7 @@ std::vector<LaneRow> TrackedSearch::all_places(const Box& box,
 }
 
 void TrackedSearch::put_together(const AccessPointFusion& fusion, RoomMap& map) const {
-  const std::vector<FusedArray> arrays = fused(fusion);
+  const std::vector<FusedArray> arrays = fused_arrays(fusion, room_.likelihood_exponent, highest_);
   double log_scale = 0.0;
   for (const FusedArray& one : arrays) {
     log_scale += static_cast<double>(one.shift);

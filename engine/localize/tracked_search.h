@@ -62,7 +62,6 @@ class TrackedSearch {
   void choose_boxes(const SearchFocus& focus);
   void choose_rows();
   void evaluate_cell(std::size_t array, std::size_t first, std::size_t last, double null_model);
-  std::vector<FusedArray> fused(const AccessPointFusion& fusion) const;
   double mean_of(std::size_t layer, std::span<const Row> rows, std::span<const LaneRow> mass) const;
   std::vector<LaneRow> all_places(const Box& box, const std::vector<FusedArray>& fused) const;
   Mass uniform(const Box& box, double sum) const;

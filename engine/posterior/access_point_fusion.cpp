@@ -46,21 +46,40 @@ AccessPointFusion::AccessPointFusion(std::span<const std::vector<double>> maps,
     : likelihood_exponent_(likelihood_exponent) {
   RAYLOC_CHECK(!maps.empty() && maps.size() == faulty.size());
   for (std::size_t i = 0; i < maps.size(); ++i) {
-    RAYLOC_CHECK(faulty[i] > 0.0 && faulty[i] < 1.0);
-    log_mean_.push_back(log_mean_exp(maps[i], likelihood_exponent, weights));
-    log_right_.push_back(std::log1p(-faulty[i]));
-    log_wrong_.push_back(std::log(faulty[i]) + log_mean_.back());
-    log_nothing_ += log_wrong_.back();
-    auto& factor = log_factor_.emplace_back();
-    double whole = 1.0;
+    Terms log_means{log_mean_exp(maps[i], likelihood_exponent, weights)};
     for (std::size_t k = 0; k < kBlunted.size(); ++k) {
-      const Blunted& blunted = kBlunted[k];
-      whole -= blunted.probability;
-      factor[1 + k] = std::log(blunted.probability) + log_right_.back() + log_mean_.back() -
-                      log_mean_exp(maps[i], blunted.exponent * likelihood_exponent, weights);
+      log_means[1 + k] = log_mean_exp(maps[i], kBlunted[k].exponent * likelihood_exponent, weights);
     }
-    factor[0] = std::log(whole) + log_right_.back();
+    add(log_means, faulty[i]);
   }
+}
+
+AccessPointFusion AccessPointFusion::of_means(std::span<const Terms> log_means,
+                                              double likelihood_exponent,
+                                              std::span<const double> faulty) {
+  RAYLOC_CHECK(!log_means.empty() && log_means.size() == faulty.size());
+  AccessPointFusion fusion(likelihood_exponent);
+  for (std::size_t i = 0; i < log_means.size(); ++i) {
+    fusion.add(log_means[i], faulty[i]);
+  }
+  return fusion;
+}
+
+void AccessPointFusion::add(const Terms& log_means, double faulty) {
+  RAYLOC_CHECK(faulty > 0.0 && faulty < 1.0);
+  log_mean_.push_back(log_means.front());
+  log_right_.push_back(std::log1p(-faulty));
+  log_wrong_.push_back(std::log(faulty) + log_mean_.back());
+  log_nothing_ += log_wrong_.back();
+  auto& factor = log_factor_.emplace_back();
+  double whole = 1.0;
+  for (std::size_t k = 0; k < kBlunted.size(); ++k) {
+    const Blunted& blunted = kBlunted[k];
+    whole -= blunted.probability;
+    factor[1 + k] =
+        std::log(blunted.probability) + log_right_.back() + log_mean_.back() - log_means[1 + k];
+  }
+  factor[0] = std::log(whole) + log_right_.back();
 }
 
 AccessPointFusion::Terms AccessPointFusion::right(std::size_t i, double log_likelihood) const {

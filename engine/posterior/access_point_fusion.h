@@ -56,6 +56,14 @@ class AccessPointFusion {
                     std::span<const double> faulty,
                     const CellWeights& weights = {});
 
+  // One number for full sharpness, then one for each of kBlunted.
+  using Terms = std::array<double, 1 + kBlunted.size()>;
+  // log_means: [access point], ln of the mean of exp(e t l_i) over the room, with the exponent
+  // e = 1 of full sharpness and those of kBlunted; not empty.
+  static AccessPointFusion of_means(std::span<const Terms> log_means,
+                                    double likelihood_exponent,
+                                    std::span<const double> faulty);
+
   std::size_t size() const { return log_mean_.size(); }
 
   // l of a place; `of_each`: l_i. Never below kNothing, which represents zero mass.
@@ -66,9 +74,7 @@ class AccessPointFusion {
   // kBlunted, for a device at a place with this log-likelihood.
   double faulty(std::size_t i, double log_likelihood) const;
 
-  // ln of 1 - e_i, of e_i Z_i, and of the factors of the powers of exp(t l_i): that of full
-  // sharpness, then of each of kBlunted.
-  using Terms = std::array<double, 1 + kBlunted.size()>;
+  // ln of 1 - e_i, of e_i Z_i, and of the factors of the powers of exp(t l_i).
   double log_right(std::size_t i) const { return log_right_[i]; }
   double log_wrong(std::size_t i) const { return log_wrong_[i]; }
   const Terms& log_factor(std::size_t i) const { return log_factor_[i]; }
@@ -77,6 +83,10 @@ class AccessPointFusion {
   double outlier(double log_mean, double prior) const;
 
  private:
+  explicit AccessPointFusion(double likelihood_exponent)
+      : likelihood_exponent_(likelihood_exponent) {}
+
+  void add(const Terms& log_means, double faulty);
   // ln of (1 - e_i) Z_i times each mixture component: full sharpness, then kBlunted.
   Terms right(std::size_t i, double log_likelihood) const;
 

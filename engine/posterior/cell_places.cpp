@@ -154,4 +154,29 @@ CellMoments mixture_of(std::span<const WeightedMoments> parts) {
   return m;
 }
 
+CellMoments rest_of(const CellMass& cell) {
+  const CellMoments& all = cell.all;
+  const CellMoments& best = cell.best;
+  const double share = cell.best_share;
+  const double rest = 1.0 - share;
+  if (!(rest > 0.0)) {
+    return all;
+  }
+  CellMoments m;
+  m.x = (all.x - share * best.x) / rest;
+  m.y = (all.y - share * best.y) / rest;
+  m.z = (all.z - share * best.z) / rest;
+  const auto second =
+      [&](double of_all, double of_best, double a, double b, double r, double mean) {
+        return (of_all + a * r - share * (of_best + b * mean)) / rest;
+      };
+  m.xx = second(all.xx, best.xx, all.x, best.x, all.x, best.x) - m.x * m.x;
+  m.xy = second(all.xy, best.xy, all.x, best.x, all.y, best.y) - m.x * m.y;
+  m.yy = second(all.yy, best.yy, all.y, best.y, all.y, best.y) - m.y * m.y;
+  m.xz = second(all.xz, best.xz, all.x, best.x, all.z, best.z) - m.x * m.z;
+  m.yz = second(all.yz, best.yz, all.y, best.y, all.z, best.z) - m.y * m.z;
+  m.zz = second(all.zz, best.zz, all.z, best.z, all.z, best.z) - m.z * m.z;
+  return m;
+}
+
 }  // namespace rayloc

@@ -41,5 +41,8 @@ struct WeightedMoments {
   CellMoments of;
 };
 CellMoments mixture_of(std::span<const WeightedMoments> parts);
+// Moments of the mass of a cell that is not around its best place; those of all of it if there is
+// no such mass.
+CellMoments rest_of(const CellMass& cell);
 
 }  // namespace rayloc

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "engine/base/check.h"
+#include "engine/posterior/cell_places.h"
 #include "engine/posterior/smallest_half_mass_disc.h"
 #include "engine/posterior/two_component_split.h"
 
@@ -238,22 +239,6 @@ double effective_cells(const std::vector<double>& mass) {
   return std::exp(entropy);
 }
 
-// Moments of `all` without the share of `best`.
-CellMoments without(const CellMoments& all, const CellMoments& best, double share) {
-  const double rest = 1.0 - share;
-  CellMoments m;
-  m.x = (all.x - share * best.x) / rest;
-  m.y = (all.y - share * best.y) / rest;
-  const auto second =
-      [&](double of_all, double of_best, double a, double b, double r, double mean) {
-        return (of_all + a * r - share * (of_best + b * mean)) / rest;
-      };
-  m.xx = second(all.xx, best.xx, all.x, best.x, all.x, best.x) - m.x * m.x;
-  m.xy = second(all.xy, best.xy, all.x, best.x, all.y, best.y) - m.x * m.y;
-  m.yy = second(all.yy, best.yy, all.y, best.y, all.y, best.y) - m.y * m.y;
-  return m;
-}
-
 // Adds the mass of a cell, in two parts if its best place is known.
 void add_parts(const Masses& masses, std::size_t cell, std::vector<HillMass>& parts) {
   // A ratio, chosen: a cell whose best place has at least this share is one part.
@@ -270,7 +255,7 @@ void add_parts(const Masses& masses, std::size_t cell, std::vector<HillMass>& pa
   }
   const CellMass& within = masses.within[cell];
   add(within.best_share * mass, within.best);
-  add((1.0 - within.best_share) * mass, without(within.all, within.best, within.best_share));
+  add((1.0 - within.best_share) * mass, rest_of(within));
 }
 
 // Hypothesis of a part of the peak of `whole`; its height is that of the whole peak.
