@@ -17,4 +17,14 @@ Grid::Grid(const Vec3d& bounds_min, const Vec3d& bounds_max, double height, doub
   first = {bounds_min.x + 0.5 * step_x, bounds_min.y + 0.5 * step_y, height};
 }
 
+std::size_t Grid::cell_at(double x, double y) const {
+  const double column = (x - first.x) / step_x + 0.5;
+  const double row = (y - first.y) / step_y + 0.5;
+  if (!(column >= 0.0 && row >= 0.0 && column < static_cast<double>(count_x) &&
+        row < static_cast<double>(count_y))) {
+    return size();
+  }
+  return static_cast<std::size_t>(column) * count_y + static_cast<std::size_t>(row);
+}
+
 }  // namespace rayloc

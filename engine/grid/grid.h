@@ -22,6 +22,8 @@ struct Grid {
   Grid(const Vec3d& bounds_min, const Vec3d& bounds_max, double height, double step);
 
   std::size_t size() const { return count_x * count_y; }
+  // The cell of a position in plan; size() outside the grid, or where it is not a number.
+  std::size_t cell_at(double x, double y) const;
   Vec3d centre(std::size_t cell) const {
     const std::size_t x = cell / count_y;
     const std::size_t y = cell % count_y;

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "engine/grid/cell_mass.h"
 #include "engine/grid/cell_window.h"
 #include "engine/grid/lattice.h"
@@ -16,6 +18,20 @@ TEST(Grid, CoversTheRoomEvenly) {
   EXPECT_NEAR(g.centre(0).y, 0.04, 1e-12);
   EXPECT_NEAR(g.centre(g.size() - 1).x, 0.95, 1e-12);
   EXPECT_NEAR(g.centre(g.size() - 1).y, 0.28, 1e-12);
+}
+
+TEST(Grid, FindsTheCellOfAPosition) {
+  const Grid g({0.0, 0.0, 0.0}, {1.0, 0.32, 2.0}, 1.2, 0.1);
+  for (std::size_t cell = 0; cell < g.size(); ++cell) {
+    const Vec3d c = g.centre(cell);
+    EXPECT_EQ(g.cell_at(c.x, c.y), cell);
+    EXPECT_EQ(g.cell_at(c.x - 0.049, c.y + 0.039), cell);
+  }
+  EXPECT_EQ(g.cell_at(-0.001, 0.1), g.size());
+  EXPECT_EQ(g.cell_at(1.001, 0.1), g.size());
+  EXPECT_EQ(g.cell_at(0.5, -0.001), g.size());
+  EXPECT_EQ(g.cell_at(0.5, 0.321), g.size());
+  EXPECT_EQ(g.cell_at(std::nan(""), 0.1), g.size());
 }
 
 TEST(Grid, HasOneLayerByDefault) {
