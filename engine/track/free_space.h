@@ -26,4 +26,9 @@ struct FreeSpace {
 // rejected and every cell is free.
 FreeSpace make_free_space(const Scene& scene, const Grid& grid, const std::vector<Vec3d>& inside);
 
+// True if a target can move between these cells of the grid over open links, first along x and then
+// along y, or first along y. A way around several corners is not found: for cells at most 8 apart
+// in each direction.
+bool is_open(const FreeSpace& space, std::size_t from, std::size_t to);
+
 }  // namespace rayloc

@@ -375,6 +375,36 @@ std::vector<double> GridFilter::mass() const {
   return mass;
 }
 
+std::vector<GridFilter::ModeView> GridFilter::modes() const {
+  RAYLOC_CHECK(!is_compact());
+  std::vector<ModeView> views;
+  views.reserve(modes_.size());
+  for (const Mode& mode : modes_) {
+    views.push_back({mode.velocity_x, mode.velocity_y, mode.mass});
+  }
+  return views;
+}
+
+void GridFilter::set(const std::vector<std::vector<float>>& mass) {
+  RAYLOC_CHECK(mass.size() == modes_.size());
+  kept_ = {};
+  window_ = CellWindow::all_of(space_->grid);
+  away_ = 0.0;
+  double sum = 0.0;
+  for (std::size_t k = 0; k < modes_.size(); ++k) {
+    RAYLOC_CHECK(mass[k].size() == window_.size());
+    modes_[k].mass = mass[k];
+    for (std::size_t cell = 0; cell < window_.size(); ++cell) {
+      if (space_->free[cell] == 0) {
+        modes_[k].mass[cell] = 0.0F;
+      }
+    }
+    sum += sum_of(modes_[k].mass);
+  }
+  RAYLOC_CHECK(sum > 0.0);
+  normalise();
+}
+
 double GridFilter::stationary() const {
   return sum_of(modes_.front().mass) / std::max(1.0 - away_, kMinAway);
 }

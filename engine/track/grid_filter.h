@@ -73,6 +73,19 @@ class GridFilter {
   std::vector<double> mass() const;  // [cell of window()], over all modes, sums to 1
   double stationary() const;         // probability of standing, for a target in the window
 
+  // A mode of motion and its masses, valid until the filter changes.
+  struct ModeView {
+    double velocity_x = 0.0;  // [m/s]
+    double velocity_y = 0.0;
+    std::span<const float> mass;  // [cell of window()]
+  };
+  // The first mode is standing. REQUIRES: !is_compact().
+  std::vector<ModeView> modes() const;
+  // Replaces the state; the window is the room. mass: [mode][cell of the room], of any scale; that
+  // of cells that are not free is ignored. REQUIRES: sizes of the modes and the room, a sum above 0
+  // over the free cells.
+  void set(const std::vector<std::vector<float>>& mass);
+
  private:
   struct Mode {
     double velocity_x = 0.0;  // [m/s]

@@ -107,6 +107,59 @@ TEST(FreeSpace, HullAroundAnAccessPointIsFree) {
   EXPECT_EQ(std::accumulate(space.free.begin(), space.free.end(), std::size_t{0}), grid.size());
 }
 
+TEST(FreeSpace, OpenCellsAreReachedWithoutPassingAWall) {
+  const auto space = divided_room();
+  const Grid& grid = space->grid;
+  const auto is_open_between = [&](double x0, double y0, double x1, double y1) {
+    const std::size_t from = cell_near(grid, x0, y0);
+    const std::size_t to = cell_near(grid, x1, y1);
+    EXPECT_EQ(is_open(*space, from, to), is_open(*space, to, from));
+    return is_open(*space, from, to);
+  };
+  EXPECT_TRUE(is_open_between(-1.05, 0.05, -1.05, 0.05));
+  EXPECT_TRUE(is_open_between(-1.05, 0.05, -0.55, -0.35));
+  EXPECT_TRUE(is_open_between(-0.45, 0.35, -0.85, -0.15));
+  EXPECT_FALSE(is_open_between(-0.25, 0.05, 0.25, 0.05));   // the wall
+  EXPECT_FALSE(is_open_between(-0.25, 0.05, 0.35, -0.35));  // the wall, at an angle
+  EXPECT_FALSE(is_open_between(0.85, 0.05, 1.25, 0.05));    // into the cupboard
+  EXPECT_TRUE(is_open_between(0.75, 0.25, 1.15, -0.15));    // around its corner, y first
+}
+
+TEST(GridFilter, IsSetToTheModesOfAnother) {
+  const auto space = divided_room();
+  MotionModel motion;
+  motion.outlier = 0.0;
+  GridFilter filter(space, motion);
+  put_at(filter, space->grid, -1.05, 0.25);
+  filter.predict(from_seconds(0.3));
+  filter.narrow(1e-4, from_seconds(0.1));
+  ASSERT_FALSE(filter.window().is_all_of(space->grid));
+  const auto modes = filter.modes();
+  ASSERT_EQ(modes.size(), 17U);
+  EXPECT_EQ(modes[0].velocity_x, 0.0);
+  EXPECT_EQ(modes[0].velocity_y, 0.0);
+  EXPECT_NEAR(modes[9].velocity_x, 1.0, 1e-12);
+  std::vector<std::vector<float>> mass(modes.size(), std::vector<float>(space->grid.size()));
+  for (std::size_t k = 0; k < modes.size(); ++k) {
+    ASSERT_EQ(modes[k].mass.size(), filter.window().size());
+    for (std::size_t n = 0; n < modes[k].mass.size(); ++n) {
+      mass[k][filter.window().cell(n, space->grid)] = 7.0F * modes[k].mass[n];
+    }
+    mass[k][cell_near(space->grid, 1.25, 0.5)] = 1.0F;  // in the cupboard
+  }
+  GridFilter other(space, {});
+  other.set(mass);
+  EXPECT_TRUE(other.window().is_all_of(space->grid));
+  EXPECT_EQ(other.away(), 0.0);
+  EXPECT_NEAR(other.stationary(), filter.stationary(), 1e-4);
+  const std::vector<double> of_filter = filter.mass();
+  const std::vector<double> of_other = other.mass();
+  for (std::size_t n = 0; n < of_filter.size(); ++n) {
+    EXPECT_NEAR(of_other[filter.window().cell(n, space->grid)], of_filter[n], 1e-5);
+  }
+  EXPECT_EQ(of_other[cell_near(space->grid, 1.25, 0.5)], 0.0);
+}
+
 TEST(GridFilter, StartsEverywhereThatIsFree) {
   const auto space = divided_room();
   const GridFilter filter(space, {});
