@@ -8,8 +8,6 @@
 namespace rayloc {
 namespace {
 
-// One part in so many of a box's places, chosen: if fewer are obstructed, other boxes are clear.
-constexpr std::size_t kObstructedShare = 10;
 constexpr std::size_t kFetchAhead = 2;  // a count, chosen: boxes prefetched before they are needed
 constexpr std::size_t kPadding = 8;     // a count: lanes of a later loop over the places
 
@@ -129,44 +127,41 @@ void PlaceSearch::evaluate(const Moment& moment, Spread spread) {
   for (const Group& one : groups_) {
     found_.push_back(moment.array->map->place_box(one.box, moment.noise_class));
   }
-  Progress progress;
+  std::optional<std::size_t> hint;
   const std::size_t lead = spread == Spread::kTogether ? fullest() : groups_.size();
   if (lead < groups_.size()) {
-    const std::size_t obstructed = evaluate_box(moment, lead, progress);
-    progress.hint = burst_.delay;
-    progress.tries_obstructed = kObstructedShare * obstructed >= groups_[lead].count;
+    evaluate_box(moment, lead, hint);
+    hint = burst_.delay;
   }
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     if (g + kFetchAhead < groups_.size()) {
       fetch_box(*found_[g + kFetchAhead]);
     }
     if (g != lead) {
-      evaluate_box(moment, g, progress);
+      evaluate_box(moment, g, hint);
     }
   }
 }
 
-// Returns at how many places the obstructed case is the larger one.
-std::size_t PlaceSearch::evaluate_box(const Moment& moment,
-                                      std::size_t g,
-                                      const Progress& progress) {
+// hint: the delay found in another box.
+void PlaceSearch::evaluate_box(const Moment& moment,
+                               std::size_t g,
+                               std::optional<std::size_t> hint) {
   const Group& one = groups_[g];
   const PlaceBox& box = *found_[g];
   const auto values = std::span(values_).subspan(one.first, one.count);
   if (!box.is_reachable()) {
     std::fill(values.begin(), values.end(), 0.0F);
-    return 0;
+    return;
   }
-  whiten_delays_of_box(box, moment.rows, progress.hint, burst_);
+  whiten_delays_of_box(box, moment.rows, hint, burst_);
   const BoxPlaces places{std::span(x_).subspan(one.first, one.count),
                          std::span(y_).subspan(one.first, one.count),
                          std::span(z_).subspan(one.first, one.count)};
-  const std::size_t obstructed =
-      evaluate_places_of_box(box, burst_, places, progress.tries_obstructed, values);
+  evaluate_places_of_box(box, burst_, places, true, values);
   for (float& value : values) {
     value -= moment.null_model;
   }
-  return obstructed;
 }
 
 // values_ in the order of the places, with the received power.

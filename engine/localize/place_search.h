@@ -45,8 +45,8 @@ class PlaceSearch {
   // alone in boxes that no ray reaches, kNotCompared where the box is kNone.
   //
   // kTogether: the box with most places is evaluated first. The delay is searched for in it and is
-  // the hint for the others; the obstructed case is tried in it, and in the others where it won a
-  // tenth of its places. kApart: each box has a search of its own and tries the obstructed case.
+  // the hint for the others. kApart: each box has a search of its own. The obstructed case is tried
+  // everywhere: which places it fits differs within a metre.
   // A value does not depend on the order of the places.
   std::vector<std::vector<float>> log_likelihoods(const SearchedPlaces& places, Spread spread);
   std::size_t boxes() const { return groups_.size(); }  // distinct ones of the last call
@@ -63,18 +63,13 @@ class PlaceSearch {
     std::size_t first = 0;
     std::size_t count = 0;
   };
-  // Evaluation of the boxes for one access point; a hint after the first box of a cloud.
-  struct Progress {
-    std::optional<std::size_t> hint;
-    bool tries_obstructed = true;
-  };
 
   void group(const SearchedPlaces& places, const BoxLattice& lattice);
   std::size_t group_of(std::uint32_t box);
   // Index of the reachable box with most places; ties: the smallest number. groups_.size(): none.
   std::size_t fullest() const;
   void evaluate(const Moment& moment, Spread spread);
-  std::size_t evaluate_box(const Moment& moment, std::size_t g, const Progress& progress);
+  void evaluate_box(const Moment& moment, std::size_t g, std::optional<std::size_t> hint);
   void take_values(const Moment& moment, const SearchedPlaces& places, std::vector<float>& out);
 
   double likelihood_exponent_;

@@ -165,7 +165,7 @@ TEST(PlaceSearch, LeavesOutADeadChain) {
   expect_boxes_by_themselves(observation, cloud(lattice_of(observation), 60, 0.1));
 }
 
-// The hint and the obstructed case follow from the fullest box, which the order does not change.
+// The hint follows from the fullest box, which the order does not change.
 TEST(PlaceSearch, DoesNotDependOnTheOrderOfPlaces) {
   const RoomObservation observation = localizer().receive(frames());
   const Places places = cloud(lattice_of(observation), 400, 0.2);
@@ -191,7 +191,7 @@ TEST(PlaceSearch, DoesNotDependOnTheOrderOfPlaces) {
   }
 }
 
-// The fullest box of a cloud has a search of its own and tries the obstructed case.
+// The fullest box of a cloud has a search of its own.
 TEST(PlaceSearch, EvaluatesTheFullestBoxAsAnyBoxApart) {
   const RoomObservation observation = localizer().receive(frames());
   const Places places = cloud(lattice_of(observation), 400, 0.1);
@@ -213,6 +213,23 @@ TEST(PlaceSearch, EvaluatesTheFullestBoxAsAnyBoxApart) {
         EXPECT_EQ(together[a][i], apart[a][i]);
       }
     }
+  }
+}
+
+// The delay of the fullest box is good for the others, and their obstructed cases are their own.
+TEST(PlaceSearch, OtherBoxesHardlyDifferFromBoxesApart) {
+  const RoomObservation observation = localizer().receive(frames());
+  const Places places = cloud(lattice_of(observation), 1000, 0.15);
+  PlaceSearch search(observation, kExponent);
+  const auto together = search.log_likelihoods(places.all(), PlaceSearch::Spread::kTogether);
+  const auto apart = search.log_likelihoods(places.all(), PlaceSearch::Spread::kApart);
+  for (std::size_t a = 0; a < apart.size(); ++a) {
+    double squares = 0.0;
+    for (std::size_t i = 0; i < places.x.size(); ++i) {
+      const auto off = static_cast<double>(together[a][i] - apart[a][i]);
+      squares += off * off;
+    }
+    EXPECT_LT(std::sqrt(squares / static_cast<double>(places.x.size())), 0.2);
   }
 }
 
