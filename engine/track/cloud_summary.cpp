@@ -19,7 +19,7 @@ namespace {
 constexpr double kOutOfSide = 2.5e-5;     // a probability, chosen: left out at each of four sides
 constexpr double kVelocityRadius = 0.15;  // [m], that of a position in posterior/posterior
 constexpr double kLargerCells = 1.05;     // a ratio, chosen
-constexpr std::size_t kMostCells = kSummaryCells + kSummaryCells / 10;  // of a narrow part
+constexpr std::size_t kMostCells = kSummaryWindow + kSummaryWindow / 10;  // of a narrow part
 
 std::size_t cell_of(const Grid& grid, const PlaceCloud& cloud, std::size_t i) {
   return grid.cell_at(static_cast<double>(cloud.x()[i]), static_cast<double>(cloud.y()[i]));
@@ -41,21 +41,28 @@ std::array<std::size_t, 2> kept_rows(const std::vector<double>& mass, double all
   return {begin, end - begin};
 }
 
-// Larger cells over the same part of the room.
-Grid larger_cells(const Grid& part) {
-  const double width_x = part.step_x * static_cast<double>(part.count_x);
-  const double width_y = part.step_y * static_cast<double>(part.count_y);
+// Cells of about `step` over the same part of the room.
+Grid with_cells(const Grid& part, double step) {
   const Vec3d low{part.first.x - 0.5 * part.step_x, part.first.y - 0.5 * part.step_y, 0.0};
-  const Vec3d high = low + Vec3d{width_x, width_y, 0.0};
-  double step = std::sqrt(width_x * width_y / static_cast<double>(kSummaryCells));
-  Grid larger(low, high, part.first.z, step);
-  while (larger.size() > kMostCells) {
-    step *= kLargerCells;
-    larger = Grid(low, high, part.first.z, step);
+  const Vec3d widths{part.step_x * static_cast<double>(part.count_x),
+                     part.step_y * static_cast<double>(part.count_y),
+                     0.0};
+  Grid other(low, low + widths, part.first.z, step);
+  other.height_sigma = part.height_sigma;
+  other.layers = part.layers;
+  return other;
+}
+
+std::size_t occupied_cells(const PlaceCloud& cloud,
+                           std::span<const float> weights,
+                           const Grid& part) {
+  std::vector<char> is_occupied(part.size() + 1);  // the last one: outside
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (weights[i] > 0.0F) {
+      is_occupied[cell_of(part, cloud, i)] = 1;
+    }
   }
-  larger.height_sigma = part.height_sigma;
-  larger.layers = part.layers;
-  return larger;
+  return static_cast<std::size_t>(std::count(is_occupied.begin(), is_occupied.end() - 1, 1));
 }
 
 // Sums of the places of a cell, relative to its centre.
@@ -143,7 +150,20 @@ Grid summary_grid(const PlaceCloud& cloud, std::span<const float> weights, const
   const auto x = kept_rows(by_x, all);
   const auto y = kept_rows(by_y, all);
   const Grid part = CellWindow{x[0], y[0], x[1], y[1]}.grid_of(grid);
-  return part.size() <= kSummaryCells ? part : larger_cells(part);
+  Grid cells = part;
+  double step = std::sqrt(part.step_x * part.step_y);
+  if (part.size() > kSummaryWindow) {
+    step *= std::sqrt(static_cast<double>(part.size()) / static_cast<double>(kSummaryWindow));
+    cells = with_cells(part, step);
+  }
+  for (std::size_t occupied = occupied_cells(cloud, weights, cells);
+       cells.size() > kMostCells || occupied > kSummaryCells;
+       occupied = occupied_cells(cloud, weights, cells)) {
+    const double times = static_cast<double>(occupied) / static_cast<double>(kSummaryCells);
+    step *= std::max(kLargerCells, std::sqrt(times));
+    cells = with_cells(part, step);
+  }
+  return cells;
 }
 
 double summarise_cloud(const PlaceCloud& cloud,

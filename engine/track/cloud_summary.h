@@ -12,8 +12,10 @@
 
 namespace rayloc {
 
-// A count, chosen: cells of a summary, about. It bounds its time; a wide cloud gets larger cells.
-inline constexpr std::size_t kSummaryCells = 1000;
+// Counts, chosen: cells of a summary that have any mass, and all of its cells, about. They bound
+// its time; a wide cloud gets larger cells, two narrow hills far apart do not.
+inline constexpr std::size_t kSummaryCells = 200;
+inline constexpr std::size_t kSummaryWindow = 1000;
 
 // Fills the fields that summarise_posterior() fills. grid: of the room. inside:
 // SearchArea::inside, empty if all cells are. options: likelihood_exponent and cells_of_room are
