@@ -82,6 +82,10 @@ class Localizer::Impl {
   LocationEstimate locate(std::span<const CsiFrame> frames,
                           double likelihood_exponent,
                           double fault) const;
+  bool has_place_boxes() const {
+    return std::all_of(
+        aps_.begin(), aps_.end(), [](const auto& one) { return one->has_place_boxes(); });
+  }
   const RoomModel& room() const { return *room_; }
   const SearchArea& area() const { return area_; }
   const Grid& grid() const { return grid_; }
@@ -461,6 +465,7 @@ Localizer::Evidence Localizer::evidence(const RoomObservation& observation,
   return impl_->evidence(observation, scan, focus);
 }
 
+bool Localizer::has_place_boxes() const { return impl_->has_place_boxes(); }
 const SearchArea& Localizer::area() const { return impl_->area(); }
 const Grid& Localizer::grid() const { return impl_->grid(); }
 const RoomModel& Localizer::room() const { return impl_->room(); }

@@ -87,6 +87,8 @@ class Localizer {
   Evidence evidence(const RoomObservation& observation,
                     Scan scan = Scan::kCells,
                     const SearchFocus& focus = {}) const;
+  // True if bursts can be compared with single places (PlaceSearch), whatever chains are dead.
+  bool has_place_boxes() const;
   const SearchArea& area() const;
   const Grid& grid() const;  // of the calibrated area, with layers of heights
 
