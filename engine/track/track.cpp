@@ -14,7 +14,6 @@ namespace rayloc {
 namespace {
 
 constexpr double kMinBurstWeight = 0.02;  // least weight of a burst for which the map is computed
-constexpr double kMinChange = 1e-12;      // of the power; a smaller change is rounding
 // Counts of cells, chosen: kept by a resting track, with 17 modes 29 KiB ...
 constexpr std::size_t kCompactCells = 400;
 constexpr std::size_t kCompactRefined = 64;  // a count, chosen: ... with positions in the cell
@@ -44,43 +43,14 @@ Track::Track(std::shared_ptr<const Localizer> localizer,
     : phase_(phase),
       localizer_(std::move(localizer)),
       options_(options),
-      aligner_(localizer_->room().grid),
+      change_(localizer_->room().grid, {options.still_change, options.walking_ratio}),
       space_(std::move(space)),
       filter_(space_, options.motion),
       whole_room_period_(kFirstWholeRoomPeriod) {}
 
-// Share of the power that differs from the last burst, mean over access points present in both.
-std::optional<double> Track::change_of(const RoomObservation& observation) const {
-  double sum = 0.0;
-  double count = 0.0;
-  for (const ArrayObservation& now : observation.arrays) {
-    for (const Earlier& before : last_) {
-      if (now.ap == before.ap && now.h.size() == before.h.size()) {
-        sum += 1.0 - aligner_.align(before.h, now.h).correlation;
-        count += 1.0;
-      }
-    }
-  }
-  return count > 0.0 ? std::optional(std::max(sum / count, kMinChange)) : std::nullopt;
-}
-
-// 0: the change is explained by noise and the radio, 1: the device must have moved.
-double Track::motion_of(double change, const RoomObservation& observation) const {
-  // The power outside the delays of a room is noise, and both bursts have it.
-  double noise = 0.0;
-  for (const ArrayObservation& received : observation.arrays) {
-    noise += 2.0 * (1.0 - received.observed.array.captured) /
-             static_cast<double>(observation.arrays.size());
-  }
-  return std::clamp(
-      std::log(change / (options_.still_change + noise)) / std::log(options_.walking_ratio),
-      0.0,
-      1.0);
-}
-
 // False when no place of the room explains the burst.
 bool Track::weigh(const RoomObservation& observation, Duration elapsed) {
-  const std::optional<double> change = change_of(observation);
+  const std::optional<double> change = change_.of(observation);
   const double novelty = change ? std::clamp(*change / options_.moved_change, 0.0, 1.0) : 1.0;
   // Evidence from access points that join is entirely new, also for a device at rest.
   const bool is_joining = is_joined(observation);
@@ -111,7 +81,7 @@ bool Track::weigh(const RoomObservation& observation, Duration elapsed) {
     weight = weight_of_burst();
   }
   if (change) {
-    filter_.weigh_change(motion_of(*change, observation));
+    filter_.weigh_change(change_.motion_of(*change, observation));
   }
   credit_ = credit;
   if (!map.empty()) {
@@ -129,10 +99,7 @@ bool Track::weigh(const RoomObservation& observation, Duration elapsed) {
         static_cast<std::size_t>(std::max_element(mass.begin(), mass.end()) - mass.begin());
     loss_ = -value_of(evidence, space_->grid, filter_.window().cell(peak, space_->grid));
   }
-  last_.clear();
-  for (const ArrayObservation& received : observation.arrays) {
-    last_.push_back({received.ap, received.h});
-  }
+  change_.remember(observation);
   ++bursts_;
   is_unlocated_ = false;
   return true;
@@ -365,7 +332,7 @@ void Track::forget_place() {
   loss_ = 0.0;
   within_.clear();
   layers_.clear();
-  last_.clear();
+  change_.forget();
   fixes_.clear();
 }
 

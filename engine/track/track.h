@@ -8,7 +8,6 @@
 // snapshot in `evidence_time`, and those through an unchanged channel to one at most.
 #pragma once
 
-#include <complex>
 #include <deque>
 #include <memory>
 #include <optional>
@@ -21,7 +20,7 @@
 #include "engine/channel/csi_frame.h"
 #include "engine/grid/cell_mass.h"
 #include "engine/localize/localizer.h"
-#include "engine/observe/alignment.h"
+#include "engine/track/channel_change.h"
 #include "engine/track/filtered_estimate.h"
 #include "engine/track/free_space.h"
 #include "engine/track/grid_filter.h"
@@ -90,18 +89,11 @@ class Track {
   Timestamp received() const { return received_; }  // last usable burst
 
  private:
-  // Earlier arrays that the next burst is compared with.
-  struct Earlier {
-    std::size_t ap = 0;                   // ArrayObservation::ap
-    std::vector<std::complex<double>> h;  // ArrayObservation::h
-  };
   struct Fix {
     Timestamp time;
     Vec3d position;
   };
 
-  std::optional<double> change_of(const RoomObservation& observation) const;
-  double motion_of(double change, const RoomObservation& observation) const;
   bool weigh(const RoomObservation& observation, Duration elapsed);
   SearchFocus focus() const;
   bool is_joined(const RoomObservation& observation) const;
@@ -119,7 +111,7 @@ class Track {
   Duration phase_;
   std::shared_ptr<const Localizer> localizer_;
   TrackOptions options_;
-  Aligner aligner_;
+  TargetChannel change_;  // since the last usable burst
   std::shared_ptr<const FreeSpace> space_;
   GridFilter filter_;
   std::optional<TrackState> state_;  // empty before the first usable burst
@@ -138,7 +130,6 @@ class Track {
   // Distribution inside the best cells, from the last weighed burst.
   RefinedCells within_;
   std::vector<double> layers_;  // probability of each layer of heights; empty: known, or the prior
-  std::vector<Earlier> last_;   // arrays of the last usable burst
   std::deque<Fix> fixes_;       // positions of the last second
 };
 
