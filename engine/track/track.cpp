@@ -6,7 +6,6 @@
 
 #include "engine/base/highest.h"
 #include "engine/grid/cell_set.h"
-#include "engine/grid/height_layers.h"
 #include "engine/track/filter_summary.h"
 #include "engine/track/searched_cells.h"
 
@@ -94,7 +93,10 @@ bool Track::weigh(const RoomObservation& observation, Duration elapsed) {
       searched_with_[received.ap] = time_;
     }
     const auto mass = filter_.mass();
-    learn_height(mass, weight);
+    const Grid& grid = localizer_->grid();
+    if (!grid.layers.is_known()) {
+      layers_.learn(grid.layers, layer_mass_of(within_, mass, filter_.window(), grid), weight);
+    }
     const auto peak =
         static_cast<std::size_t>(std::max_element(mass.begin(), mass.end()) - mass.begin());
     loss_ = -value_of(evidence, space_->grid, filter_.window().cell(peak, space_->grid));
@@ -156,14 +158,14 @@ SearchFocus Track::focus() const {
   SearchFocus focus;
   focus.is_quick = !options_.is_exhaustive;
   if (!localizer_->grid().layers.is_known()) {
-    focus.layer_weight = layers_;
+    focus.layer_weight = layers_.weights();
   }
   SearchedCells searched = searched_cells(filter_, *space_, bursts_);
   if (!searched.is_all()) {
     focus.log_prior = log_masses(std::move(searched.mass));
     focus.cells = std::move(searched.cells);
     focus.others = std::move(searched.others);
-  } else if (filter_.window().is_all_of(space_->grid) && !layers_.empty()) {
+  } else if (filter_.window().is_all_of(space_->grid) && !layers_.weights().empty()) {
     focus.log_prior = log_masses(filter_.mass());
   }
   return focus;
@@ -176,67 +178,13 @@ void Track::narrow(Duration reach) {
   }
 }
 
-// The height is a probability of each layer, the same at every position of the device. A burst of
-// which only a share is new is weighted by that share.
-void Track::learn_height(const std::vector<double>& mass, double weight) {
-  const HeightLayers& heights = localizer_->grid().layers;
-  if (heights.is_known()) {
-    return;
-  }
-  if (layers_.empty()) {
-    layers_ = heights.weight;
-  }
-  std::vector<double> layer_mass(layers_.size());
-  double known = 0.0;
-  for (const auto& [cell, of_cell] : within_) {
-    const auto number = filter_.window().number(cell, space_->grid);
-    if (!number) {
-      continue;
-    }
-    for (std::size_t layer = 0; layer < layer_mass.size(); ++layer) {
-      layer_mass[layer] += mass[*number] * static_cast<double>(of_cell.layers[layer]);
-    }
-    known += mass[*number];
-  }
-  double sum = 0.0;
-  for (std::size_t layer = 0; layer < layer_mass.size(); ++layer) {
-    // Cells that were not evaluated carry no information on the height.
-    const double all = layer_mass[layer] + std::max(0.0, 1.0 - known) * layers_[layer];
-    layers_[layer] = std::pow(layers_[layer], 1.0 - weight) * std::pow(all, weight);
-    sum += layers_[layer];
-  }
-  for (double& layer : layers_) {
-    layer /= sum;
-  }
-}
-
-// A carried device rises and sinks, occasionally by a large amount.
-void Track::spread_height(double seconds) {
-  if (layers_.empty()) {
-    return;
-  }
-  const HeightLayers& heights = localizer_->grid().layers;
-  const double steps = options_.height_speed * seconds / heights.thickness;
-  const double variance = std::min(0.5, steps * steps);
-  const double anew = 1.0 - std::exp(-options_.height_change_rate * seconds);
-  std::vector<double> spread(layers_.size());
-  for (std::size_t i = 0; i < layers_.size(); ++i) {
-    const std::size_t low = i > 0 ? i - 1 : i;
-    const std::size_t high = i + 1 < layers_.size() ? i + 1 : i;
-    spread[low] += 0.5 * variance * layers_[i];
-    spread[high] += 0.5 * variance * layers_[i];
-    spread[i] += (1.0 - variance) * layers_[i];
-  }
-  for (std::size_t i = 0; i < layers_.size(); ++i) {
-    layers_[i] = (1.0 - anew) * spread[i] + anew * heights.weight[i];
-  }
-}
-
 void Track::advance(Timestamp time) {
   if (state_) {
     narrow(time - time_);
     filter_.predict(time - time_);
-    spread_height(to_seconds(time - time_));
+    layers_.spread(localizer_->grid().layers,
+                   {options_.height_speed, options_.height_change_rate},
+                   to_seconds(time - time_));
   }
   time_ = time;
 }
@@ -331,7 +279,7 @@ void Track::forget_place() {
   credit_ = 0.0;
   loss_ = 0.0;
   within_.clear();
-  layers_.clear();
+  layers_.forget();
   change_.forget();
   fixes_.clear();
 }

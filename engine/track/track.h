@@ -24,6 +24,7 @@
 #include "engine/track/filtered_estimate.h"
 #include "engine/track/free_space.h"
 #include "engine/track/grid_filter.h"
+#include "engine/track/layer_weights.h"
 
 namespace rayloc {
 
@@ -99,8 +100,6 @@ class Track {
   bool is_joined(const RoomObservation& observation) const;
   bool widens(bool is_joining) const;
   Localizer::Evidence evaluate(const RoomObservation& observation, bool& is_wide);
-  void spread_height(double seconds);
-  void learn_height(const std::vector<double>& mass, double weight);
   void narrow(Duration reach);
   void enter(TrackState state, Timestamp time, std::string reason, FilteredEstimate& estimate);
   void advance(Timestamp time);
@@ -129,8 +128,8 @@ class Track {
   FrameFault fault_;
   // Distribution inside the best cells, from the last weighed burst.
   RefinedCells within_;
-  std::vector<double> layers_;  // probability of each layer of heights; empty: known, or the prior
-  std::deque<Fix> fixes_;       // positions of the last second
+  LayerWeights layers_;
+  std::deque<Fix> fixes_;  // positions of the last second
 };
 
 }  // namespace rayloc
