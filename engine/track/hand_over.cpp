@@ -186,20 +186,6 @@ std::vector<std::size_t> modes_near(const std::vector<GridFilter::ModeView>& mod
 
 }  // namespace
 
-bool hands_over(const GridFilter& filter, Duration acquired, const HandOverOptions& options) {
-  if (acquired < options.acquire_for) {
-    return false;
-  }
-  if (options.max_cells <= 0.0) {
-    return true;
-  }
-  double entropy = 0.0;
-  for (const double mass : filter.mass()) {
-    entropy -= mass > 0.0 ? mass * std::log(mass) : 0.0;
-  }
-  return std::exp(entropy) <= options.max_cells;
-}
-
 PlaceCloud cloud_of(const GridFilter& filter,
                     const FreeSpace& space,
                     const RefinedCells& within,

@@ -4,30 +4,18 @@
 // determined to a centimetre keeps it. Everything follows from the arguments alone.
 #pragma once
 
-#include <chrono>
 #include <cstddef>
 #include <memory>
 #include <span>
 #include <vector>
 
 #include "engine/base/normal_draws.h"
-#include "engine/base/timestamp.h"
 #include "engine/grid/cell_mass.h"
 #include "engine/track/free_space.h"
 #include "engine/track/grid_filter.h"
 #include "engine/track/place_cloud.h"
 
 namespace rayloc {
-
-struct HandOverOptions {
-  Duration acquire_for = std::chrono::seconds(2);  // of frames since the place was unknown
-  // Effective cells of the grid above which it continues: exp of the entropy; 0: no limit.
-  double max_cells = 0.0;
-};
-
-// True if a cloud may follow the target. acquired: time of frames since its place was unknown.
-// REQUIRES: !filter.is_compact().
-bool hands_over(const GridFilter& filter, Duration acquired, const HandOverOptions& options);
 
 // `count` places of equal weight, drawn from the cells and modes of the window in equal steps of
 // the mass. In a cell of `within` (cells of the room) they have its moments, those of the best

@@ -291,21 +291,6 @@ TEST(HandOver, DrawsNoPlaceBehindAWall) {
   EXPECT_NEAR(left, 1000.0, 1.0);
 }
 
-TEST(HandOver, WaitsForTheTimeAndTheWidthOfTheGrid) {
-  const auto space = open_room(0.0);
-  const GridFilter narrow = filter_of(space, {{0.325, 0.125, 1.0, 0.5, 1}});
-  const GridFilter wide(space, {});
-  const HandOverOptions any;
-  EXPECT_FALSE(hands_over(narrow, from_seconds(1.9), any));
-  EXPECT_TRUE(hands_over(narrow, from_seconds(2.0), any));
-  EXPECT_TRUE(hands_over(wide, from_seconds(2.0), any));
-  HandOverOptions limited;
-  limited.max_cells = 50.0;
-  EXPECT_TRUE(hands_over(narrow, from_seconds(2.0), limited));
-  EXPECT_FALSE(hands_over(wide, from_seconds(2.0), limited));
-  EXPECT_FALSE(hands_over(narrow, from_seconds(1.0), limited));
-}
-
 TEST(HandOver, IsTheSameForTheSameKey) {
   const auto space = open_room(0.3);
   const GridFilter filter(space, {});
