@@ -5,6 +5,7 @@
 #include <iterator>
 #include <utility>
 
+#include "engine/base/content_hash.h"
 #include "engine/base/parallel.h"
 #include "engine/track/searched_cells.h"
 
@@ -26,6 +27,21 @@ Duration phase_of(const MacAddress& address) {
   return kWholeRoomPeriod * steps / 100;
 }
 
+// From the bytes of the address alone: the same in every process.
+std::uint64_t seed_of(const MacAddress& address) {
+  ContentHash hash;
+  for (const std::uint8_t octet : address.octets) {
+    hash.add(std::uint64_t{octet});
+  }
+  return hash.value();
+}
+
+std::shared_ptr<const CloudRoom> cloud_room_of(const TrackOptions& options,
+                                               const std::shared_ptr<const Localizer>& localizer,
+                                               const std::shared_ptr<const FreeSpace>& space) {
+  return options.uses_cloud && !options.is_exhaustive ? make_cloud_room(localizer, space) : nullptr;
+}
+
 }  // namespace
 
 TrackerCounters& TrackerCounters::operator+=(const TrackerCounters& other) {
@@ -44,6 +60,7 @@ DeviceTracker::DeviceTracker(std::shared_ptr<const Localizer> localizer,
                              DeviceTrackerOptions options)
     : localizer_(std::move(localizer)),
       space_(free_space_of(*localizer_)),
+      cloud_room_(cloud_room_of(options.track, localizer_, space_)),
       options_(std::move(options)) {}
 
 bool DeviceTracker::coast(Tracks::value_type& track,
@@ -124,11 +141,12 @@ DeviceTracker::Tracks::iterator DeviceTracker::track_of(const DeviceBurst& burst
       ++counters_.refused;
       return found;
     }
-    found =
-        tracks_
-            .emplace(burst.device,
-                     Entry{Track(localizer_, space_, options_.track, phase_of(burst.device)), {}})
-            .first;
+    Track track(localizer_,
+                space_,
+                options_.track,
+                phase_of(burst.device),
+                CloudSource{cloud_room_, seed_of(burst.device)});
+    found = tracks_.emplace(burst.device, Entry{std::move(track), {}}).first;
   }
   return found;
 }
@@ -167,6 +185,13 @@ void DeviceTracker::receive(const MacAddress& device,
 bool DeviceTracker::follows(const MacAddress& device) const {
   const auto found = tracks_.find(device);
   return found != tracks_.end() && found->second.track.state() != TrackState::kTentative;
+}
+
+std::size_t DeviceTracker::in_clouds() const {
+  return static_cast<std::size_t>(
+      std::count_if(tracks_.begin(), tracks_.end(), [](const auto& one) {
+        return one.second.track.is_in_cloud();
+      }));
 }
 
 Timestamp DeviceTracker::received_until(Timestamp now) const {

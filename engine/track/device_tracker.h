@@ -22,6 +22,7 @@
 #include "engine/channel/csi_frame.h"
 #include "engine/channel/mac_address.h"
 #include "engine/localize/localizer.h"
+#include "engine/track/cloud_room.h"
 #include "engine/track/track.h"
 
 namespace rayloc {
@@ -95,6 +96,7 @@ class DeviceTracker {
   // tracks.
   Timestamp received_until(Timestamp now) const;
   std::size_t size() const { return tracks_.size(); }
+  std::size_t in_clouds() const;  // tracks that have left the grid (TrackOptions::uses_cloud)
   const TrackerCounters& counters() const { return counters_; }
 
  private:
@@ -120,6 +122,7 @@ class DeviceTracker {
 
   std::shared_ptr<const Localizer> localizer_;
   std::shared_ptr<const FreeSpace> space_;
+  std::shared_ptr<const CloudRoom> cloud_room_;  // null: the grid follows every device
   DeviceTrackerOptions options_;
   Tracks tracks_;
   TrackerCounters counters_;

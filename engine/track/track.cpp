@@ -3,16 +3,19 @@
 #include <algorithm>
 #include <utility>
 
+#include "engine/track/moved_estimate.h"
+
 namespace rayloc {
 
 Track::Track(std::shared_ptr<const Localizer> localizer,
              std::shared_ptr<const FreeSpace> space,
              const TrackOptions& options,
-             Duration phase)
+             Duration phase,
+             CloudSource cloud)
     : localizer_(std::move(localizer)),
       options_(options),
       change_(localizer_->room().grid, {options.still_change, options.walking_ratio}),
-      follower_(localizer_, std::move(space), options, phase) {}
+      filter_(localizer_, std::move(space), options, phase, std::move(cloud)) {}
 
 // The credit of the present channel after the burst; empty when no place of the room explains it.
 std::optional<double> Track::weigh(const RoomObservation& observation,
@@ -24,11 +27,11 @@ std::optional<double> Track::weigh(const RoomObservation& observation,
   if (change) {
     motion = change_.motion_of(*change, observation);
   }
-  return follower_.weigh({observation, frames, elapsed, motion, credit_ * (1.0 - novelty)});
+  return filter_.weigh({observation, frames, elapsed, motion, credit_ * (1.0 - novelty)});
 }
 
 void Track::advance(Timestamp time) {
-  follower_.advance(time);
+  filter_.advance(time);
   time_ = time;
 }
 
@@ -43,49 +46,56 @@ void Track::enter(TrackState state,
   }
 }
 
-FilteredEstimate Track::summarise(LocationEstimate location, bool is_predicted) const {
+FilteredEstimate Track::summarise(LocationEstimate location, bool is_predicted) {
   FilteredEstimate estimate;
   location.reason.clear();
-  follower_.summarise({1.0,
-                       location.accuracy_confidence,
-                       localizer_->options().max_hypotheses,
-                       fault_.probability,
-                       localizer_->room().sigma_floor},
-                      is_predicted,
-                      location);
+  filter_.summarise({1.0,
+                     location.accuracy_confidence,
+                     localizer_->options().max_hypotheses,
+                     fault_.probability,
+                     localizer_->room().sigma_floor},
+                    is_predicted,
+                    location);
   estimate.location = std::move(location);
-  estimate.stationary = follower_.stationary();
+  estimate.stationary = filter_.stationary();
   return estimate;
 }
 
 void Track::remember(FilteredEstimate& estimate) {
   if (estimate.location.position) {
     fixes_.add(time_, *estimate.location.position);
-    estimate.velocity = fixes_.velocity();
+    estimate.velocity = filter_.velocity(*estimate.location.position);
+    if (!estimate.velocity) {
+      estimate.velocity = fixes_.velocity();
+    }
   }
 }
 
-void Track::compact() { follower_.compact(); }
+void Track::compact() { filter_.compact(); }
 
 void Track::forget_place() {
-  follower_.forget_place();
+  filter_.forget_place();
   credit_ = 0.0;
   change_.forget();
   fixes_.clear();
+  last_.reset();
 }
 
 tl::expected<FilteredEstimate, MomentRefusal> Track::receive(std::span<const CsiFrame> frames,
                                                              const FrameFault& fault) {
-  follower_.wake();
+  if (!filter_.is_due(frames) && last_) {
+    return move_estimate(frames);
+  }
+  filter_.wake();
   RoomObservation observation = localizer_->receive(frames);
   const Timestamp time = observation.estimate.time;
-  if (state_ && time <= time_) {
+  if (state_ && time <= std::max(time_, received_)) {
     return tl::make_unexpected(MomentRefusal::kOutOfOrder);
   }
   if (observation.arrays.empty()) {
     return tl::make_unexpected(MomentRefusal::kUnusable);
   }
-  const Duration elapsed = time - received_;
+  const Duration elapsed = time - weighed_;
   advance(time);
   const std::optional<double> credit = weigh(observation, frames, elapsed);
   if (!credit) {
@@ -95,6 +105,7 @@ tl::expected<FilteredEstimate, MomentRefusal> Track::receive(std::span<const Csi
   change_.remember(observation);
   ++bursts_;
   received_ = time;
+  weighed_ = time;
   fault_ = fault;
   FilteredEstimate estimate = summarise(std::move(observation.estimate), false);
   remember(estimate);
@@ -105,11 +116,27 @@ tl::expected<FilteredEstimate, MomentRefusal> Track::receive(std::span<const Csi
   } else {
     estimate.state = *state_;
   }
+  filter_.settle(state_ == TrackState::kConfirmed);
+  last_.reset();
+  if (filter_.is_in_cloud()) {
+    last_ = estimate;
+  }
+  return estimate;
+}
+
+// Frames that need no evaluation. They count as received: the next ones are later.
+tl::expected<FilteredEstimate, MomentRefusal> Track::move_estimate(
+    std::span<const CsiFrame> frames) {
+  FilteredEstimate estimate = moved_estimate(*last_, frames, filter_.velocity_variance());
+  if (estimate.location.time <= std::max(time_, received_)) {
+    return tl::make_unexpected(MomentRefusal::kOutOfOrder);
+  }
+  received_ = estimate.location.time;
   return estimate;
 }
 
 FilteredEstimate Track::predict(Timestamp time) {
-  follower_.wake();
+  filter_.wake();
   advance(time);
   fixes_.clear();
   LocationEstimate location;
@@ -124,7 +151,7 @@ FilteredEstimate Track::predict(Timestamp time) {
 
 FilteredEstimate Track::end(std::string reason) {
   // Later than the last estimate, because an event of one instant has one name (event_id).
-  const Timestamp time = time_ + std::chrono::microseconds(1);
+  const Timestamp time = std::max(time_, received_) + std::chrono::microseconds(1);
   FilteredEstimate estimate = predict(time);
   enter(TrackState::kLost, time, std::move(reason), estimate);
   return estimate;

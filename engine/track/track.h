@@ -19,7 +19,7 @@
 #include "engine/localize/localizer.h"
 #include "engine/track/channel_change.h"
 #include "engine/track/filtered_estimate.h"
-#include "engine/track/follow/grid_follower.h"
+#include "engine/track/follow/target_filter.h"
 #include "engine/track/follow/track_options.h"
 #include "engine/track/free_space.h"
 #include "engine/track/recent_fixes.h"
@@ -36,11 +36,13 @@ enum class MomentRefusal {
 class Track {
  public:
   // `localizer` and `space` have the same grid. `phase`: time offset of the evaluations of the
-  // whole room, different for each target so that they do not coincide.
+  // whole room, different for each target so that they do not coincide. `cloud`: without a room, or
+  // unless the options ask for it, the grid follows.
   Track(std::shared_ptr<const Localizer> localizer,
         std::shared_ptr<const FreeSpace> space,
         const TrackOptions& options,
-        Duration phase = {});
+        Duration phase = {},
+        CloudSource cloud = {});
 
   // Reduces the memory until the next call.
   void compact();
@@ -61,6 +63,7 @@ class Track {
   // Empty before the first usable burst.
   std::optional<TrackState> state() const { return state_; }
   Timestamp received() const { return received_; }  // last usable burst
+  bool is_in_cloud() const { return filter_.is_in_cloud(); }
 
  private:
   void enter(TrackState state, Timestamp time, std::string reason, FilteredEstimate& estimate);
@@ -68,22 +71,25 @@ class Track {
   std::optional<double> weigh(const RoomObservation& observation,
                               std::span<const CsiFrame> frames,
                               Duration elapsed);
+  tl::expected<FilteredEstimate, MomentRefusal> move_estimate(std::span<const CsiFrame> frames);
   FilteredEstimate predict(Timestamp time);
-  FilteredEstimate summarise(LocationEstimate location, bool is_predicted) const;
+  FilteredEstimate summarise(LocationEstimate location, bool is_predicted);
   void remember(FilteredEstimate& estimate);
 
   std::shared_ptr<const Localizer> localizer_;
   TrackOptions options_;
   TargetChannel change_;  // since the last usable burst
-  GridFollower follower_;
+  TargetFilter filter_;
   std::optional<TrackState> state_;  // empty before the first usable burst
-  Timestamp time_;                   // of the follower
+  Timestamp time_;                   // of the filter
   Timestamp received_;               // last usable burst
+  Timestamp weighed_;                // the last one that did not only move the estimate
   std::size_t bursts_ = 0;           // usable ones
   double credit_ = 0.0;  // share of a snapshot's weight already given to the present channel
   // From the last frames: all evidence of the filter relies on the same chains, equally suspect.
   FrameFault fault_;
   RecentFixes fixes_;
+  std::optional<FilteredEstimate> last_;  // of a target in a cloud: at `weighed_`
 };
 
 }  // namespace rayloc

@@ -5,6 +5,8 @@
 #include <cstddef>
 
 #include "engine/base/timestamp.h"
+#include "engine/track/cloud_filter.h"
+#include "engine/track/follow/hand_over_rules.h"
 #include "engine/track/grid_filter.h"
 
 namespace rayloc {
@@ -32,6 +34,11 @@ struct TrackOptions {
   // Compares every burst with the whole room and keeps the whole room in the filter: the reference
   // for the restricted search.
   bool is_exhaustive = false;
+  // A confirmed track leaves the grid for a cloud of places, where the likelihood can compare
+  // single places; ignored with is_exhaustive.
+  bool uses_cloud = false;
+  CloudOptions cloud;
+  HandOverOptions hand_over;
 };
 
 }  // namespace rayloc
