@@ -6,6 +6,7 @@
 #include "daemon/methods/localizer_capabilities.h"
 #include "daemon/methods/method.h"
 #include "daemon/methods/person_method.h"
+#include "daemon/methods/track_options.h"
 #include "engine/likelihood/likelihood.h"
 #include "engine/localize/localizer.h"
 #include "engine/person/people.h"
@@ -19,6 +20,7 @@ constexpr std::string_view kPersonCell = "person_cell_m";
 
 constexpr std::array kSettings = std::to_array<MethodSetting>({
     {kLikelihood, "quantity of a device's channel that is compared (likelihood_names())"},
+    {kTracksSetting, "how a confirmed track follows a device: grid or cloud"},
     {kPersonCell, "cell of the grid on which people are searched for [m]"},
 });
 
@@ -80,7 +82,7 @@ class RaylocDevices : public DeviceMethod {
   // Chains are learned with Gaussian likelihoods only.
   RaylocDevices(std::shared_ptr<const Localizer> localizer,
                 std::set<MacAddress> listed,
-                bool is_exhaustive)
+                const TrackOptions& track)
       : localizer_(std::move(localizer)),
         chains_(localizer_),
         tracks_(localizer_,
@@ -88,7 +90,7 @@ class RaylocDevices : public DeviceMethod {
                 [&] {
                   DeviceTrackerOptions options;
                   options.always = std::move(listed);
-                  options.track.is_exhaustive = is_exhaustive;
+                  options.track = track;
                   return options;
                 }()),
         channel_(std::make_shared<const LocalizerChannel>(localizer_)),
@@ -154,7 +156,7 @@ Expected<std::unique_ptr<DeviceMethod>> create_device(DeviceMethodInput input) {
   RAYLOC_TRY(made);
   return std::make_unique<RaylocDevices>(std::make_shared<const Localizer>(*std::move(made)),
                                          std::move(input.listed),
-                                         input.options.is_exhaustive);
+                                         track_options(input.options));
 }
 
 Expected<std::unique_ptr<PersonMethod>> create_person(PersonMethodInput input) {

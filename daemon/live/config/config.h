@@ -76,6 +76,7 @@ struct EngineConfig {
   Duration burst{};                     // length of a burst
   double accuracy_confidence = 0.0;     // confidence of Location.accuracy_m
   bool snapshots_always = true;         // also for devices that a track follows
+  std::string tracks;                   // one of kTracksValues, for methods with that setting
 };
 
 struct LimitsConfig {

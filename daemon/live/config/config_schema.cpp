@@ -6,6 +6,7 @@
 #include "daemon/live/config/config_schema_rows.h"
 #include "daemon/live/config/endpoint.h"
 #include "daemon/methods/method_registry.h"
+#include "daemon/methods/track_options.h"
 
 namespace rayloc {
 
@@ -82,6 +83,14 @@ const std::array kDaemonOptions = {
         .choices = kSnapshots,
         .description = "Fixes of single bursts: for all, or until a track follows a device",
         .store = [](C& c, const V& v) { c.engine.snapshots_always = text(v) == kSnapshots[0]; }},
+    ConfigOption{.section = "engine",
+                 .key = kTracksSetting,
+                 .type = T::kChoice,
+                 .preset = "\"grid\"",
+                 .choices = kTracksValues,
+                 .description = "How \"rayloc\" follows a device: by the grid of the room, or by a "
+                                "cloud of places",
+                 .store = [](C& c, const V& v) { c.engine.tracks = text(v); }},
     ConfigOption{.section = "limits",
                  .key = "ring_frames",
                  .type = T::kInteger,

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <system_error>
 
+#include "daemon/methods/track_options.h"
 #include "engine/base/vec3.h"
 #include "engine/baselines/settings.h"
 #include "engine/paper/settings.h"
@@ -62,6 +63,21 @@ Expected<Vec3d> read_start(const std::string& text, const Method& method) {
   return start;
 }
 
+// The reason why --tracks is refused; empty if it is not.
+std::string fault_of_tracks(const MethodArguments& options, const Method& method) {
+  if (options.tracks.empty()) {
+    return {};
+  }
+  if (!method.has_setting(kTracksSetting)) {
+    return "--tracks: method " + options.name + " has no grid and no cloud; leave --tracks out";
+  }
+  if (options.exhaustive) {
+    return "--tracks: --exhaustive follows devices by the grid of the whole room; leave one of the "
+           "two out";
+  }
+  return {};
+}
+
 }  // namespace
 
 Expected<MethodOptions> method_options(const MethodArguments& options) {
@@ -109,6 +125,12 @@ Expected<MethodOptions> method_options(const MethodArguments& options) {
     }
     settings.values.insert_or_assign("likelihood", options.likelihood);
   }
+  if (const std::string fault = fault_of_tracks(options, method); !fault.empty()) {
+    return make_error(ErrorKind::kUsage, fault);
+  }
+  if (!options.tracks.empty()) {
+    settings.values.insert_or_assign(std::string(kTracksSetting), options.tracks);
+  }
   return settings;
 }
 
@@ -137,6 +159,12 @@ void add_method_options(OptionParser& app, MethodArguments& options) {
   app.add_flag("--exhaustive",
                options.exhaustive,
                "compare every burst of a track with the whole room; else with where it may be");
+  app.add_option("--tracks",
+                 options.tracks,
+                 "how method rayloc follows a device once its track is confirmed: by the grid of "
+                 "the room, or by a cloud of places; default: " +
+                     std::string(kTracksValues.front()))
+      ->check(one_of({kTracksValues.begin(), kTracksValues.end()}));
 }
 
 }  // namespace rayloc::cli

@@ -23,10 +23,11 @@ struct MethodArguments {
   std::vector<std::string> baseline;  // KEY=VALUE
   std::string start;                  // "X,Y"; empty: no start
   bool exhaustive = false;            // MethodOptions::is_exhaustive
+  std::string tracks;                 // empty: the method's default
 };
 
-// Adds the options --method, --likelihood, --seed, --multi-start, --paper, --baseline, --start and
-// --exhaustive. `options` must outlive the parser.
+// Adds the options --method, --likelihood, --seed, --multi-start, --paper, --baseline, --start,
+// --exhaustive and --tracks. `options` must outlive the parser.
 void add_method_options(OptionParser& app, MethodArguments& options);
 
 // Options that belong to another than the selected method are refused (kUsage).

@@ -3,6 +3,8 @@
 #include <set>
 #include <utility>
 
+#include "daemon/live/config/engine_options.h"
+
 namespace rayloc {
 namespace {
 
@@ -71,9 +73,8 @@ Expected<std::unique_ptr<SiteEstimators>> SiteEstimators::create(const SiteSetup
   return made;
 }
 
-MethodOptions SiteEstimators::method_options() const {
-  MethodOptions settings;
-  settings.accuracy_confidence = setup_.config.engine.accuracy_confidence;
+MethodOptions SiteEstimators::settings_of(const Method& method) const {
+  MethodOptions settings = engine_options(method, setup_.config.engine);
   settings.path_grids = options_.path_grids;
   return settings;
 }
@@ -83,7 +84,7 @@ Expected<std::unique_ptr<DeviceEstimator>> SiteEstimators::make_devices(
     const Method& method) const {
   DeviceEstimator::Options devices;
   devices.method = &method;
-  devices.settings = method_options();
+  devices.settings = settings_of(method);
   devices.names = options_.names;
   devices.snapshots =
       setup_.config.engine.snapshots_always ? Snapshots::kAlways : Snapshots::kAcquire;
@@ -97,7 +98,7 @@ Expected<std::unique_ptr<PersonEstimator>> SiteEstimators::make_people(
     const Method& method, const std::shared_ptr<const Carried>& before) const {
   PersonEstimator::Options people;
   people.method = &method;
-  people.settings = method_options();
+  people.settings = settings_of(method);
   people.before = before;
   if (method.create_device == nullptr) {  // otherwise the devices provide the chains
     people.chain_file = options_.chain_file;

@@ -57,7 +57,7 @@ class SiteEstimators {
   };
   Expected<Both> make_both(const Method& method) const;
   Expected<std::unique_ptr<ComparedMethod>> make_compared(const Method& method) const;
-  MethodOptions method_options() const;
+  MethodOptions settings_of(const Method& method) const;
   void assemble(const Carried* before);
 
   const SiteSetup& setup_;

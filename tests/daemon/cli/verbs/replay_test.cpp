@@ -37,10 +37,26 @@ TEST(Replay, RefusesOptionsThatMeanNothing) {
                                       std::pair{"--method", "magic"},
                                       std::pair{"--multi-start", "0"},
                                       std::pair{"--multi-start", "2"},  // of method rayloc
-                                      std::pair{"--paper", "alpha=1"}}) {
+                                      std::pair{"--paper", "alpha=1"},
+                                      std::pair{"--tracks", "clouds"}}) {
     const Finished finished = replay({kSite, capture, option, value});
     EXPECT_EQ(finished.status, 64) << option << " " << value;
     EXPECT_NE(finished.err.find(option), std::string::npos) << finished.err;
+    EXPECT_EQ(finished.out, "");
+  }
+}
+
+TEST(Replay, RefusesTracksThatTheMethodDoesNotHave) {
+  const std::vector<std::string> cloud = {kSite, "ap1=" + kRecording, "--tracks", "cloud"};
+  for (const auto& [more, named] :
+       {std::pair<std::vector<std::string>, std::string>{{"--method", "spotfi"}, "spotfi"},
+        std::pair<std::vector<std::string>, std::string>{{"--exhaustive"}, "--exhaustive"}}) {
+    std::vector<std::string> arguments = cloud;
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Finished finished = replay(arguments);
+    EXPECT_EQ(finished.status, 64) << named;
+    EXPECT_NE(finished.err.find("--tracks: "), std::string::npos) << finished.err;
+    EXPECT_NE(finished.err.find(named), std::string::npos) << finished.err;
     EXPECT_EQ(finished.out, "");
   }
 }
@@ -80,7 +96,8 @@ TEST(Field, AReplayThatLocatesNothingEndsWithTheReason) {
 }
 
 TEST(Replay, StatesNoFixWithoutACalibration) {
-  const Finished finished = replay({kSite, "ap1=" + kRecording, "--burst", "2s", "--quiet"});
+  const Finished finished =
+      replay({kSite, "ap1=" + kRecording, "--burst", "2s", "--tracks", "cloud", "--quiet"});
   EXPECT_EQ(finished.status, 0) << finished.err;
   EXPECT_NE(finished.out.find("FIX_MODE_NO_FIX"), std::string::npos);
   EXPECT_EQ(finished.out.find("\"position\""), std::string::npos);

@@ -12,7 +12,10 @@
 
 #include "daemon/live/config/config.h"
 #include "daemon/live/config/config_schema.h"
+#include "daemon/live/config/engine_options.h"
 #include "daemon/methods/method_registry.h"
+#include "daemon/methods/track_options.h"
+#include "engine/track/track.h"
 #include "tests/support/edited_text.h"
 #include "tests/support/test_paths.h"
 
@@ -94,6 +97,18 @@ TEST_F(MethodsOfAConfig, ASiteHasItsOwn) {
   const auto single = load(R"(["rayloc", "spotfi"])", "method = \"rayloc\"\n");
   ASSERT_TRUE(single) << single.error().message;
   EXPECT_THAT(engine_of(single).compared, IsEmpty());
+}
+
+TEST(EngineOptions, TracksReachTheMethodsThatHaveThem) {
+  EngineConfig engine;
+  engine.accuracy_confidence = 0.9;
+  for (const std::string_view tracks : kTracksValues) {
+    engine.tracks = tracks;
+    const MethodOptions options = engine_options(*find_method("rayloc"), engine);
+    EXPECT_EQ(options.accuracy_confidence, 0.9);
+    EXPECT_EQ(track_options(options).uses_cloud, tracks == kCloudTracks) << tracks;
+    EXPECT_THAT(engine_options(*find_method("spotfi"), engine).values, IsEmpty());
+  }
 }
 
 TEST_F(MethodsOfAConfig, ReportsInvalidMethodsWithTheirPosition) {

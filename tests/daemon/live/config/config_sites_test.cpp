@@ -135,6 +135,17 @@ TEST_F(SitesOfAConfig, FilesOfOneThatAreWrongAreItsOwnTroubleInAReload) {
   EXPECT_FALSE(reload_daemon_setup(file_, {})) << "nobody knows what it is called";
 }
 
+TEST_F(SitesOfAConfig, TracksApplyToEachMethod) {
+  const auto setup = load(site_table("office") + site_table("lab", "method = \"spotfi\"\n") +
+                          source_table("office", 5501) + source_table("lab", 5502) +
+                          "[engine]\ntracks = \"cloud\"\n");
+  ASSERT_TRUE(setup) << setup.error().message;
+  ASSERT_EQ(setup->sites.size(), 2U);
+  for (const SiteSetup& site : setup->sites) {
+    EXPECT_EQ(site.config.engine.tracks, "cloud") << site.site.name;
+  }
+}
+
 // A site that is prepared anew must not take what the same reload refused: addresses that the
 // others hash, for one.
 TEST_F(SitesOfAConfig, AReloadKeepsValuesThatNeedARestart) {

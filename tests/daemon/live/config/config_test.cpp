@@ -115,6 +115,7 @@ TEST(Config, ReadsTheOtherKeys) {
   EXPECT_FALSE(config->sites[0].record);
   EXPECT_EQ(config->sources[0].site, "office");
   EXPECT_FALSE(config->engine.snapshots_always);
+  EXPECT_EQ(config->engine.tracks, "cloud");
   EXPECT_TRUE(config->publish.csi);
   constexpr std::uint64_t kMebibyte = 1024UL * 1024UL;
   EXPECT_EQ(config->record.rotate_bytes, 3 * kMebibyte);
@@ -135,6 +136,7 @@ TEST(Config, ReadsTheOtherKeys) {
 TEST(Config, DefaultsAreThoseOfTheDocumentation) {
   const Expected<DaemonConfig> config = parse_config(kSmallest, kConfigFile);
   ASSERT_TRUE(config) << config.error().message;
+  EXPECT_EQ(config->engine.tracks, "grid");
   EXPECT_EQ(config->sources[0].listen_host, "0.0.0.0");
   EXPECT_EQ(config->sources[0].listen_port, 5500);
   EXPECT_EQ(config->engine.burst, std::chrono::milliseconds(200));

@@ -104,6 +104,7 @@ max_gap_s = 20
 [engine]
 method = "none"
 snapshots = "acquire"
+tracks = "cloud"
 [publish]
 csi = true
 [record]
