@@ -3,14 +3,16 @@
 //   acquisition  the first moment of a device, until its first filtered estimate
 //   snapshot     a burst as a whole, anywhere in the room
 // and how it grows with access points, the room's area, devices and an unknown height; then the
-// same in an empty hall by its area, by access points and by bandwidth. Each is set beside what
-// whitening a thousand cells costs in the same run, eight delays each and nothing else: that is the
-// unit in which two machines agree. A tracked burst is set beside the roof as well: what its inner
-// loops compute and read (engine/base/work_done.h), at what one core can do at most. All on one
-// thread. Memory is what the maps of an access point take, and what they have grown to. Build with
-// the release preset and -DRAYLOC_BENCHMARKS=ON.
+// same in an empty hall by its area, by access points and by bandwidth, at both heights. Each is
+// set beside what whitening a thousand cells costs in the same run, eight delays each and nothing
+// else: that is the unit in which two machines agree. A tracked burst is set beside the roof as
+// well: what its inner loops compute and read (engine/base/work_done.h), at what one core can do at
+// most. All on one thread. Memory is what the maps of an access point take, and what they have
+// grown to. Build with the release preset and -DRAYLOC_BENCHMARKS=ON.
 //
-//   live_bench [bursts [devices [case]]]    the number of a case, from 0 on; without it, all
+//   live_bench [--tracks grid|cloud] [bursts [devices [case]]]
+//
+// The case is a number, from 0 on; without it, all.
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -23,6 +25,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <malloc.h>
@@ -44,7 +47,7 @@ namespace {
 constexpr auto kMoment = std::chrono::milliseconds(50);
 constexpr int kMoments = 4;     // of a burst
 constexpr int kFrames = 1;      // of a moment and access point
-constexpr int kSettling = 10;   // bursts before a track is measured
+constexpr int kSettling = 15;   // bursts before a track is measured: 3 s; a cloud begins at 2 s
 constexpr double kSpeed = 0.8;  // [m/s]
 
 struct Case {
@@ -67,15 +70,18 @@ Case laboratory(const LaboratorySize& size, double height_sigma) {
   return one;
 }
 
-Case hall(const HallSize& size) {
+Case hall(const HallSize& size, double height_sigma) {
   std::array<char, 96> name{};
   std::snprintf(name.data(),
                 name.size(),
-                "hall of %.0f m2, %zu access points, %d MHz",
+                "hall of %.0f m2, %zu access points, %d MHz, height +-%.1f m",
                 size.area,
                 size.access_points,
-                size.bandwidth_mhz);
-  return {name.data(), hall_room(size), hall_length(size), 0.55 * hall_length(size)};
+                size.bandwidth_mhz,
+                height_sigma);
+  Case one{name.data(), hall_room(size), hall_length(size), 0.55 * hall_length(size)};
+  one.room.device.height_sigma = height_sigma;
+  return one;
 }
 
 // Milliseconds of CPU of all threads.
@@ -177,7 +183,16 @@ void print_roof(const WorkDone& done, std::size_t bursts, double ms, const CoreL
       ms / std::max(computing, reading));
 }
 
-void measure(const Case& of, int bursts, int devices, const CoreLimits& limits) {
+struct Amounts {
+  int bursts = 20;
+  int devices = 20;
+};
+
+void measure(const Case& of,
+             const Amounts& amounts,
+             const DeviceTrackerOptions& options,
+             const CoreLimits& limits) {
+  const auto [bursts, devices] = amounts;
   const auto room = std::make_shared<const RoomModel>(of.room);
   const double before = allocated();
   std::shared_ptr<const Localizer> localizer;
@@ -194,7 +209,7 @@ void measure(const Case& of, int bursts, int devices, const CoreLimits& limits) 
               unit);
   const auto aps = static_cast<double>(room->access_points.size());
   const double others = allocated() - made;
-  DeviceTracker tracker(localizer, {});
+  DeviceTracker tracker(localizer, options);
   std::vector<DeviceUpdate> updates;
   WorkDone done;
   Cost acquisition;
@@ -245,8 +260,19 @@ void measure(const Case& of, int bursts, int devices, const CoreLimits& limits) 
 
 int main(int argc, char** argv) {
   using rayloc::bench::measure;
-  const int bursts = argc > 1 ? std::atoi(argv[1]) : 20;
-  const int devices = argc > 2 ? std::atoi(argv[2]) : 20;
+  rayloc::DeviceTrackerOptions options;
+  if (argc > 2 && argv[1] == std::string_view("--tracks")) {
+    const std::string_view tracks = argv[2];
+    if (tracks != "grid" && tracks != "cloud") {
+      std::fprintf(stderr, "--tracks is grid or cloud\n");
+      return 64;
+    }
+    options.track.uses_cloud = tracks == "cloud";
+    argc -= 2;
+    argv += 2;
+  }
+  const rayloc::bench::Amounts amounts{argc > 1 ? std::atoi(argv[1]) : 20,
+                                       argc > 2 ? std::atoi(argv[2]) : 20};
   const int only = argc > 3 ? std::atoi(argv[3]) : -1;
   const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
   const auto limits = rayloc::bench::core_limits();
@@ -256,7 +282,8 @@ int main(int argc, char** argv) {
   int number = 0;
   const auto run = [&](const auto& make, int count) {
     if (only < 0 || only == number) {
-      measure(make(), count == 1 ? bursts : std::max(1, bursts / count), count, limits);
+      const int bursts = std::max(1, amounts.bursts / count);
+      measure(make(), {bursts, count}, options, limits);
     }
     ++number;
   };
@@ -267,19 +294,21 @@ int main(int argc, char** argv) {
     run(laboratory(1, 10.8), 1);
     run(laboratory(3, 10.8), 1);
     run(laboratory(1, 5.4), 1);
-    run(laboratory(1, 10.8), devices);
+    run(laboratory(1, 10.8), amounts.devices);
   }
-  const auto hall = [&](double area, std::size_t access_points, int bandwidth) {
-    run([=] { return rayloc::bench::hall({area, access_points, bandwidth}); }, 1);
-  };
-  for (const double area : {10.0, 100.0, 1000.0}) {
-    hall(area, 1, 40);
-  }
-  for (const std::size_t access_points : {3U, 10U}) {
-    hall(100.0, access_points, 40);
-  }
-  for (const int bandwidth : {20, 80, 160}) {
-    hall(100.0, 1, bandwidth);
+  for (const double sigma : {0.0, 0.3}) {
+    const auto hall = [&](double area, std::size_t access_points, int bandwidth) {
+      run([=] { return rayloc::bench::hall({area, access_points, bandwidth}, sigma); }, 1);
+    };
+    for (const double area : {10.0, 100.0, 1000.0}) {
+      hall(area, 1, 40);
+    }
+    for (const std::size_t access_points : {3U, 10U}) {
+      hall(100.0, access_points, 40);
+    }
+    for (const int bandwidth : {20, 80, 160}) {
+      hall(100.0, 1, bandwidth);
+    }
   }
   rayloc::bench::print_peak_memory();
   return 0;
