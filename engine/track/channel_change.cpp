@@ -24,17 +24,19 @@ std::optional<double> TargetChannel::of(const RoomObservation& observation) cons
   return count > 0.0 ? std::optional(std::max(sum / count, kMinChange)) : std::nullopt;
 }
 
-double TargetChannel::motion_of(double change, const RoomObservation& observation) const {
+double TargetChannel::unmoved(const RoomObservation& observation) const {
   // The power outside the delays of a room is noise, and both bursts have it.
   double noise = 0.0;
   for (const ArrayObservation& received : observation.arrays) {
     noise += 2.0 * (1.0 - received.observed.array.captured) /
              static_cast<double>(observation.arrays.size());
   }
+  return limits_.still_change + noise;
+}
+
+double TargetChannel::motion_of(double change, const RoomObservation& observation) const {
   return std::clamp(
-      std::log(change / (limits_.still_change + noise)) / std::log(limits_.walking_ratio),
-      0.0,
-      1.0);
+      std::log(change / unmoved(observation)) / std::log(limits_.walking_ratio), 0.0, 1.0);
 }
 
 void TargetChannel::remember(const RoomObservation& observation) {

@@ -1,5 +1,5 @@
-// TargetChannel: how much the channel of a target differs from that of its last moment, and whether
-// the target must have moved for that.
+// TargetChannel: how much the channel of a target differs from that of a remembered moment, and
+// whether the target must have moved for that.
 //
 // Used by one thread at a time.
 #pragma once
@@ -25,13 +25,15 @@ class TargetChannel {
   };
   TargetChannel(const OfdmGrid& grid, const Limits& limits) : aligner_(grid), limits_(limits) {}
 
-  // Share of the power that differs from the last moment, above 0: the mean over the access points
-  // present in both. Empty if there is none.
+  // Share of the power that differs from the remembered moment, above 0: the mean over the access
+  // points present in both. Empty if there is none.
   std::optional<double> of(const RoomObservation& observation) const;
+  // Largest change that noise and the radio explain.
+  double unmoved(const RoomObservation& observation) const;
   // 0: the change is explained by noise and the radio, 1: the device must have moved.
   double motion_of(double change, const RoomObservation& observation) const;
 
-  // The next moment is compared with this one.
+  // The next moments are compared with this one.
   void remember(const RoomObservation& observation);
   void forget() { last_.clear(); }
 
@@ -43,7 +45,7 @@ class TargetChannel {
 
   Aligner aligner_;
   Limits limits_;
-  std::vector<Earlier> last_;  // arrays of the last moment
+  std::vector<Earlier> last_;  // arrays of the remembered moment
 };
 
 }  // namespace rayloc

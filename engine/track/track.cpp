@@ -22,12 +22,20 @@ std::optional<double> Track::weigh(const RoomObservation& observation,
                                    std::span<const CsiFrame> frames,
                                    Duration elapsed) {
   const std::optional<double> change = change_.of(observation);
-  const double novelty = change ? std::clamp(*change / options_.moved_change, 0.0, 1.0) : 1.0;
+  double novelty = 1.0;
   std::optional<double> motion;
   if (change) {
+    // Noise is not new. The remembered moment stays, so that a slow movement adds up.
+    const bool is_same = *change <= change_.unmoved(observation);
+    novelty = is_same ? 0.0 : std::min(1.0, *change / options_.moved_change);
     motion = change_.motion_of(*change, observation);
   }
-  return filter_.weigh({observation, frames, elapsed, motion, credit_ * (1.0 - novelty)});
+  const auto credit =
+      filter_.weigh({observation, frames, elapsed, motion, credit_ * (1.0 - novelty)});
+  if (credit && novelty > 0.0) {
+    change_.remember(observation);
+  }
+  return credit;
 }
 
 void Track::advance(Timestamp time) {
@@ -102,7 +110,6 @@ tl::expected<FilteredEstimate, MomentRefusal> Track::receive(std::span<const Csi
     return tl::make_unexpected(MomentRefusal::kUnexplained);
   }
   credit_ = *credit;
-  change_.remember(observation);
   ++bursts_;
   received_ = time;
   weighed_ = time;

@@ -91,8 +91,9 @@ std::optional<double> GridFollower::weigh(const TrackedMoment& moment) {
   const bool is_weighed = !evidence.log_likelihood.empty();
   if (is_weighed) {
     take(std::move(evidence), weight);
-    weighed_.note(moment.observation, time_);
   }
+  // Also a moment that was not compared: the present channel has had its weight.
+  weighed_.note(moment.observation, time_);
   ++moments_;
   has_begun_ = true;
   is_unlocated_ = false;

@@ -91,6 +91,7 @@ TEST(TargetChannel, MotionExceedsNoiseAndTheRadio) {
   const TargetChannel change(band(), kLimits);
   const RoomObservation one = moment({array_of(0, 0.0), array_of(1, 0.0, 0.97)});
   const double still = 0.005 + 2.0 * (1.0 - 0.5 * (kCaptured + 0.97));
+  EXPECT_NEAR(change.unmoved(one), still, 1e-12);
   EXPECT_EQ(change.motion_of(0.5 * still, one), 0.0);
   EXPECT_NEAR(change.motion_of(still, one), 0.0, 1e-9);
   EXPECT_NEAR(change.motion_of(std::sqrt(5.0) * still, one), 0.5, 1e-9);

@@ -339,6 +339,23 @@ TEST(DeviceTracker, RepeatedChannelAddsNoMoreThanASnapshot) {
   EXPECT_GT(updates.back().estimate.location.accuracy_m, 0.5 * snapshot.accuracy_m);
 }
 
+// Each frame differs from the one before by its noise, also where it is not small.
+TEST(DeviceTracker, NoiseOfAMotionlessDeviceIsNotNew) {
+  double first_accuracy = 0.0;
+  double last_accuracy = 0.0;
+  for (const Vec3d& truth : {Vec3d{-0.4, -0.5, 1.2}, Vec3d{1.2, 0.5, 1.2}, Vec3d{0.4, 1.0, 1.2}}) {
+    DeviceTracker tracker(localizer(), {});
+    std::vector<DeviceUpdate> updates;
+    for (int ms = 0; ms <= 20000; ms += 100) {
+      tracker.receive(kDevice, frames(localizer()->room(), truth, ms, 22.0), updates);
+    }
+    first_accuracy += updates.front().estimate.location.accuracy_m;
+    last_accuracy += updates.back().estimate.location.accuracy_m;
+  }
+  std::printf("accuracy %.2f m, after 20 s %.2f m\n", first_accuracy / 3.0, last_accuracy / 3.0);
+  EXPECT_GT(last_accuracy, 0.7 * first_accuracy);
+}
+
 TEST(DeviceTracker, GoesThroughTheLifeOfATrack) {
   DeviceTracker tracker(localizer(), {});
   std::vector<DeviceUpdate> updates;
