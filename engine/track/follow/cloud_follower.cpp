@@ -12,12 +12,12 @@ namespace rayloc {
 
 CloudFollower::CloudFollower(std::shared_ptr<const CloudRoom> room,
                              CloudFilter filter,
-                             const TrackOptions& options,
+                             TrackOptions options,
                              Duration phase,
                              WeighedAccessPoints weighed)
     : room_(std::move(room)),
       filter_(std::move(filter)),
-      options_(options),
+      options_(std::move(options)),
       phase_(phase),
       weighed_(std::move(weighed)),
       looked_(filter_.time()),

@@ -26,7 +26,7 @@ class CloudFollower {
   // phase: time offset of the evaluations of the whole room. weighed: by the follower before.
   CloudFollower(std::shared_ptr<const CloudRoom> room,
                 CloudFilter filter,
-                const TrackOptions& options,
+                TrackOptions options,
                 Duration phase,
                 WeighedAccessPoints weighed);
 

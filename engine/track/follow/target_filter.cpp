@@ -9,12 +9,12 @@ namespace rayloc {
 
 TargetFilter::TargetFilter(std::shared_ptr<const Localizer> localizer,
                            std::shared_ptr<const FreeSpace> space,
-                           const TrackOptions& options,
+                           TrackOptions options,
                            Duration phase,
                            CloudSource source)
     : localizer_(std::move(localizer)),
       space_(std::move(space)),
-      options_(options),
+      options_(std::move(options)),
       phase_(phase),
       source_(std::move(source)),
       grid_(std::make_unique<GridFollower>(localizer_, space_, options_, phase_)) {}

@@ -41,7 +41,7 @@ class TargetFilter {
   // As GridFollower. REQUIRES: source.room has the same localizer and space.
   TargetFilter(std::shared_ptr<const Localizer> localizer,
                std::shared_ptr<const FreeSpace> space,
-               const TrackOptions& options,
+               TrackOptions options,
                Duration phase,
                CloudSource source);
 

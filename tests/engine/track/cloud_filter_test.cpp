@@ -18,9 +18,9 @@ using std::chrono::milliseconds;
 constexpr std::uint64_t kSeed = 77;
 
 std::shared_ptr<const Localizer> localizer() {
-  static const auto made = std::make_shared<const Localizer>(
+  static const auto kMade = std::make_shared<const Localizer>(
       *Localizer::create(std::make_shared<const RoomModel>(test::make_room()), {}));
-  return made;
+  return kMade;
 }
 
 // All cells are free; x = `wall` cannot be passed.

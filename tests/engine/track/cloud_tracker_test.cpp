@@ -383,10 +383,12 @@ std::vector<double> bytes_of(const std::shared_ptr<const Localizer>& of, const B
   std::vector<DeviceUpdate> updates;
   for (int ms = 0; ms <= 1500; ms += 50) {
     std::vector<std::vector<CsiFrame>> received;
+    received.reserve(static_cast<std::size_t>(how.devices));
     for (int device = 0; device < how.devices; ++device) {
       received.push_back(frames(of->room(), walker((400 * device + ms) % 2500), ms, 25.0));
     }
     std::vector<DeviceBurst> bursts;
+    bursts.reserve(received.size());
     for (int device = 0; device < how.devices; ++device) {
       bursts.push_back({{{2, 0, 0, 0, 0, static_cast<std::uint8_t>(device)}},
                         received[static_cast<std::size_t>(device)]});

@@ -34,7 +34,7 @@ class SitesOfAConfig : public ::testing::Test {
  protected:
   SitesOfAConfig()
       : file_(fs::path(::testing::TempDir()) / ("sites-" + std::to_string(getpid()) + ".toml")) {}
-  ~SitesOfAConfig() override { fs::remove(file_); }
+  void TearDown() override { fs::remove(file_); }
 
   Expected<DaemonSetup> load(const std::string& text) {
     std::ofstream(file_) << text;

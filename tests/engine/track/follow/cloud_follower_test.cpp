@@ -19,13 +19,13 @@ using std::chrono::milliseconds;
 constexpr int kStep = 100;  // [ms], between two moments
 
 std::shared_ptr<const Localizer> localizer() {
-  static const auto made = std::make_shared<const Localizer>(
+  static const auto kMade = std::make_shared<const Localizer>(
       *Localizer::create(std::make_shared<const RoomModel>(test::make_room()), {}));
-  return made;
+  return kMade;
 }
 
 std::shared_ptr<const CloudRoom> room() {
-  static const auto made = [] {
+  static const auto kMade = [] {
     std::vector<Vec3d> access_points;
     for (const RoomAccessPoint& ap : localizer()->room().access_points) {
       access_points.push_back(ap.array.pose.position);
@@ -34,7 +34,7 @@ std::shared_ptr<const CloudRoom> room() {
                            std::make_shared<const FreeSpace>(make_free_space(
                                *localizer()->room().scene, localizer()->grid(), access_points)));
   }();
-  return made;
+  return kMade;
 }
 
 // To and fro, so that each moment is new.
