@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kLengthX = 10.8;  // [m]
 constexpr double kLengthY = 5.6;
-constexpr double kHeight = 3.0;
+constexpr double kRoomHeight = 3.0;
 constexpr double kWall = 0.2;
 constexpr double kDeviceHeight = 1.2;
 constexpr double kClearance = 0.05;
@@ -19,11 +19,11 @@ constexpr double kClearance = 0.05;
 const std::vector<SceneBox>& boxes() {
   static const std::vector<SceneBox> kBoxes = {
       {"floor", "concrete", {0, 0, -kWall}, {kLengthX, kLengthY, 0}},
-      {"ceiling", "ceiling_board", {0, 0, kHeight}, {kLengthX, kLengthY, kHeight + kWall}},
-      {"west", "concrete", {-kWall, 0, 0}, {0, kLengthY, kHeight}},
-      {"east", "plasterboard", {kLengthX, 0, 0}, {kLengthX + kWall, kLengthY, kHeight}},
-      {"south", "concrete", {0, -kWall, 0}, {kLengthX, 0, kHeight}},
-      {"north", "plasterboard", {0, kLengthY, 0}, {kLengthX, kLengthY + kWall, kHeight}},
+      {"ceiling", "ceiling_board", {0, 0, kRoomHeight}, {kLengthX, kLengthY, kRoomHeight + kWall}},
+      {"west", "concrete", {-kWall, 0, 0}, {0, kLengthY, kRoomHeight}},
+      {"east", "plasterboard", {kLengthX, 0, 0}, {kLengthX + kWall, kLengthY, kRoomHeight}},
+      {"south", "concrete", {0, -kWall, 0}, {kLengthX, 0, kRoomHeight}},
+      {"north", "plasterboard", {0, kLengthY, 0}, {kLengthX, kLengthY + kWall, kRoomHeight}},
       {"west island", "chipboard", {2.0, 1.9, 0}, {4.6, 3.1, 0.9}},
       {"east island", "chipboard", {5.8, 1.9, 0}, {8.4, 3.1, 0.9}},
       {"west shelf", "wood", {2.0, 2.4, 1.3}, {4.6, 2.6, 1.7}},
