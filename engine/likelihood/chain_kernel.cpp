@@ -17,7 +17,6 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 constexpr float kMinPower = 1e-12F;  // a ratio, chosen: keeps divisions from zero
 
-HWY_INLINE Complex zero() { return {hn::Zero(kLanes), hn::Zero(kLanes)}; }
 HWY_INLINE void store(const Complex& value, std::size_t t, LaneSums& sums) {
   hn::StoreU(value.re, kLanes, sums.re.data() + t);
   hn::StoreU(value.im, kLanes, sums.im.data() + t);
@@ -50,7 +49,7 @@ void whiten_chains(const std::complex<float>* whitener,
       const std::size_t last = i / of_chain;
       std::array<Complex, kMaxChains> u;
       for (std::size_t m = 0; m <= last; ++m) {
-        u[m] = zero();
+        u[m] = no_sum();
         const std::size_t end = m == last ? i + 1 : (m + 1) * of_chain;
         for (std::size_t j = m * of_chain; j < end; ++j, ++w) {
           const Complex x = {hn::LoadU(kLanes, re[j].data() + t),
@@ -94,12 +93,12 @@ HWY_INLINE Others others_of(const ChainProducts& products,
   for (std::size_t m = last; m-- > 1; state /= question.turns.size()) {
     z[m] = question.turns[state % question.turns.size()];
   }
-  Others sum = {hn::LoadU(kLanes, products.power[last].data() + t), zero(), zero()};
+  Others sum = {hn::LoadU(kLanes, products.power[last].data() + t), no_sum(), no_sum()};
   for (std::size_t n = 0; n < last; ++n) {
     sum.power = hn::Add(sum.power, hn::LoadU(kLanes, products.power[n].data() + t));
     for (std::size_t m = 0; m < n; ++m) {
       const Complex product =
-          add_product(std::conj(z[m]) * z[n], load(products.cross[chain_pair(m, n)], t), zero());
+          add_product(std::conj(z[m]) * z[n], load(products.cross[chain_pair(m, n)], t), no_sum());
       sum.power = hn::MulAdd(hn::Set(kLanes, 2.0F), product.re, sum.power);
     }
     sum.cross =

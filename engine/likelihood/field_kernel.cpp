@@ -29,7 +29,6 @@ HWY_INLINE void store(const Complex& value, LaneSums& to, std::size_t t) {
   hn::StoreU(value.re, kLanes, to.re.data() + t);
   hn::StoreU(value.im, kLanes, to.im.data() + t);
 }
-HWY_INLINE Complex nothing() { return {hn::Zero(kLanes), hn::Zero(kLanes)}; }
 // sum + a x
 template <class D, class P>
 HWY_INLINE P add_times(D d, float a_re, float a_im, const P& x, const P& sum) {
@@ -54,7 +53,7 @@ HWY_INLINE void store(const WidePair& value, RaySums& to, std::size_t t) {
   hn::StoreU(value.re, kWide, to.re.data() + t);
   hn::StoreU(value.im, kWide, to.im.data() + t);
 }
-HWY_INLINE WidePair nothing_wide() { return {hn::Zero(kWide), hn::Zero(kWide)}; }
+HWY_INLINE WidePair no_wide_sum() { return {hn::Zero(kWide), hn::Zero(kWide)}; }
 
 void turn_and_whiten(std::span<const std::complex<float>> turn,
                      const Bidiagonal& of,
@@ -63,10 +62,10 @@ void turn_and_whiten(std::span<const std::complex<float>> turn,
                      std::span<LaneSums> out) {
   const std::size_t size = re.size();
   for (std::size_t t = 0; t < kLaneCount; t += hn::Lanes(kLanes)) {
-    Complex before = nothing();
+    Complex before = no_sum();
     for (std::size_t i = 0; i < size; ++i) {
-      Complex even = nothing();
-      Complex odd = nothing();
+      Complex even = no_sum();
+      Complex odd = no_sum();
       const std::complex<float>* row = turn.data() + i * size;
       for (std::size_t j = 0; j < size; ++j) {
         const Complex y{hn::LoadU(kLanes, re[j].data() + t), hn::LoadU(kLanes, im[j].data() + t)};
@@ -84,7 +83,7 @@ void turn_and_whiten(std::span<const std::complex<float>> turn,
 
 void whiten_rays(const Bidiagonal& of, std::span<const RaySums> rays, std::span<RaySums> out) {
   for (std::size_t t = 0; t < kFieldRays; t += hn::Lanes(kWide)) {
-    WidePair before = nothing_wide();
+    WidePair before = no_wide_sum();
     for (std::size_t i = 0; i < rays.size(); ++i) {
       const WideVector below = hn::Set(kWide, i > 0 ? of.below[i - 1] : 0.0F);
       const WidePair next = load(rays[i], t);
@@ -99,10 +98,10 @@ void whiten_rays(const Bidiagonal& of, std::span<const RaySums> rays, std::span<
 void gram_of(std::span<const RaySums> z, FieldTerms& terms) {
   for (std::size_t p = 0; p < terms.rays; p += 4) {
     for (std::size_t t = 0; t < kFieldRays; t += hn::Lanes(kWide)) {
-      WidePair a = nothing_wide();
-      WidePair b = nothing_wide();
-      WidePair c = nothing_wide();
-      WidePair d = nothing_wide();
+      WidePair a = no_wide_sum();
+      WidePair b = no_wide_sum();
+      WidePair c = no_wide_sum();
+      WidePair d = no_wide_sum();
       for (const RaySums& one : z) {
         const WidePair x = load(one, t);
         a = add_times(kWide, one.re[p], -one.im[p], x, a);
@@ -120,8 +119,8 @@ void gram_of(std::span<const RaySums> z, FieldTerms& terms) {
 
 void along_of(std::span<const RaySums> z, std::span<const std::complex<float>> x, RaySums& out) {
   for (std::size_t t = 0; t < kFieldRays; t += hn::Lanes(kWide)) {
-    WidePair even = nothing_wide();
-    WidePair odd = nothing_wide();
+    WidePair even = no_wide_sum();
+    WidePair odd = no_wide_sum();
     for (std::size_t i = 0; i < x.size(); ++i) {
       WidePair& sum = i % 2 == 0 ? even : odd;
       sum = add_conjugate_times(kWide, x[i].real(), x[i].imag(), load(z[i], t), sum);
@@ -171,7 +170,7 @@ HWY_INLINE void take_phasors(const FieldRow& row,
   for (std::size_t p = 0; p < rays; ++p) {
     for (std::size_t t = 0; t < kLaneCount; t += hn::Lanes(kLanes)) {
       const Complex phasor =
-          add_times(kLanes, turn.re[p], turn.im[p], load(row.by_y[p], t), nothing());
+          add_times(kLanes, turn.re[p], turn.im[p], load(row.by_y[p], t), no_sum());
       hn::StoreU(phasor.re, kLanes, out.re[p].data() + first + t);
       hn::StoreU(phasor.im, kLanes, out.im[p].data() + first + t);
     }
@@ -185,8 +184,8 @@ HWY_INLINE WideVector value_of(
   WideVector direct = hn::Zero(kWide);  // twice the terms of the first ray with the others
   for (std::size_t p = 0; p + 1 < terms.rays; ++p) {
     const RaySums& gram = terms.gram[p];
-    WidePair a = nothing_wide();
-    WidePair b = nothing_wide();
+    WidePair a = no_wide_sum();
+    WidePair b = no_wide_sum();
     std::size_t q = p + 1;
     for (; q + 1 < terms.rays; q += 2) {
       a = add_times(kWide, gram.re[q], gram.im[q], phasor.of(q, t), a);
@@ -207,9 +206,9 @@ HWY_INLINE WideVector value_of(
   for (std::size_t k = 0; k < delays; ++k) {
     const RaySums& along = terms.along[k];
     const WidePair first =
-        add_conjugate_times(kWide, along.re[0], along.im[0], phasor.of(0, t), nothing_wide());
+        add_conjugate_times(kWide, along.re[0], along.im[0], phasor.of(0, t), no_wide_sum());
     WidePair even = first;
-    WidePair odd = nothing_wide();
+    WidePair odd = no_wide_sum();
     for (std::size_t p = 1; p < terms.rays; ++p) {
       WidePair& sum = p % 2 == 0 ? even : odd;
       sum = add_conjugate_times(kWide, along.re[p], along.im[p], phasor.of(p, t), sum);

@@ -1,17 +1,23 @@
-// The rays of a place that keep their mean: the strongest ones. The power of all others is unknown.
+// Selects the strongest rays of a place, which keep their mean. All others contribute their power
+// to the covariance.
 //
 // Thread safety: functions of their arguments.
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <vector>
-
-#include <Eigen/Core>
 
 #include "engine/likelihood/observation_model.h"
 #include "engine/likelihood/place_moments.h"
 
 namespace rayloc {
+
+// Indices of the largest powers, largest first: at least one, at most `most`, until the others have
+// at most `left_out` of the sum.
+std::vector<std::size_t> strongest(std::span<const double> power,
+                                   std::size_t most,
+                                   double left_out);
 
 struct KnownRays {
   // Indices, strongest first; the ray that may be obstructed is moved to the front.
@@ -26,12 +32,6 @@ KnownRays known_rays(const ObservationModel& model,
                      const ObservationModel::RayTerms& terms,
                      std::size_t most,
                      double left_out);
-
-// a_p s_p of a ray before the factor of its known part, [antenna][coordinate of one].
-Eigen::VectorXcd array_of(const ObservationModel& model,
-                          const ObservationModel::Place& place,
-                          const ObservationModel::RayTerms& terms,
-                          std::size_t p);
 
 // Second moment about the mean: the unknown part of each ray, and the known part of those that are
 // not in `known`. Sets sigma and diffuse; the mean is zero.

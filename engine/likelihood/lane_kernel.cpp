@@ -16,27 +16,6 @@ HWY_BEFORE_NAMESPACE();
 namespace rayloc::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Four independent sums, to avoid a dependency chain: of a re, b im, a im, b re.
-struct Products {
-  Vector a_re;
-  Vector b_im;
-  Vector a_im;
-  Vector b_re;
-};
-
-HWY_INLINE Products no_products() {
-  const Vector zero = hn::Zero(kLanes);
-  return {zero, zero, zero, zero};
-}
-HWY_INLINE void add(std::complex<float> w, Vector re, Vector im, Products& sums) {
-  const Vector a = hn::Set(kLanes, w.real());
-  const Vector b = hn::Set(kLanes, w.imag());
-  sums.a_re = hn::MulAdd(a, re, sums.a_re);
-  sums.b_im = hn::MulAdd(b, im, sums.b_im);
-  sums.a_im = hn::MulAdd(a, im, sums.a_im);
-  sums.b_re = hn::MulAdd(b, re, sums.b_re);
-}
-
 // Adds one coordinate of W x to |W x|^2 and to the projections; `along` points to that coordinate
 // of the first vector, each following vector `size` elements further.
 HWY_INLINE Vector collect(const Products& sums,
@@ -45,8 +24,7 @@ HWY_INLINE Vector collect(const Products& sums,
                           const std::complex<float>* along,
                           std::size_t size,
                           std::span<LaneSums> projections) {
-  const Vector re = hn::Sub(sums.a_re, sums.b_im);
-  const Vector im = hn::Add(sums.a_im, sums.b_re);
+  const auto [re, im] = sum_of(sums);
   for (std::size_t k = 0; k < projections.size(); ++k) {
     const std::complex<float> v = along[k * size];
     const Vector v_re = hn::Set(kLanes, v.real());
@@ -78,19 +56,17 @@ void whiten(const std::complex<float>* whitener,
       Products first = no_products();
       Products second = no_products();
       for (std::size_t j = 0; j <= i; ++j) {
-        const Vector x_re = hn::LoadU(kLanes, re[j].data() + t);
-        const Vector x_im = hn::LoadU(kLanes, im[j].data() + t);
-        add(row[j], x_re, x_im, first);
+        const Complex x{hn::LoadU(kLanes, re[j].data() + t), hn::LoadU(kLanes, im[j].data() + t)};
+        add(row[j].real(), row[j].imag(), x, first);
         if (is_pair) {
-          add(next[j], x_re, x_im, second);
+          add(next[j].real(), next[j].imag(), x, second);
         }
       }
       power = collect(first, power, t, along.data() + i, size, projections);
       if (is_pair) {
-        add(next[i + 1],
-            hn::LoadU(kLanes, re[i + 1].data() + t),
-            hn::LoadU(kLanes, im[i + 1].data() + t),
-            second);
+        const Complex x{hn::LoadU(kLanes, re[i + 1].data() + t),
+                        hn::LoadU(kLanes, im[i + 1].data() + t)};
+        add(next[i + 1].real(), next[i + 1].imag(), x, second);
         power = collect(second, power, t, along.data() + i + 1, size, projections);
       }
       row = next + i + 2;
@@ -166,6 +142,13 @@ HWY_EXPORT(whiten);
 HWY_EXPORT(add_rotated);
 HWY_EXPORT(at_best_gain);
 
+void fetch_lines(const void* block, std::size_t bytes) {
+  constexpr std::size_t kLine = 64;  // [bytes], of a cache line
+  for (std::size_t i = 0; i < bytes; i += kLine) {
+    __builtin_prefetch(static_cast<const std::byte*>(block) + i);
+  }
+}
+
 }  // namespace
 
 LaneRow whiten(const std::complex<float>* whitener,
@@ -187,11 +170,10 @@ LaneRow whiten(const std::complex<float>* whitener,
 }
 
 void fetch(std::span<const std::complex<float>> whitener) {
-  constexpr std::size_t kLine = 64 / sizeof(std::complex<float>);  // of a cache line
-  for (std::size_t i = 0; i < whitener.size(); i += kLine) {
-    __builtin_prefetch(whitener.data() + i);
-  }
+  fetch_lines(whitener.data(), whitener.size_bytes());
 }
+
+void fetch(std::span<const float> block) { fetch_lines(block.data(), block.size_bytes()); }
 
 LaneRow at_best_gain(const LaneRow& power, const LaneSums& along, std::size_t dimension) {
   LaneRow values{};

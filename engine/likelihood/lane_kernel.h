@@ -30,6 +30,7 @@ LaneRow whiten(const std::complex<float>* whitener,
 // Prefetches a triangle into the processor's caches while another one is in use: the triangles of
 // all places of a room exceed the cache size.
 void fetch(std::span<const std::complex<float>> whitener);
+void fetch(std::span<const float> block);  // any block of memory
 
 // 2 D ln r - r^2 a + 2 r |b| per lane at its maximum over r, with a = power > 0 and b = along.
 LaneRow at_best_gain(const LaneRow& power, const LaneSums& along, std::size_t dimension);

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <utility>
 
 #include "engine/base/check.h"
 #include "engine/likelihood/gain_profile.h"
 #include "engine/likelihood/gaussian/whitened_gaussian.h"
+#include "engine/likelihood/known_rays.h"
 #include "engine/likelihood/min_power.h"
 
 namespace rayloc {
@@ -58,7 +58,7 @@ NearbyLikelihood::NearbyLikelihood(const ObservationModel& observation_model,
     }
   }
   single_means_.assign(means_.begin(), means_.end());
-  keep_strongest(place, std::move(power));
+  keep_strongest(place, power);
   const std::size_t best = best_delay(model, observed);
   const std::size_t first = best > kDelaysBeside ? best - kDelaysBeside : 0;
   const std::size_t last = std::min(best + kDelaysBeside, ObservedArray::kDelays - 1);
@@ -89,21 +89,10 @@ NearbyLikelihood::NearbyLikelihood(const ObservationModel& observation_model,
 
 // Most rays are uncertain or weak: the neglected power is far below the noise.
 void NearbyLikelihood::keep_strongest(const ObservationModel::Place& place,
-                                      std::vector<double> power) {
-  std::vector<std::size_t> order(power.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return power[a] > power[b];
-  });
-  double left = std::accumulate(power.begin(), power.end(), 0.0);
-  const double least = kNearbyLeftOut * left;
-  std::size_t kept = 0;
-  while (kept < order.size() && left > least) {
-    left -= power[order[kept++]];
-  }
+                                      std::span<const double> power) {
+  const std::vector<std::size_t> kept = strongest(power, power.size(), kNearbyLeftOut);
   for (std::size_t m = 0; m < place.element_offset.size(); ++m) {
-    for (std::size_t i = 0; i < kept; ++i) {
-      const std::size_t p = order[i];
+    for (const std::size_t p : kept) {
       sources_.push_back({image_of(place.rays[p], place.element_offset[m]), m, p * coordinates_});
     }
   }

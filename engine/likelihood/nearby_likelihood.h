@@ -99,7 +99,7 @@ class NearbyLikelihood {
     std::complex<double> raised, raised_again, raised_x, raised_y;
   };
 
-  void keep_strongest(const ObservationModel::Place& place, std::vector<double> power);
+  void keep_strongest(const ObservationModel::Place& place, std::span<const double> power);
   Turning turning_of(const Source& source, const Lattice& lattice, const Heights& heights) const;
   static void take_turns(const Lattice& lattice, std::vector<Turning>& turnings, Turns& turns);
   void values_on(const Lattice& lattice, const Turns& turns, std::span<double> values) const;

@@ -21,6 +21,7 @@ using Eigen::Index;
 
 // Earliest and latest delay of the strongest echo after the first ray.
 constexpr double kEarliest = -12e-9;
+constexpr double kDelayStep = 1.5e-9;  // [s], from one delay of ObservedArray to the next
 // Decays between the tabulated ones, which are kDiffuseDecay times powers of 2^(1/4), are mixtures
 // of the two neighbours.
 constexpr int kDecaysBelow = 8;
@@ -193,6 +194,21 @@ ObservationModel::RayTerms ObservationModel::ray_terms(const Place& place,
   return terms;
 }
 
+void ObservationModel::put_array(const Place& place,
+                                 const RayTerms& terms,
+                                 std::size_t p,
+                                 std::span<Value> s) const {
+  const Ray& ray = place.rays[p];
+  const std::size_t q = basis_.size();
+  for (std::size_t m = 0; m < antennas_; ++m) {
+    const double length = norm(ray.length * ray.at_array - place.element_offset[m]);
+    const Value phase = std::polar(1.0, -wave_number_ * (length - terms.first_length));
+    for (std::size_t i = 0; i < q; ++i) {
+      s[m * q + i] = phase * terms.tone[p * q + i];
+    }
+  }
+}
+
 std::size_t ObservationModel::obstructable(std::span<const Ray> rays) const {
   if (knowledge_ != PathKnowledge::kPartial || rays.size() < 2) {
     return rays.size();
@@ -213,21 +229,13 @@ PlaceMean ObservationModel::add_rays(const Place& place,
                                      PlaceMoments& moments) const {
   RAYLOC_CHECK(place.element_offset.size() == antennas_);
   const RayTerms terms = ray_terms(place, error);
-  const std::size_t q = basis_.size();
   const auto size = static_cast<Index>(dimension());
   PlaceMean mean{Eigen::VectorXcd::Zero(size), {}};
   Eigen::MatrixXcd unknown(size, static_cast<Index>(place.rays.size()));
   const std::size_t obstructable = this->obstructable(place.rays);
   for (std::size_t p = 0; p < place.rays.size(); ++p) {
-    const Ray& ray = place.rays[p];
     auto s = unknown.col(static_cast<Index>(p));
-    for (std::size_t m = 0; m < antennas_; ++m) {
-      const double length = norm(ray.length * ray.at_array - place.element_offset[m]);
-      const Value phase = std::polar(1.0, -wave_number_ * (length - terms.first_length));
-      for (std::size_t i = 0; i < q; ++i) {
-        s(static_cast<Index>(m * q + i)) = phase * terms.tone[p * q + i];
-      }
-    }
+    put_array(place, terms, p, {s.data(), dimension()});
     mean.all += terms.parts[p].known * s;
     if (p == obstructable) {
       mean.direct = terms.parts[p].known * s;
@@ -339,7 +347,7 @@ ObservedArray ObservationModel::observe(std::span<const Value> h) const {
   std::vector<Value> step(tones);
   for (std::size_t k = 0; k < tones; ++k) {
     const double w = 2.0 * std::numbers::pi * grid_.offset_hz(k);
-    step[k] = std::polar(1.0, -w * ObservedArray::kDelayStep);
+    step[k] = std::polar(1.0, -w * kDelayStep);
     const Value turn = std::polar(scale, w * start);
     for (std::size_t m = 0; m < antennas_; ++m) {
       moved[m * tones + k] *= turn;

@@ -99,6 +99,11 @@ class ObservationModel {
     double first_length = 0.0;  // [m], of the ray that arrives first; the reference of phases
   };
   RayTerms ray_terms(const Place& place, const ModelError& error) const;
+  // s: a_p s_p of a ray before the factor of its known part, [antenna][coordinate of one].
+  void put_array(const Place& place,
+                 const RayTerms& terms,
+                 std::size_t p,
+                 std::span<std::complex<double>> s) const;
   double wave_number() const { return wave_number_; }  // [rad/m]
   // Index of the ray that may be obstructed: the line of sight, if there are other rays and means
   // are partially known. Otherwise rays.size().

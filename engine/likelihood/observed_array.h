@@ -19,8 +19,7 @@ namespace rayloc {
 struct ObservedArray {
   static constexpr std::size_t kStride = 4;            // from one coarse delay to the next
   static constexpr std::size_t kWindows = kLaneCount;  // a count: a coarse delay for each lane
-  static constexpr std::size_t kDelays = kStride * kWindows;  // a count, kDelayStep apart
-  static constexpr double kDelayStep = 1.5e-9;                // [s]
+  static constexpr std::size_t kDelays = kStride * kWindows;  // a count
   using Row = LaneRow;
   struct Block {
     std::vector<Row> re;  // [coordinate][delay]

@@ -102,7 +102,9 @@ RayField ray_field(const ObservationModel& model,
   for (std::size_t n = 0; n < field.rays; ++n) {
     const std::size_t p = covariance.known[n];
     const Ray& ray = place.rays[p];
-    const Eigen::VectorXcd v = terms.parts[p].known * array_of(model, place, terms, p);
+    Eigen::VectorXcd v(static_cast<Index>(size));
+    model.put_array(place, terms, p, {v.data(), size});
+    v *= terms.parts[p].known;
     WorkDone::add(8 * size * size, size * (size + 4) * sizeof(std::complex<float>));
     for (std::size_t i = 0; i < size; ++i) {
       std::complex<float> sum;

@@ -319,11 +319,8 @@ std::shared_ptr<const PlaceBox> AccessPointMap::place_box(std::uint32_t box,
                noise_class < kNoiseClasses);
   const std::size_t number =
       std::size_t{box} * kNoiseClasses + static_cast<std::size_t>(noise_class);
-  return place_boxes_->get(number, [&]() -> PlaceBox {
+  return place_boxes_->get(number, [&] {
     const std::size_t cell = box_lattice_.cell(box);
-    if (tracing_->rays[cell].empty()) {
-      return {};
-    }
     const Vec3d shift = box_lattice_.middle(box) - source_.grid.centre(cell);
     const std::vector<Ray> rays = rays_at(cell, shift.z);
     const double wavelength = wavelength_of(*source_.room);
@@ -335,7 +332,7 @@ std::shared_ptr<const PlaceBox> AccessPointMap::place_box(std::uint32_t box,
         model_,
         {rays, offsets_, NearbyLikelihood::kPlaceDistance * wavelength, 0.0, height},
         error,
-        {{shift.x, shift.y, 0.0}, box_lattice_.half()});
+        {shift, box_lattice_.half()});
   });
 }
 

@@ -10,7 +10,9 @@ namespace {
 
 constexpr double kBoxSide = 0.1;    // [m], chosen: the covariance hardly changes over a box
 constexpr double kBoxHeight = 0.3;  // [m], chosen: directions change less with the height
-constexpr double kRoundUp = 0.3;  // a share of a cell, chosen: a box is rather wider than narrower
+// A share of a cell, chosen: a box is wider than kBoxSide by at most this. Cells wider than
+// kBoxSide are boxes of their own.
+constexpr double kRoundUp = 0.3;
 
 // Index of a coordinate among `count` steps from `first` on; count: outside.
 std::size_t step_of(float at, double first, double step, std::size_t count) {
@@ -42,16 +44,8 @@ BoxLattice::BoxLattice(const Grid& grid) : grid_(grid) {
   RAYLOC_CHECK(size() < kNone);
 }
 
-std::size_t BoxLattice::cell_at(float x, float y) const {
-  const std::size_t at_x =
-      step_of(x, grid_.first.x - 0.5 * grid_.step_x, grid_.step_x, grid_.count_x);
-  const std::size_t at_y =
-      step_of(y, grid_.first.y - 0.5 * grid_.step_y, grid_.step_y, grid_.count_y);
-  return at_x < grid_.count_x && at_y < grid_.count_y ? at_x * grid_.count_y + at_y : grid_.size();
-}
-
 std::uint32_t BoxLattice::box_at(float x, float y, float z) const {
-  const std::size_t cell = cell_at(x, y);
+  const std::size_t cell = grid_.cell_at(static_cast<double>(x), static_cast<double>(y));
   const std::size_t layer = is_height_known() ? 0 : step_of(z, low_, thickness_, layers_);
   if (cell == grid_.size() || layer == layers_) {
     return kNone;

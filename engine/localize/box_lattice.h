@@ -21,8 +21,7 @@ class BoxLattice {
   // The box of a position [m], world axes; kNone outside the grid or its heights. At a known height
   // z is ignored.
   std::uint32_t box_at(float x, float y, float z) const;
-  std::size_t cell_at(float x, float y) const;  // of the grid; grid().size() outside
-  Vec3d middle(std::uint32_t box) const;        // [m], of the cells that the box has
+  Vec3d middle(std::uint32_t box) const;  // [m], of the cells that the box has
   Vec3d half() const;  // half of the sides of a box inside the grid [m]; z = 0 at a known height
   // The cell whose rays the box has: that nearest to its middle.
   std::size_t cell(std::uint32_t box) const;

@@ -2,14 +2,15 @@
 
 #include <algorithm>
 #include <bit>
+#include <utility>
 
 #include "engine/base/check.h"
+#include "engine/likelihood/lane_kernel.h"
 
 namespace rayloc {
 namespace {
 
 constexpr std::size_t kFetchAhead = 2;  // a count, chosen: boxes prefetched before they are needed
-constexpr std::size_t kPadding = 8;     // a count: lanes of a later loop over the places
 
 }  // namespace
 
@@ -27,7 +28,8 @@ PlaceSearch::PlaceSearch(const RoomObservation& observation, double likelihood_e
     Moment moment{&one, delay_rows(one.observed.array, one.h.size()), 0, 0.0F};
     const auto noise = static_cast<double>(moment.rows.noise);
     moment.noise_class = noise_class_of(noise, one.map->access_point().error.noise);
-    // With the same noise as the boxes: that of a single frame from its tones is too large.
+    // The class of the boxes follows from the same noise. The noise estimated from the tones of a
+    // single frame is too large.
     ObservedBurst observed = one.observed;
     observed.array.noise = noise;
     moment.null_model = static_cast<float>(one.map->null_model(observed));
@@ -135,7 +137,7 @@ void PlaceSearch::evaluate(const Moment& moment, Spread spread) {
   }
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     if (g + kFetchAhead < groups_.size()) {
-      fetch_box(*found_[g + kFetchAhead]);
+      fetch(found_[g + kFetchAhead]->block());
     }
     if (g != lead) {
       evaluate_box(moment, g, hint);
@@ -158,7 +160,7 @@ void PlaceSearch::evaluate_box(const Moment& moment,
   const BoxPlaces places{std::span(x_).subspan(one.first, one.count),
                          std::span(y_).subspan(one.first, one.count),
                          std::span(z_).subspan(one.first, one.count)};
-  evaluate_places_of_box(box, burst_, places, true, values);
+  evaluate_places_of_box(box, burst_, places, values);
   for (float& value : values) {
     value -= moment.null_model;
   }
@@ -168,14 +170,15 @@ void PlaceSearch::evaluate_box(const Moment& moment,
 void PlaceSearch::take_values(const Moment& moment,
                               const SearchedPlaces& places,
                               std::vector<float>& out) {
-  out.assign((places.x.size() + kPadding - 1) / kPadding * kPadding, kNotCompared);
+  out.assign((places.x.size() + kLaneCount - 1) / kLaneCount * kLaneCount, kNotCompared);
   const ArrayObservation& array = *moment.array;
-  const BoxLattice& lattice = array.map->box_lattice();
+  const Grid& grid = array.map->box_lattice().grid();
   for (std::size_t at = 0; at < order_.size(); ++at) {
     const std::size_t i = order_[at];
     out[i] = values_[at];
     if (!array.power_log_likelihood.empty()) {
-      const std::size_t cell = lattice.cell_at(places.x[i], places.y[i]);
+      const std::size_t cell =
+          grid.cell_at(static_cast<double>(places.x[i]), static_cast<double>(places.y[i]));
       RAYLOC_CHECK(cell < array.power_log_likelihood.size());
       out[i] += static_cast<float>(array.power_log_likelihood_at(cell, likelihood_exponent_));
     }

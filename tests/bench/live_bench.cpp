@@ -23,7 +23,6 @@
 #include <ctime>
 #include <functional>
 #include <memory>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -32,13 +31,13 @@
 #include <tbb/global_control.h>
 
 #include "engine/base/work_done.h"
-#include "engine/likelihood/lane_kernel.h"
 #include "engine/localize/localizer.h"
 #include "engine/track/device_tracker.h"
 #include "tests/bench/core_limits.h"
 #include "tests/bench/hall_room.h"
 #include "tests/bench/laboratory_room.h"
 #include "tests/bench/memory.h"
+#include "tests/bench/thousand_cells.h"
 #include "tests/support/synthetic_room.h"
 
 namespace rayloc::bench {
@@ -106,25 +105,13 @@ struct Cost {
   }
 };
 
-// The time of whitening a thousand cells that are adjacent in memory [ms].
+// The time of whitening a thousand cells [ms].
 double thousand_cells(std::size_t dimension) {
-  constexpr std::size_t kCells = 1000;
-  const std::size_t terms = dimension * (dimension + 1) / 2;
-  const std::vector<std::complex<float>> w(kCells * terms, {0.5F, 0.25F});
-  const std::vector<std::complex<float>> along(2 * dimension, {0.5F, 0.5F});
-  LaneRow row;
-  row.fill(0.25F);
-  const std::vector<LaneRow> y(dimension, row);
+  const ThousandCells cells(dimension);
   Cost cost;
   for (int repeat = 0; repeat < 5; ++repeat) {
     cost.ms.push_back(cpu_ms([&] {
-      float sum = 0.0F;
-      for (std::size_t n = 0; n < kCells; ++n) {
-        fetch(std::span(w).subspan((n + 1) % kCells * terms, terms));
-        std::array<LaneSums, 2> sums;
-        sum += whiten(w.data() + n * terms, y, y, along, sums)[0];
-      }
-      volatile float keep = sum;
+      volatile float keep = cells.whiten_all();
       static_cast<void>(keep);
     }));
   }

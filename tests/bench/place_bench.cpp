@@ -6,11 +6,10 @@
 // Build with the release preset and -DRAYLOC_BENCHMARKS=ON.
 #include <benchmark/benchmark.h>
 
-#include <algorithm>
 #include <array>
-#include <complex>
+#include <cstddef>
 #include <cstdio>
-#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -20,6 +19,7 @@
 #include "engine/trace/path_tracer.h"
 #include "tests/bench/best_times.h"
 #include "tests/bench/laboratory_room.h"
+#include "tests/bench/thousand_cells.h"
 #include "tests/support/synthetic_room.h"
 
 namespace rayloc::bench {
@@ -73,8 +73,8 @@ const Prepared& prepared() {
   return kPrepared;
 }
 
-// Arguments: places a box, boxes in turn. As a moment of a track: prefetched, with a hint, line of
-// sight clear.
+// Arguments: places a box, boxes in turn. As a moment of a track: prefetched, with a hint, and the
+// obstructed case as well.
 void BM_Box(benchmark::State& state) {
   const Prepared& p = prepared();
   const auto places = static_cast<std::size_t>(state.range(0));
@@ -85,9 +85,9 @@ void BM_Box(benchmark::State& state) {
   for (auto _ : state) {
     const PlaceBox& box = p.boxes[next];
     next = next + 1 < boxes ? next + 1 : 0;
-    fetch_box(p.boxes[next + 1 < boxes ? next + 1 : 0]);
+    fetch(p.boxes[next + 1 < boxes ? next + 1 : 0].block());
     whiten_delays_of_box(box, p.rows, p.delay, burst);
-    evaluate_places_of_box(box, burst, p.places(places), false, std::span(values).first(places));
+    evaluate_places_of_box(box, burst, p.places(places), std::span(values).first(places));
     benchmark::DoNotOptimize(values);
   }
 }
@@ -126,22 +126,10 @@ void BM_MakeABox(benchmark::State& state) {
 }
 BENCHMARK(BM_MakeABox)->Unit(benchmark::kMicrosecond)->Repetitions(5);
 
-// Eight delays and two means each, cells beside each other in memory.
 void BM_ThousandCells(benchmark::State& state) {
-  constexpr std::size_t kCells = 1000;
-  const std::size_t dimension = prepared().rows.coordinates();
-  const std::size_t terms = dimension * (dimension + 1) / 2;
-  const std::vector<std::complex<float>> w(kCells * terms, {0.5F, 0.25F});
-  const std::vector<std::complex<float>> along(2 * dimension, {0.5F, 0.5F});
-  LaneRow row;
-  row.fill(0.25F);
-  const std::vector<LaneRow> y(dimension, row);
+  const ThousandCells cells(prepared().rows.coordinates());
   for (auto _ : state) {
-    for (std::size_t n = 0; n < kCells; ++n) {
-      fetch(std::span(w).subspan((n + 1) % kCells * terms, terms));
-      std::array<LaneSums, 2> sums;
-      benchmark::DoNotOptimize(whiten(w.data() + n * terms, y, y, along, sums));
-    }
+    benchmark::DoNotOptimize(cells.whiten_all());
   }
 }
 BENCHMARK(BM_ThousandCells)->Unit(benchmark::kMicrosecond)->Repetitions(5);

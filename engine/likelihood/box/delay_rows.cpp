@@ -18,7 +18,6 @@ DelayRows delay_rows(const ObservedArray& observed, std::size_t values) {
       rows.im[i][t] = value.imag();
     }
   }
-  rows.captured = static_cast<float>(observed.captured);
   rows.noise =
       static_cast<float>(noise_outside_basis(observed.captured, observed.coordinates(), values));
   return rows;

@@ -16,8 +16,7 @@ struct DelayRows {
   using Row = std::array<float, ObservedArray::kDelays>;
   std::vector<Row> re;  // [coordinate][delay]
   std::vector<Row> im;
-  float captured = 0.0F;  // as ObservedArray::captured
-  float noise = 0.0F;     // as ModelError::noise, from the power outside the basis
+  float noise = 0.0F;  // as ModelError::noise, from the power outside the basis
 
   std::size_t coordinates() const { return re.size(); }
 };

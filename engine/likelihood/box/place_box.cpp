@@ -148,7 +148,6 @@ PlaceBox place_box(const ObservationModel& model,
   const double turns_per_metre = k / (2.0 * std::numbers::pi);
   const double phase = fraction_of(-terms.first_length * turns_per_metre);
   box.turns_per_metre = static_cast<float>(turns_per_metre);
-  box.first_length = static_cast<float>(terms.first_length);
   box.has_direct = known.has_direct;
   box.has_wide_slopes = has_wide_slope(images, k, shape.half);
   PlaceMoments moments = unknown_moments(model, place, error, terms, known);

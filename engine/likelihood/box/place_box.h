@@ -2,8 +2,8 @@
 // 10 cm x 0.3 m: one covariance, and rays whose phases follow the place.
 //
 // The strongest rays keep their mean; of the others only the power is known. The image of each
-// antenna is fixed over the box, so the length of a ray is exact at the first antenna. The other
-// antennas follow to first order, or exactly where they are too close for that.
+// antenna is fixed over the box, so the length of a ray is exact at the first antenna. The length
+// at the other antennas is to first order, or exact if the device is too close for that.
 //
 // A burst has noise of its own. A box is made for a class of it, so that boxes can be kept and
 // shared, whatever the bursts are.
@@ -37,14 +37,14 @@ double noise_of_class(int noise_class, double model_noise);
 
 // One block of memory:
 //   rays      [ray]{ image x y z [m], its square [m^2], phase [turns],
-//                    then for each antenna but the first { turn re im, slope x y z [rad/m] } }
+//                    then for each antenna but the first { rotation re im, slope x y z [rad/m] } }
 //   means     [ray][coordinate of one antenna]{re, im}, c_p a_p s_p without any phase of a length
 //   whitener  a triangle by rows {re, im}
 //   middle    W mu of the middle, line of sight clear, [coordinate]{re, im}
 // Phasor of ray p at the first antenna, `d` from the middle of the box: exp(-2 pi j (sqrt(square -
-// 2 image d + d^2) / wavelength + phase)). At antenna m it is that times turn_m exp(j slope_m d),
-// with turn_m = exp(-j k (l_m - l_0)) and slope_m = k (e_m - e_0). With has_wide_slopes each other
-// antenna has { image x y z, its square, phase } in place of its turn and slope.
+// 2 image d + d^2) / wavelength + phase)). At antenna m it is that times rotation_m exp(j slope_m
+// d), with rotation_m = exp(-j k (l_m - l_0)) and slope_m = k (e_m - e_0). With has_wide_slopes
+// each other antenna has { image x y z, its square, phase } in place of its rotation and slope.
 class PlaceBox {
  public:
   struct Size {
@@ -74,7 +74,6 @@ class PlaceBox {
   static std::size_t floats_of(const Size& size);
 
   float turns_per_metre = 0.0F;  // 1 / wavelength
-  float first_length = 0.0F;     // [m], the reference of phases
   float log_determinant = 0.0F;
   bool has_direct = false;       // ray 0 may be obstructed
   bool has_wide_slopes = false;  // |slope d| may exceed kMaxSlopePhase at a corner

@@ -19,7 +19,7 @@ HWY_BEFORE_NAMESPACE();
 namespace rayloc::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// A complex number for each lane, in one cache line.
+// As LaneSums, in one cache line and not initialized: a box has 16 kB of them.
 struct alignas(64) BoxLanes {
   std::array<float, kLaneCount> re;
   std::array<float, kLaneCount> im;
@@ -34,7 +34,6 @@ HWY_INLINE void put_box_lanes(const Complex& value, BoxLanes& to) {
   hn::StoreU(value.re, kLanes, to.re.data());
   hn::StoreU(value.im, kLanes, to.im.data());
 }
-HWY_INLINE Complex box_zero() { return {hn::Zero(kLanes), hn::Zero(kLanes)}; }
 // sum + a b
 HWY_INLINE Complex add_box_times(const Complex& a, const float* b, const Complex& sum) {
   const Vector re = hn::Set(kLanes, b[0]);
@@ -68,7 +67,7 @@ HWY_INLINE Vector box_step(Vector x, Vector u, float next) {
 
 // exp(-2 pi j x), x in turns, |x| < 2^20. Half turns are removed by rounding to a multiple of one
 // half, whose lowest bit becomes the sign.
-HWY_INLINE Complex box_turn(Vector x) {
+HWY_INLINE Complex box_phasor(Vector x) {
   const Vector magic = hn::Set(kLanes, 12582912.0F);  // 1.5 * 2^23
   const Vector shifted = hn::Add(hn::Add(x, x), magic);
   const Vector halves = hn::Sub(shifted, magic);
@@ -91,7 +90,7 @@ HWY_INLINE Complex box_turn(Vector x) {
 }
 
 // exp(j x), |x| [rad] at most kMaxSlopePhase or little more.
-HWY_INLINE Complex small_box_turn(Vector x) {
+HWY_INLINE Complex small_box_phasor(Vector x) {
   const Vector u = hn::Mul(x, x);
   Vector sine = hn::Set(kLanes, -1.9840874e-4F);
   sine = box_step(sine, u, 8.3333310e-3F);
@@ -116,7 +115,7 @@ HWY_INLINE Complex phasor_of_image(const float* image, const BoxOffsets& d, Vect
   const Vector square = hn::Add(d.square, hn::Set(kLanes, image[3]));
   const Vector dot = along_box(image, d);
   const Vector length = hn::Sqrt(hn::Sub(square, hn::Add(dot, dot)));
-  return box_turn(hn::MulAdd(length, per_metre, hn::Set(kLanes, image[4])));
+  return box_phasor(hn::MulAdd(length, per_metre, hn::Set(kLanes, image[4])));
 }
 
 // Phasors of all rays at all antennas.
@@ -133,10 +132,10 @@ HWY_INLINE void take_box_phasors(const PlaceBox& box, const BoxOffsets& d, BoxPh
         put_box_lanes(phasor_of_image(of, d, per_metre), out[m][p]);
         continue;
       }
-      const Complex slope = small_box_turn(along_box(of + 2, d));
+      const Complex slope = small_box_phasor(along_box(of + 2, d));
       const Complex both{hn::NegMulAdd(first.im, slope.im, hn::Mul(first.re, slope.re)),
                          hn::MulAdd(first.im, slope.re, hn::Mul(first.re, slope.im))};
-      put_box_lanes(add_box_times(both, of, box_zero()), out[m][p]);
+      put_box_lanes(add_box_times(both, of, no_sum()), out[m][p]);
     }
   }
 }
@@ -157,12 +156,12 @@ HWY_INLINE void take_box_mean(const PlaceBox& box,
   const std::size_t stride = 2 * box.size().coordinates;
   const float* mean = box.mean(0) + 2 * first;
   for (std::size_t p = 0; p < rays; ++p, mean += stride) {
-    const Complex turn = of_box_lanes(phasors[p]);
+    const Complex phasor = of_box_lanes(phasors[p]);
     for (std::size_t i = 0; i < kCount; ++i) {
       const Vector a = hn::Set(kLanes, mean[2 * i]);
       const Vector b = hn::Set(kLanes, mean[2 * i + 1]);
-      sum_re[i] = hn::NegMulAdd(turn.im, b, hn::MulAdd(turn.re, a, sum_re[i]));
-      sum_im[i] = hn::MulAdd(turn.im, a, hn::MulAdd(turn.re, b, sum_im[i]));
+      sum_re[i] = hn::NegMulAdd(phasor.im, b, hn::MulAdd(phasor.re, a, sum_re[i]));
+      sum_im[i] = hn::MulAdd(phasor.im, a, hn::MulAdd(phasor.re, b, sum_im[i]));
     }
   }
   for (std::size_t i = 0; i < kCount; ++i) {
@@ -190,36 +189,13 @@ HWY_INLINE void take_box_means(const PlaceBox& box, const BoxPhasors& phasors, B
 HWY_INLINE void obstruct_box(const PlaceBox& box, const BoxPhasors& phasors, BoxVectors& mean) {
   const std::size_t q = box.size().coordinates;
   for (std::size_t m = 0; m < box.size().antennas; ++m) {
-    const Complex turn = of_box_lanes(phasors[m][0]);
+    const Complex phasor = of_box_lanes(phasors[m][0]);
     for (std::size_t i = 0; i < q; ++i) {
       const Complex all = of_box_lanes(mean[m * q + i]);
-      const Complex direct = add_box_times(turn, box.mean(0) + 2 * i, box_zero());
+      const Complex direct = add_box_times(phasor, box.mean(0) + 2 * i, no_sum());
       put_box_lanes({hn::Sub(all.re, direct.re), hn::Sub(all.im, direct.im)}, mean[m * q + i]);
     }
   }
-}
-
-// Four independent sums of a row of the triangle, to avoid a dependency chain.
-struct BoxProducts {
-  Vector a_re;
-  Vector b_im;
-  Vector a_im;
-  Vector b_re;
-};
-HWY_INLINE BoxProducts no_box_products() {
-  const Vector zero = hn::Zero(kLanes);
-  return {zero, zero, zero, zero};
-}
-HWY_INLINE void add_box_product(const float* w, const Complex& x, BoxProducts& sums) {
-  const Vector a = hn::Set(kLanes, w[0]);
-  const Vector b = hn::Set(kLanes, w[1]);
-  sums.a_re = hn::MulAdd(a, x.re, sums.a_re);
-  sums.b_im = hn::MulAdd(b, x.im, sums.b_im);
-  sums.a_im = hn::MulAdd(a, x.im, sums.a_im);
-  sums.b_re = hn::MulAdd(b, x.re, sums.b_re);
-}
-HWY_INLINE Complex of_box_products(const BoxProducts& sums) {
-  return {hn::Sub(sums.a_re, sums.b_im), hn::Add(sums.a_im, sums.b_re)};
 }
 
 // |W mu|^2 and (W mu)^H W y of each delay.
@@ -242,7 +218,7 @@ HWY_INLINE void collect_box(const Complex& x,
 HWY_INLINE BoxSums whiten_box_means(const PlaceBox& box,
                                     const BoxBurst& burst,
                                     const BoxVectors& mean) {
-  BoxSums sums{hn::Zero(kLanes), {box_zero(), box_zero(), box_zero()}};
+  BoxSums sums{hn::Zero(kLanes), {no_sum(), no_sum(), no_sum()}};
   const std::size_t size = box.dimension();
   const std::size_t stride = 2 * size;
   const float* row = box.whitener();
@@ -250,23 +226,23 @@ HWY_INLINE BoxSums whiten_box_means(const PlaceBox& box,
   for (std::size_t i = 0; i < size; i += 2) {
     const bool is_pair = i + 1 < size;
     const float* next = row + 2 * (i + 1);
-    BoxProducts first = no_box_products();
-    BoxProducts second = no_box_products();
+    Products first = no_products();
+    Products second = no_products();
     if (is_pair) {
       for (std::size_t j = 0; j <= i; ++j) {
         const Complex x = of_box_lanes(mean[j]);
-        add_box_product(row + 2 * j, x, first);
-        add_box_product(next + 2 * j, x, second);
+        add(row[2 * j], row[2 * j + 1], x, first);
+        add(next[2 * j], next[2 * j + 1], x, second);
       }
-      add_box_product(next + 2 * (i + 1), of_box_lanes(mean[i + 1]), second);
+      add(next[2 * (i + 1)], next[2 * (i + 1) + 1], of_box_lanes(mean[i + 1]), second);
     } else {
       for (std::size_t j = 0; j <= i; ++j) {
-        add_box_product(row + 2 * j, of_box_lanes(mean[j]), first);
+        add(row[2 * j], row[2 * j + 1], of_box_lanes(mean[j]), first);
       }
     }
-    collect_box(of_box_products(first), observed + 2 * i, stride, sums);
+    collect_box(sum_of(first), observed + 2 * i, stride, sums);
     if (is_pair) {
-      collect_box(of_box_products(second), observed + 2 * (i + 1), stride, sums);
+      collect_box(sum_of(second), observed + 2 * (i + 1), stride, sums);
     }
     row = next + 2 * (i + 2);
   }
@@ -306,26 +282,22 @@ HWY_INLINE BoxOffsets box_offsets(const BoxPlaces& places, std::size_t n, std::s
   return d;
 }
 
-std::size_t evaluate_places(const PlaceBox& box,
-                            const BoxBurst& burst,
-                            const BoxPlaces& places,
-                            bool tries_obstructed,
-                            std::span<float> out) {
+void evaluate_places(const PlaceBox& box,
+                     const BoxBurst& burst,
+                     const BoxPlaces& places,
+                     std::span<float> out) {
   BoxPhasors phasors;
   BoxVectors mean;
   const Vector less = hn::Set(kLanes, box.log_determinant);
   const Vector log_obstructed = hn::Set(kLanes, static_cast<float>(kLogObstructed));
-  std::size_t obstructed = 0;
   for (std::size_t n = 0; n < out.size(); n += hn::Lanes(kLanes)) {
     const std::size_t count = std::min(out.size() - n, hn::Lanes(kLanes));
     take_box_phasors(box, box_offsets(places, n, count), phasors);
     take_box_means(box, phasors, mean);
     Vector best = value_of_box(box, burst, mean);
-    if (tries_obstructed && box.has_direct) {
+    if (box.has_direct) {
       obstruct_box(box, phasors, mean);
-      const Vector other = hn::Add(value_of_box(box, burst, mean), log_obstructed);
-      obstructed += hn::CountTrue(kLanes, hn::And(hn::Gt(other, best), hn::FirstN(kLanes, count)));
-      best = hn::Max(best, other);
+      best = hn::Max(best, hn::Add(value_of_box(box, burst, mean), log_obstructed));
     }
     best = hn::Sub(best, less);
     if (count == hn::Lanes(kLanes)) {
@@ -336,7 +308,6 @@ std::size_t evaluate_places(const PlaceBox& box,
       std::copy_n(values.begin(), count, out.begin() + static_cast<std::ptrdiff_t>(n));
     }
   }
-  return obstructed;
 }
 
 // Eight delays of a burst, whitened: their coordinates, power, and likelihood at the middle.
@@ -354,15 +325,15 @@ HWY_INLINE void whiten_window(const PlaceBox& box, const BoxVectors& y, BoxWindo
   for (std::size_t t = 0; t < kLaneCount; t += hn::Lanes(kLanes)) {
     const float* w = box.whitener();
     Vector power = hn::Zero(kLanes);
-    Complex along = box_zero();
+    Complex along = no_sum();
     for (std::size_t i = 0; i < size; ++i) {
-      BoxProducts sums = no_box_products();
+      Products sums = no_products();
       for (std::size_t j = 0; j <= i; ++j, w += 2) {
         const Complex x{hn::LoadU(kLanes, y[j].re.data() + t),
                         hn::LoadU(kLanes, y[j].im.data() + t)};
-        add_box_product(w, x, sums);
+        add(w[0], w[1], x, sums);
       }
-      const Complex x = of_box_products(sums);
+      const Complex x = sum_of(sums);
       power = add_box_power(x, power);
       along = add_box_conjugate(x, middle + 2 * i, along);
       hn::StoreU(x.re, kLanes, out.whitened[i].re.data() + t);
@@ -455,30 +426,22 @@ void whiten_delays_of_box(const PlaceBox& box,
                 windows * size * ((size + 3) * 4 + 2 * kLaneCount) * sizeof(float));
 }
 
-std::size_t evaluate_places_of_box(const PlaceBox& box,
-                                   const BoxBurst& burst,
-                                   const BoxPlaces& places,
-                                   bool tries_obstructed,
-                                   std::span<float> out) {
+void evaluate_places_of_box(const PlaceBox& box,
+                            const BoxBurst& burst,
+                            const BoxPlaces& places,
+                            std::span<float> out) {
   RAYLOC_CHECK(box.is_reachable() && places.x.size() == out.size() &&
                places.y.size() == out.size() && places.z.size() == out.size());
   const std::size_t size = box.dimension();
   const auto [rays, antennas, coordinates] = box.size();
-  const std::size_t cases = tries_obstructed && box.has_direct ? 2 : 1;
+  const std::size_t cases = box.has_direct ? 2 : 1;
   // Per place: phasors, means, whitened means with the delays, gains.
   WorkDone::add(
       out.size() *
           (rays * (50 + 35 * (antennas - 1)) + 8 * rays * size +
            cases * (4 * size * (size + 1) + (4 + 8 * kBoxDelays) * size + 48 * kBoxDelays)),
       box.block().size_bytes() + 2 * kBoxDelays * size * sizeof(float) + 4 * out.size_bytes());
-  return HWY_DYNAMIC_DISPATCH(evaluate_places)(box, burst, places, tries_obstructed, out);
-}
-
-void fetch_box(const PlaceBox& box) {
-  constexpr std::size_t kLine = 64 / sizeof(float);  // of a cache line
-  for (std::size_t i = 0; i < box.block().size(); i += kLine) {
-    __builtin_prefetch(box.block().data() + i);
-  }
+  HWY_DYNAMIC_DISPATCH(evaluate_places)(box, burst, places, out);
 }
 
 }  // namespace rayloc

@@ -26,8 +26,9 @@ struct BoxBurst {
 };
 
 // The best delay is the one that fits the middle of the box, line of sight clear. Without a hint
-// all delays are searched (every fourth, then eight around the best); with one the eight around it.
-// Neighbours are clamped into the search. REQUIRES: box.is_reachable(), equal dimensions.
+// every fourth delay is evaluated, then the eight around the best; with one, the eight around it.
+// If the best is the first or last of the eight, the eight around it are evaluated too. Neighbours
+// are clamped into the search. REQUIRES: box.is_reachable(), equal dimensions.
 void whiten_delays_of_box(const PlaceBox& box,
                           const DelayRows& burst,
                           std::optional<std::size_t> hint,
@@ -39,17 +40,12 @@ struct BoxPlaces {  // [m], from the middle of the box; equal sizes, any number
   std::span<const float> z;
 };
 
-// out[i]: log-likelihood at the best gain, phase and of the kept delays, less log_determinant.
-// tries_obstructed: also without the line of sight (kLogObstructed). Returns the number of places
-// where that is the larger one. REQUIRES: box.is_reachable(), out.size() == places,
-// burst: of this box.
-std::size_t evaluate_places_of_box(const PlaceBox& box,
-                                   const BoxBurst& burst,
-                                   const BoxPlaces& places,
-                                   bool tries_obstructed,
-                                   std::span<float> out);
-
-// Prefetches every cache line of the block while another box is in use.
-void fetch_box(const PlaceBox& box);
+// out[i]: log-likelihood at the best gain, phase and of the kept delays, less log_determinant. With
+// box.has_direct, it is the larger one of those with and without the line of sight
+// (kLogObstructed). REQUIRES: box.is_reachable(), out.size() == places, burst: of this box.
+void evaluate_places_of_box(const PlaceBox& box,
+                            const BoxBurst& burst,
+                            const BoxPlaces& places,
+                            std::span<float> out);
 
 }  // namespace rayloc

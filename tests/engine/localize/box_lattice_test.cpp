@@ -81,8 +81,8 @@ TEST(BoxLattice, EndsWithTheGridAndItsHeights) {
   EXPECT_EQ(at(0.0, 2.5, 1.9), BoxLattice::kNone);
   EXPECT_EQ(at(1e30, 2.5, 1.2), BoxLattice::kNone);
   EXPECT_EQ(at(std::nan(""), 2.5, 1.2), BoxLattice::kNone);
-  EXPECT_EQ(lattice.cell_at(5.0F, 2.5F), lattice.grid().size());
-  EXPECT_EQ(lattice.cell_at(-0.99F, 2.01F), 0U);
+  EXPECT_EQ(at(5.0, 2.5, 1.2), BoxLattice::kNone);
+  EXPECT_EQ(lattice.cell(at(-0.99, 2.01, 1.2)), 0U);
   const BoxLattice known(grid_of(0.0));
   EXPECT_EQ(known.box_at(0.0F, 2.5F, 99.0F), known.box_at(0.0F, 2.5F, 1.2F));
 }

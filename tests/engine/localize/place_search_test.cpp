@@ -72,6 +72,9 @@ struct Places {
     box.push_back(lattice.box_at(x.back(), y.back(), z.back()));
   }
   SearchedPlaces all() const { return {x, y, z, box}; }
+  std::size_t cell(std::size_t i, const BoxLattice& lattice) const {
+    return lattice.grid().cell_at(static_cast<double>(x[i]), static_cast<double>(y[i]));
+  }
 };
 
 const BoxLattice& lattice_of(const RoomObservation& observation) {
@@ -117,10 +120,10 @@ std::vector<float> one_box(const ArrayObservation& array, const Places& places, 
     const float z = places.z[i] - static_cast<float>(middle.z);
     float value = 0.0F;
     if (terms->is_reachable()) {
-      evaluate_places_of_box(*terms, burst, {{&x, 1}, {&y, 1}, {&z, 1}}, true, {&value, 1});
+      evaluate_places_of_box(*terms, burst, {{&x, 1}, {&y, 1}, {&z, 1}}, {&value, 1});
       value -= null_model;
     }
-    const std::size_t cell = map.box_lattice().cell_at(places.x[i], places.y[i]);
+    const std::size_t cell = places.cell(i, map.box_lattice());
     value += static_cast<float>(array.power_log_likelihood_at(cell, kExponent));
     values.push_back(value);
   }
@@ -241,7 +244,7 @@ TEST(PlaceSearch, GivesThePowerAloneWithoutRays) {
   ASSERT_FALSE(array.map->place_box(places.box[0], 0)->is_reachable());
   PlaceSearch search(observation, kExponent);
   const auto values = search.log_likelihoods(places.all(), PlaceSearch::Spread::kTogether);
-  const std::size_t cell = lattice_of(observation).cell_at(places.x[0], places.y[0]);
+  const std::size_t cell = places.cell(0, lattice_of(observation));
   EXPECT_EQ(values[0][0], static_cast<float>(array.power_log_likelihood_at(cell, kExponent)));
   EXPECT_EQ(values[1][0], 0.0F);
 }

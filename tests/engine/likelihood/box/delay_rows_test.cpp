@@ -30,7 +30,6 @@ TEST(DelayRows, AreTheBurstAtEveryDelay) {
       EXPECT_EQ(rows.im[i][t], -static_cast<float>(100 * i + t));
     }
   }
-  EXPECT_EQ(rows.captured, 0.75F);
   EXPECT_FLOAT_EQ(rows.noise, 0.25F * 2.0F / 8.0F);
 }
 
