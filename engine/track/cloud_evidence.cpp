@@ -12,10 +12,12 @@
 namespace rayloc {
 namespace {
 
-constexpr double kBoxesOfCloud =
-    60.0;                              // a count, chosen: boxes of the room that a cloud represents
-constexpr double kOfThisMoment = 0.1;  // a share, chosen: a mean is smoothed over ten moments
-constexpr float kMostExponent = 60.0F;   // a logarithm, chosen: sums of factors remain finite
+// A count, chosen: boxes of the room that a cloud represents.
+constexpr double kBoxesOfCloud = 60.0;
+// A share, chosen: a small room is still compared with its sample.
+constexpr double kMaxShareOfCloud = 0.5;
+constexpr double kOfThisMoment = 0.1;    // a share, chosen: a mean is smoothed over ten moments
+constexpr float kMaxExponent = 60.0F;    // a logarithm, chosen: sums of factors remain finite
 constexpr std::size_t kPlacesOfBox = 8;  // a count, chosen: of a box of the sample
 constexpr double kApart = 0.022;      // [m], chosen: of such a place from the middle, x and y ...
 constexpr double kApartUp = 0.03;     // [m], ... and z
@@ -50,22 +52,16 @@ SamplePlaces sample_of(const CloudRoom& room, Timestamp time) {
   return places;
 }
 
-std::size_t distinct(std::span<const std::uint32_t> boxes) {
-  std::vector<std::uint32_t> sorted(boxes.begin(), boxes.end());
-  std::sort(sorted.begin(), sorted.end());
-  const auto end = std::unique(sorted.begin(), sorted.end());
-  return static_cast<std::size_t>(
-      std::count_if(sorted.begin(), end, [](auto box) { return box != BoxLattice::kNone; }));
-}
-
-float highest(const std::vector<float>& values) {
+float largest(const std::vector<float>& values) {
   return *std::max_element(values.begin(), values.end());
 }
 
 }  // namespace
 
 CloudEvidence::CloudEvidence(std::shared_ptr<const CloudRoom> room, Compare compare)
-    : room_(std::move(room)), compare_(std::move(compare)) {
+    : room_(std::move(room)),
+      compare_(std::move(compare)),
+      exponent_(room_->localizer->room().likelihood_exponent) {
   RAYLOC_CHECK(room_->sample.size() == kSampleBoxes);
 }
 
@@ -79,11 +75,9 @@ CloudEvidence::Compared CloudEvidence::compared(const RoomObservation& observati
   if (compare_) {
     values.cloud = compare_(observation, places, PlaceSearch::Spread::kTogether);
     values.sample = compare_(observation, sample.all(), PlaceSearch::Spread::kApart);
-    values.boxes = distinct(boxes);
   } else {
-    PlaceSearch search(observation, room_->localizer->room().likelihood_exponent);
+    PlaceSearch search(observation, exponent_);
     values.cloud = search.log_likelihoods(places, PlaceSearch::Spread::kTogether);
-    values.boxes = search.boxes();
     values.sample = search.log_likelihoods(sample.all(), PlaceSearch::Spread::kApart);
   }
   values.places = cloud.size();
@@ -93,7 +87,7 @@ CloudEvidence::Compared CloudEvidence::compared(const RoomObservation& observati
     values.ap.push_back(one.ap);
   }
   for (std::size_t i = values.ap.size(); i-- > 0;) {
-    if (highest(values.cloud[i]) <= 0.0F && highest(values.sample[i]) <= 0.0F) {
+    if (largest(values.cloud[i]) <= 0.0F && largest(values.sample[i]) <= 0.0F) {
       const auto at = static_cast<std::ptrdiff_t>(i);
       values.ap.erase(values.ap.begin() + at);
       values.cloud.erase(values.cloud.begin() + at);
@@ -108,18 +102,17 @@ double CloudEvidence::log_mean(std::span<const float> cloud,
                                std::span<const float> sample,
                                std::size_t places,
                                double exponent) const {
-  const double share = std::min(1.0, kBoxesOfCloud / room_->boxes);
+  const double share = std::min(kMaxShareOfCloud, kBoxesOfCloud / room_->boxes);
   const double of_cloud = std::log(share) + log_mean_of(cloud, places, exponent);
-  const double of_sample = log_mean_of(sample, sample.size(), exponent);
+  const double of_sample = std::log1p(-share) + log_mean_of(sample, sample.size(), exponent);
   return std::isfinite(of_cloud) ? log_add(of_sample, of_cloud) : of_sample;
 }
 
 std::vector<CloudEvidence::Terms> CloudEvidence::log_means(const Compared& values) const {
-  const double exponent = room_->localizer->room().likelihood_exponent;
   std::vector<Terms> result;
   for (std::size_t i = 0; i < values.ap.size(); ++i) {
     const auto mean = [&](double e) {
-      return log_mean(values.cloud[i], values.sample[i], values.places, e * exponent);
+      return log_mean(values.cloud[i], values.sample[i], values.places, e * exponent_);
     };
     Terms& terms = result.emplace_back();
     terms[0] = mean(1.0);
@@ -130,11 +123,15 @@ std::vector<CloudEvidence::Terms> CloudEvidence::log_means(const Compared& value
   return result;
 }
 
+AccessPointFusion CloudEvidence::fusion_of(const std::vector<Terms>& means) const {
+  const std::vector<double> faulty(means.size(), room_->localizer->options().faults.access_point);
+  return AccessPointFusion::of_means(means, exponent_, faulty);
+}
+
 CloudEvidence::Fused CloudEvidence::fused(const Compared& values,
                                           const AccessPointFusion& fusion) const {
-  const double exponent = room_->localizer->room().likelihood_exponent;
-  return {fused_log_likelihood(values.cloud, fusion, exponent),
-          fused_log_likelihood(values.sample, fusion, exponent)};
+  return {fused_log_likelihood(values.cloud, fusion, exponent_),
+          fused_log_likelihood(values.sample, fusion, exponent_)};
 }
 
 std::vector<CloudEvidence::Terms> CloudEvidence::smoothed(const Compared& values,
@@ -155,12 +152,10 @@ std::vector<CloudEvidence::Terms> CloudEvidence::smoothed(const Compared& values
 
 // With the means of this moment: all access points may be received worse than before.
 double CloudEvidence::outlier(const Compared& values, const std::vector<Terms>& now) const {
-  const double exponent = room_->localizer->room().likelihood_exponent;
-  const FaultPrior& faults = room_->localizer->options().faults;
-  const std::vector<double> faulty(now.size(), faults.access_point);
-  const auto fusion = AccessPointFusion::of_means(now, exponent, faulty);
+  const AccessPointFusion fusion = fusion_of(now);
   const Fused l = fused(values, fusion);
-  return fusion.outlier(log_mean(l.cloud, l.sample, values.places, exponent), faults.outlier);
+  return fusion.outlier(log_mean(l.cloud, l.sample, values.places, exponent_),
+                        room_->localizer->options().faults.outlier);
 }
 
 std::optional<CloudEvidence::Weights> CloudEvidence::weigh(const RoomObservation& observation,
@@ -177,28 +172,24 @@ std::optional<CloudEvidence::Weights> CloudEvidence::weigh(const RoomObservation
   if (values.ap.empty()) {
     return std::nullopt;
   }
-  const Localizer& localizer = *room_->localizer;
-  const double exponent = localizer.room().likelihood_exponent;
   const std::vector<Terms> now = log_means(values);
   const std::vector<Terms> means = smoothed(values, now);
-  const std::vector<double> faulty(means.size(), localizer.options().faults.access_point);
-  const Fused l = fused(values, AccessPointFusion::of_means(means, exponent, faulty));
-  const double mean = log_mean(l.cloud, l.sample, values.places, weight * exponent);
+  const Fused l = fused(values, fusion_of(means));
+  const double mean = log_mean(l.cloud, l.sample, values.places, weight * exponent_);
   if (!std::isfinite(mean)) {
     return std::nullopt;
   }
   Weights result;
-  result.boxes = values.boxes;
-  result.best = highest(l.cloud);
-  result.outlier = std::max(kLeastOutlier, outlier(values, now));
+  result.best = largest(l.cloud);
+  result.outlier = std::max(kMinOutlier, outlier(values, now));
   const auto o = static_cast<float>(result.outlier);
-  const auto by = static_cast<float>(weight * exponent);
+  const auto by = static_cast<float>(weight * exponent_);
   const auto less = static_cast<float>(mean);
   result.factor.resize(l.cloud.size());
   for (std::size_t i = 0; i < result.factor.size(); ++i) {
     result.factor[i] =
         has_box(boxes[std::min(i, boxes.size() - 1)])
-            ? (1.0F - o) * std::exp(std::min(kMostExponent, by * l.cloud[i] - less)) + o
+            ? (1.0F - o) * std::exp(std::min(kMaxExponent, by * l.cloud[i] - less)) + o
             : 0.0F;
   }
   for (std::size_t i = 0; i < means.size(); ++i) {

@@ -1,6 +1,6 @@
 // CloudEvidence: the weights that a moment gives to the places of a cloud, relative to the mean
-// over the room. The mean is that of the cloud and of a few boxes anywhere in the room, others in
-// each moment.
+// over the room. The mean is that of the cloud and of a few boxes of the room, which the time of
+// the moment selects.
 //
 // It keeps the mean likelihoods of each access point, smoothed over some moments. Results follow
 // from the arguments and the moments before, not from threads or other devices. Used by one thread
@@ -34,16 +34,15 @@ class CloudEvidence {
 
   // Least probability that a moment carries no information, chosen: no place loses more than all
   // but this share of its weight, relative to the mean.
-  static constexpr double kLeastOutlier = 0.05;
+  static constexpr double kMinOutlier = 0.05;
 
   struct Weights {
     // [place], padded to a multiple of 8: (1 - o) exp(w t l - m) + o; 0 for a place without a box.
     std::vector<float> factor;
-    double outlier = 0.0;   // o, a probability: the moment is uninformative
-    float best = 0.0F;      // largest l of the cloud
-    std::size_t boxes = 0;  // distinct ones that the cloud has
+    double outlier = 0.0;  // o, a probability: the moment is uninformative
+    float best = 0.0F;     // largest l of the cloud
   };
-  // boxes: of each place (CloudRoom::lattice), or BoxLattice::kNone: a place that cannot be.
+  // boxes: of each place (CloudRoom::lattice), or BoxLattice::kNone: an impossible place.
   // weight: w in (0, 1]. Empty if no place, of the cloud or of the sample, explains the moment, or
   // no place has a box: then no state changes.
   // REQUIRES: boxes.size() == cloud.size(), the observation has arrays; without a Compare of a
@@ -61,7 +60,6 @@ class CloudEvidence {
     std::vector<std::vector<float>> cloud;
     std::vector<std::vector<float>> sample;
     std::size_t places = 0;  // of the cloud
-    std::size_t boxes = 0;
   };
   struct Fused {
     std::vector<float> cloud;
@@ -76,12 +74,14 @@ class CloudEvidence {
                   std::size_t places,
                   double exponent) const;
   std::vector<Terms> log_means(const Compared& values) const;
+  AccessPointFusion fusion_of(const std::vector<Terms>& means) const;
   Fused fused(const Compared& values, const AccessPointFusion& fusion) const;
   double outlier(const Compared& values, const std::vector<Terms>& now) const;
   std::vector<Terms> smoothed(const Compared& values, const std::vector<Terms>& now) const;
 
   std::shared_ptr<const CloudRoom> room_;
   Compare compare_;
+  double exponent_;                             // RoomModel::likelihood_exponent
   std::vector<std::optional<Terms>> log_mean_;  // smoothed, by ArrayObservation::ap
 };
 

@@ -16,7 +16,7 @@
 namespace rayloc::cloud_evidence_test {
 namespace {
 
-constexpr float kLeast = static_cast<float>(CloudEvidence::kLeastOutlier);
+constexpr float kMinFactor = static_cast<float>(CloudEvidence::kMinOutlier);
 const Vec3d kHere{0.3, -0.4, 1.2};
 const Vec3d kThere{-0.9, 0.6, 1.2};
 
@@ -110,15 +110,26 @@ TEST(CloudEvidence, WeighsByTheRatioToTheMeanOfTheRoom) {
   const Cloud cloud = around(kHere, 16);
   const auto weights = weigh(evidence, cloud, moment(1));
   ASSERT_TRUE(weights);
-  // The mean over the room, and that of the cloud, which represents 60 boxes of it.
-  const double mean = 1.0 + 60.0 / room()->boxes;
   for (const float factor : weights->factor) {
-    EXPECT_NEAR(
-        factor, (1.0 - CloudEvidence::kLeastOutlier) / mean + CloudEvidence::kLeastOutlier, 1e-5);
+    EXPECT_NEAR(factor, 1.0, 1e-5);
   }
   EXPECT_NEAR(weights->best, 7.0, 0.1);
-  EXPECT_EQ(weights->outlier, CloudEvidence::kLeastOutlier);
-  EXPECT_EQ(weights->boxes, std::set(cloud.boxes.begin(), cloud.boxes.end()).size());
+  EXPECT_EQ(weights->outlier, CloudEvidence::kMinOutlier);
+}
+
+// Many moments that fit every place equally leave the odds of the cloud against the rest.
+TEST(CloudEvidence, ConstantMomentsLeaveTheOdds) {
+  for (const std::size_t arrays : {1U, 3U}) {
+    CloudEvidence evidence(room(), compare_by(std::vector(arrays, constant(7.0))));
+    Cloud cloud = around(kHere, 16);
+    double log_odds = 0.0;
+    for (int ms = 0; ms < 10'000; ms += 50) {
+      const auto weights = weigh(evidence, cloud, moment(arrays, ms), 0.25);
+      ASSERT_TRUE(weights);
+      log_odds += cloud.places.weigh(weights->factor);
+    }
+    EXPECT_NEAR(log_odds, 0.0, 1e-3) << arrays;
+  }
 }
 
 TEST(CloudEvidence, TempersByTheExponentAndTheWeight) {
@@ -130,7 +141,7 @@ TEST(CloudEvidence, TempersByTheExponentAndTheWeight) {
     CloudEvidence evidence(room(), compare_by({values}));
     const auto weights = weigh(evidence, cloud, moment(1), weight);
     ASSERT_TRUE(weights);
-    const float ratio = (weights->factor[1] - kLeast) / (weights->factor[0] - kLeast);
+    const float ratio = (weights->factor[1] - kMinFactor) / (weights->factor[0] - kMinFactor);
     EXPECT_NEAR(std::log(ratio), weight * exponent() * 2.0, 1e-3);
   }
 }
@@ -159,7 +170,7 @@ TEST(CloudEvidence, GivesNoWeightToAPlaceWithoutABox) {
       if (i == 3 || i >= 19) {
         EXPECT_EQ(weights->factor[i], 0.0F);
       } else {
-        EXPECT_GE(weights->factor[i], kLeast);
+        EXPECT_GE(weights->factor[i], kMinFactor);
       }
     }
   }
@@ -173,7 +184,7 @@ TEST(CloudEvidence, BoundsTheLossByTheOutlier) {
     const auto weights = weigh(evidence, cloud, moment(arrays));
     ASSERT_TRUE(weights);
     EXPECT_TRUE(std::all_of(weights->factor.begin(), weights->factor.end(), [](float one) {
-      return std::isfinite(one) && one >= kLeast;
+      return std::isfinite(one) && one >= kMinFactor;
     }));
     EXPECT_NEAR(weights->factor[40], weights->outlier, 1e-3);
     EXPECT_GT(*std::max_element(weights->factor.begin(), weights->factor.end()), 1.0F);
@@ -267,7 +278,7 @@ TEST(CloudEvidence, AWeakerMomentIsNoOutlier) {
     scale = 0.5;
     const auto weights = weigh(evidence, cloud, moment(arrays, 1000));
     ASSERT_TRUE(weights);
-    EXPECT_EQ(weights->outlier, CloudEvidence::kLeastOutlier);
+    EXPECT_EQ(weights->outlier, CloudEvidence::kMinOutlier);
     EXPECT_GT(*std::max_element(weights->factor.begin(), weights->factor.end()), 1.0F);
   }
 }
@@ -345,7 +356,7 @@ TEST(CloudEvidence, PrefersThePlaceOfADevice) {
   const auto middle = weights->factor.begin() + 200;
   EXPECT_GT(*std::max_element(weights->factor.begin(), middle), 3.0F);
   EXPECT_LT(*std::max_element(middle, weights->factor.end()), 0.5F);
-  EXPECT_EQ(weights->outlier, CloudEvidence::kLeastOutlier);
+  EXPECT_EQ(weights->outlier, CloudEvidence::kMinOutlier);
 }
 
 }  // namespace
