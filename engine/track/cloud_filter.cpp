@@ -11,14 +11,10 @@ namespace rayloc {
 namespace {
 
 // Largest odds that the target is at one of the places, chosen: a later contradiction counts.
-constexpr double kMostOdds = 1e4;
+constexpr double kMaxOdds = 1e4;
 
 HeightPrior height_of(const Grid& grid) {
   return {grid.first.z, grid.layers.is_known() ? 0.0 : grid.height_sigma};
-}
-
-std::size_t cell_of_place(const BoxLattice& lattice, const PlaceCloud& cloud, std::size_t i) {
-  return lattice.cell_at(cloud.x()[i], cloud.y()[i]);
 }
 
 }  // namespace
@@ -40,7 +36,7 @@ CloudFilter::CloudFilter(std::shared_ptr<const CloudRoom> room,
       cloud_(std::move(cloud)),
       time_(time),
       evidence_(room_, std::move(compare)),
-      log_odds_(std::log(kMostOdds)) {}
+      log_odds_(std::log(kMaxOdds)) {}
 
 bool CloudFilter::is_due(std::span<const CsiFrame> frames) const {
   if (frames.empty() || frames.front().time - noted_ >= options_.moment_of_one) {
@@ -65,22 +61,27 @@ void CloudFilter::note(std::span<const CsiFrame> frames) {
 
 void CloudFilter::advance(Timestamp time) {
   RAYLOC_CHECK(time >= time_);
-  const BoxLattice& lattice = room_->lattice;
-  const std::size_t outside = lattice.grid().size();
+  const Grid& grid = room_->lattice.grid();
+  const std::size_t outside = grid.size();
   std::vector<std::size_t> before(cloud_.size());
   for (std::size_t i = 0; i < cloud_.size(); ++i) {
-    before[i] = cell_of_place(lattice, cloud_, i);
+    before[i] = cell_of(cloud_, i, grid);
   }
   NormalDraws draws = cloud_draws(seed_, time, CloudDraw::kPredict);
-  cloud_.predict(to_seconds(time - time_), options_.motion, height_of(lattice.grid()), draws);
+  cloud_.predict(to_seconds(time - time_), options_.motion, height_of(grid), draws);
   for (std::size_t i = 0; i < cloud_.size(); ++i) {
-    const std::size_t now = cell_of_place(lattice, cloud_, i);
+    const std::size_t now = cell_of(cloud_, i, grid);
     const bool stays = now == before[i] && now != outside;
     if (!stays &&
         (now == outside || before[i] == outside || !is_open(*room_->space, before[i], now))) {
       cloud_.remove(i);
     }
   }
+  time_ = time;
+}
+
+void CloudFilter::rest(Timestamp time) {
+  RAYLOC_CHECK(time >= time_);
   time_ = time;
 }
 
@@ -100,7 +101,7 @@ bool CloudFilter::weigh(const RoomObservation& observation, double weight) {
   if (!std::isfinite(log_mean)) {
     return false;
   }
-  log_odds_ = std::min(std::log(kMostOdds), log_odds_ + log_mean);
+  log_odds_ = std::min(std::log(kMaxOdds), log_odds_ + log_mean);
   loss_ = -static_cast<double>(weights->best);
   is_alone_ = observation.arrays.size() == 1;
   return true;

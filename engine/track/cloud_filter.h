@@ -63,6 +63,8 @@ class CloudFilter {
   // Time passes. A place that passes a wall or leaves the free cells loses its weight.
   // REQUIRES: not before the time of the filter.
   void advance(Timestamp time);
+  // Time passes, and the target does not move. REQUIRES: as advance().
+  void rest(Timestamp time);
   // As PlaceCloud::weigh_change.
   void weigh_change(double change, double odds) { cloud_.weigh_change(change, odds); }
   // False if no place explains the moment, or none is left: then nothing changes. weight: in (0,

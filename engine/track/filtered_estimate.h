@@ -22,9 +22,11 @@ struct TrackTransition {
 struct FilteredEstimate {
   LocationEstimate location;
   TrackState state = TrackState::kTentative;
-  bool predicted = false;         // from earlier bursts only
-  std::optional<Vec3d> velocity;  // [m/s], over the last second; absent when no burst arrived in it
-  double stationary = 0.0;        // probability
+  bool predicted = false;  // from earlier bursts only
+  // [m/s], of the cloud that follows the target, otherwise over the last second; absent when
+  // predicted, or when the bursts of that second span less than half of it.
+  std::optional<Vec3d> velocity;
+  double stationary = 0.0;  // probability
   std::optional<TrackTransition> transition;
 };
 

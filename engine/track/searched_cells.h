@@ -2,9 +2,11 @@
 // cells that may hold the target, and a lattice that represents the rest of the room.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <vector>
 
+#include "engine/base/timestamp.h"
 #include "engine/track/free_space.h"
 #include "engine/track/grid_filter.h"
 
@@ -20,6 +22,13 @@ inline constexpr double kMaxAway = 0.02;
 inline constexpr Duration kFirstWholeRoomPeriod = std::chrono::seconds(1);
 // Chosen: each period is twice as long as the one before, up to this.
 inline constexpr Duration kWholeRoomPeriod = std::chrono::seconds(5);
+
+// True if the whole room is to be evaluated again. By the time of the frames, not by the begin of
+// the track, so that a successor evaluates it at the same times.
+inline bool is_search_due(Timestamp now, Timestamp last, Duration period, Duration phase) {
+  const auto number = [&](Timestamp time) { return (time.time_since_epoch() + phase) / period; };
+  return number(now) != number(last);
+}
 
 struct SearchedCells {
   std::vector<std::size_t> cells;   // of the room, in ascending order; empty: all cells

@@ -6,7 +6,6 @@
 #include "engine/track/moved_estimate.h"
 
 namespace rayloc {
-
 Track::Track(std::shared_ptr<const Localizer> localizer,
              std::shared_ptr<const FreeSpace> space,
              const TrackOptions& options,
@@ -14,33 +13,37 @@ Track::Track(std::shared_ptr<const Localizer> localizer,
              CloudSource cloud)
     : localizer_(std::move(localizer)),
       options_(options),
-      change_(localizer_->room().grid, {options.still_change, options.walking_ratio}),
+      channel_(localizer_->room().grid, {options.still_change, options.walking_ratio}),
       filter_(localizer_, std::move(space), options, phase, std::move(cloud)) {}
 
 // The credit of the present channel after the burst; empty when no place of the room explains it.
 std::optional<double> Track::weigh(const RoomObservation& observation,
+                                   const std::optional<TargetChannel::Change>& change,
                                    std::span<const CsiFrame> frames,
                                    Duration elapsed) {
-  const std::optional<double> change = change_.of(observation);
   double novelty = 1.0;
   std::optional<double> motion;
   if (change) {
-    // Noise is not new. The remembered moment stays, so that a slow movement adds up.
-    const bool is_same = *change <= change_.unmoved(observation);
-    novelty = is_same ? 0.0 : std::min(1.0, *change / options_.moved_change);
-    motion = change_.motion_of(*change, observation);
+    novelty =
+        is_same(observation, change) ? 0.0 : std::min(1.0, change->power / options_.moved_change);
+    motion = channel_.motion_of(*change);
+  }
+  if (!channel_.has_all(observation)) {  // one that has had no weight in this channel
+    novelty = 1.0;
   }
   const auto credit =
       filter_.weigh({observation, frames, elapsed, motion, credit_ * (1.0 - novelty)});
+  // While noise explains the changes the remembered arrays stay, so that a slow movement adds up.
   if (credit && novelty > 0.0) {
-    change_.remember(observation);
+    channel_.remember(observation);
   }
   return credit;
 }
 
-void Track::advance(Timestamp time) {
-  filter_.advance(time);
-  time_ = time;
+// True if noise explains all changes of the channel: the target is where it was.
+bool Track::is_same(const RoomObservation& observation,
+                    const std::optional<TargetChannel::Change>& change) const {
+  return change && change->is_explained() && channel_.has_all(observation);
 }
 
 void Track::enter(TrackState state,
@@ -71,7 +74,7 @@ FilteredEstimate Track::summarise(LocationEstimate location, bool is_predicted) 
 
 void Track::remember(FilteredEstimate& estimate) {
   if (estimate.location.position) {
-    fixes_.add(time_, *estimate.location.position);
+    fixes_.add(filter_.time(), *estimate.location.position);
     estimate.velocity = filter_.velocity(*estimate.location.position);
     if (!estimate.velocity) {
       estimate.velocity = fixes_.velocity();
@@ -83,8 +86,9 @@ void Track::compact() { filter_.compact(); }
 
 void Track::forget_place() {
   filter_.forget_place();
+  before_silence_.reset();
   credit_ = 0.0;
-  change_.forget();
+  channel_.forget();
   fixes_.clear();
   last_.reset();
 }
@@ -97,15 +101,25 @@ tl::expected<FilteredEstimate, MomentRefusal> Track::receive(std::span<const Csi
   filter_.wake();
   RoomObservation observation = localizer_->receive(frames);
   const Timestamp time = observation.estimate.time;
-  if (state_ && time <= std::max(time_, received_)) {
+  if (state_ && time <= std::max(filter_.time(), received_)) {
     return tl::make_unexpected(MomentRefusal::kOutOfOrder);
   }
   if (observation.arrays.empty()) {
     return tl::make_unexpected(MomentRefusal::kUnusable);
   }
   const Duration elapsed = time - weighed_;
-  advance(time);
-  const std::optional<double> credit = weigh(observation, frames, elapsed);
+  const std::optional<TargetChannel::Change> change = channel_.of(observation);
+  if (is_same(observation, change)) {
+    if (before_silence_) {
+      filter_ = *std::move(before_silence_);
+      filter_.wake();
+    }
+    filter_.rest(time);
+  } else {
+    filter_.advance(time);
+  }
+  before_silence_.reset();
+  const std::optional<double> credit = weigh(observation, change, frames, elapsed);
   if (!credit) {
     return tl::make_unexpected(MomentRefusal::kUnexplained);
   }
@@ -135,7 +149,7 @@ tl::expected<FilteredEstimate, MomentRefusal> Track::receive(std::span<const Csi
 tl::expected<FilteredEstimate, MomentRefusal> Track::move_estimate(
     std::span<const CsiFrame> frames) {
   FilteredEstimate estimate = moved_estimate(*last_, frames, filter_.velocity_variance());
-  if (estimate.location.time <= std::max(time_, received_)) {
+  if (estimate.location.time <= std::max(filter_.time(), received_)) {
     return tl::make_unexpected(MomentRefusal::kOutOfOrder);
   }
   received_ = estimate.location.time;
@@ -143,8 +157,12 @@ tl::expected<FilteredEstimate, MomentRefusal> Track::move_estimate(
 }
 
 FilteredEstimate Track::predict(Timestamp time) {
+  if (!before_silence_) {
+    filter_.compact();
+    before_silence_ = filter_;
+  }
   filter_.wake();
-  advance(time);
+  filter_.advance(time);
   fixes_.clear();
   LocationEstimate location;
   location.accuracy_confidence = localizer_->options().accuracy_confidence;
@@ -158,14 +176,14 @@ FilteredEstimate Track::predict(Timestamp time) {
 
 FilteredEstimate Track::end(std::string reason) {
   // Later than the last estimate, because an event of one instant has one name (event_id).
-  const Timestamp time = std::max(time_, received_) + std::chrono::microseconds(1);
+  const Timestamp time = std::max(filter_.time(), received_) + std::chrono::microseconds(1);
   FilteredEstimate estimate = predict(time);
   enter(TrackState::kLost, time, std::move(reason), estimate);
   return estimate;
 }
 
 std::optional<FilteredEstimate> Track::coast(Timestamp now) {
-  if (!state_ || now < time_ || *state_ == TrackState::kLost ||
+  if (!state_ || now < filter_.time() || *state_ == TrackState::kLost ||
       now - received_ < options_.coast_after) {
     return std::nullopt;
   }

@@ -17,12 +17,12 @@
 
 #include "engine/channel/csi_frame.h"
 #include "engine/localize/localizer.h"
-#include "engine/track/channel_change.h"
 #include "engine/track/filtered_estimate.h"
 #include "engine/track/follow/target_filter.h"
 #include "engine/track/follow/track_options.h"
 #include "engine/track/free_space.h"
 #include "engine/track/recent_fixes.h"
+#include "engine/track/target_channel.h"
 
 namespace rayloc {
 
@@ -36,8 +36,8 @@ enum class MomentRefusal {
 class Track {
  public:
   // `localizer` and `space` have the same grid. `phase`: time offset of the evaluations of the
-  // whole room, different for each target so that they do not coincide. `cloud`: without a room, or
-  // unless the options ask for it, the grid follows.
+  // whole room, different for each target so that they do not coincide. `cloud`: without a room the
+  // grid follows.
   Track(std::shared_ptr<const Localizer> localizer,
         std::shared_ptr<const FreeSpace> space,
         const TrackOptions& options,
@@ -62,15 +62,17 @@ class Track {
 
   // Empty before the first usable burst.
   std::optional<TrackState> state() const { return state_; }
-  Timestamp received() const { return received_; }  // last usable burst
-  bool is_in_cloud() const { return filter_.is_in_cloud(); }
+  Timestamp received() const { return received_; }            // last burst that gave an estimate
+  bool is_in_cloud() const { return filter_.is_in_cloud(); }  // for tests
 
  private:
   void enter(TrackState state, Timestamp time, std::string reason, FilteredEstimate& estimate);
-  void advance(Timestamp time);
   std::optional<double> weigh(const RoomObservation& observation,
+                              const std::optional<TargetChannel::Change>& change,
                               std::span<const CsiFrame> frames,
                               Duration elapsed);
+  bool is_same(const RoomObservation& observation,
+               const std::optional<TargetChannel::Change>& change) const;
   tl::expected<FilteredEstimate, MomentRefusal> move_estimate(std::span<const CsiFrame> frames);
   FilteredEstimate predict(Timestamp time);
   FilteredEstimate summarise(LocationEstimate location, bool is_predicted);
@@ -78,11 +80,11 @@ class Track {
 
   std::shared_ptr<const Localizer> localizer_;
   TrackOptions options_;
-  TargetChannel change_;  // since the last usable burst
+  TargetChannel channel_;
   TargetFilter filter_;
+  std::optional<TargetFilter> before_silence_;  // compact; while the filter is predicted
   std::optional<TrackState> state_;  // empty before the first usable burst
-  Timestamp time_;                   // of the filter
-  Timestamp received_;               // last usable burst
+  Timestamp received_;               // last burst that gave an estimate
   Timestamp weighed_;                // the last one that did not only move the estimate
   std::size_t bursts_ = 0;           // usable ones
   double credit_ = 0.0;  // share of a snapshot's weight already given to the present channel

@@ -20,32 +20,24 @@ CloudFollower::CloudFollower(std::shared_ptr<const CloudRoom> room,
       options_(std::move(options)),
       phase_(phase),
       weighed_(std::move(weighed)),
-      looked_(filter_.time()),
-      look_period_(kFirstWholeRoomPeriod) {}
-
-// By frame time, not by the begin of the track, so that a successor evaluates at the same times.
-bool CloudFollower::is_look_due() const {
-  const auto number = [&](Timestamp time) {
-    return (time.time_since_epoch() + phase_) / look_period_;
-  };
-  return number(filter_.time()) != number(looked_);
-}
+      searched_(filter_.time()),
+      search_period_(kFirstWholeRoomPeriod) {}
 
 // Compares the moment with the whole room as the grid does. weight: share of it that is new.
-void CloudFollower::look(const RoomObservation& observation, double weight) {
+void CloudFollower::search_room(const RoomObservation& observation, double weight) {
   const Localizer& localizer = *room_->localizer;
   SearchFocus focus;
   focus.is_quick = true;
   focus.layer_weight = layers_of(filter_.cloud(), localizer.grid());
   const auto evidence = localizer.evidence(observation, Localizer::Scan::kPlaces, focus);
-  looked_ = filter_.time();
+  searched_ = filter_.time();
   if (!evidence.log_likelihood.empty()) {
-    const RoomLook found = look_beside(
+    const RoomBest found = best_beside(
         filter_.cloud(), *room_->space, evidence.log_likelihood, options_.hand_over.rival_distance);
     lead_ =
         rival_lead(lead_, found, localizer.room().likelihood_exponent, weight, options_.hand_over);
   }
-  look_period_ = next_look(look_period_, lead_);
+  search_period_ = next_search_period(search_period_, lead_);
 }
 
 std::optional<double> CloudFollower::weigh(const TrackedMoment& moment) {
@@ -56,8 +48,8 @@ std::optional<double> CloudFollower::weigh(const TrackedMoment& moment) {
   const double is_new = 1.0 - moment.credit;
   const double weight = snapshot_share(moment.elapsed, options_.evidence_time) * is_new;
   if (weight >= kMinBurstWeight) {
-    if (is_look_due()) {
-      look(observation, is_new);
+    if (is_search_due(filter_.time(), searched_, search_period_, phase_)) {
+      search_room(observation, is_new);
     }
     if (is_rival_better(lead_, options_.hand_over) || !filter_.weigh(observation, weight)) {
       return std::nullopt;

@@ -32,6 +32,7 @@ class CloudFollower {
 
   bool is_due(std::span<const CsiFrame> frames) const { return filter_.is_due(frames); }
   void advance(Timestamp time) { filter_.advance(time); }
+  void rest(Timestamp time) { filter_.rest(time); }
   // The share of a snapshot's weight that the present channel has then; empty if the grid must
   // search for the target, with this moment too.
   std::optional<double> weigh(const TrackedMoment& moment);
@@ -51,18 +52,17 @@ class CloudFollower {
   const WeighedAccessPoints& weighed() const { return weighed_; }
 
  private:
-  bool is_look_due() const;
-  void look(const RoomObservation& observation, double weight);
+  void search_room(const RoomObservation& observation, double weight);
 
   std::shared_ptr<const CloudRoom> room_;
   CloudFilter filter_;
   TrackOptions options_;
   Duration phase_;
   WeighedAccessPoints weighed_;
-  Timestamp looked_;      // last evaluation of the whole room, by this follower or the one before
-  Duration look_period_;  // time to the next one
-  double lead_ = 0.0;     // rival_lead()
-  double outside_ = 0.0;  // probability that the target was beside the area in the last summary
+  Timestamp searched_;      // last evaluation of the whole room, or the hand-over
+  Duration search_period_;  // time to the next one
+  double lead_ = 0.0;       // rival_lead()
+  double outside_ = 0.0;    // probability that the target was beside the area in the last summary
 };
 
 }  // namespace rayloc

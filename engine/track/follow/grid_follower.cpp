@@ -1,7 +1,6 @@
 #include "engine/track/follow/grid_follower.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "engine/base/highest.h"
@@ -61,7 +60,8 @@ void GridFollower::continue_from(const PlaceCloud& cloud,
 std::optional<double> GridFollower::weigh(const TrackedMoment& moment) {
   // Evidence from access points that join is entirely new, also for a device at rest.
   const bool is_joining = weighed_.is_joined_by(moment.observation, time_);
-  const double credit = is_joining ? 0.0 : moment.credit;
+  // The first moment decides between the places of a cloud and all others.
+  const double credit = is_joining || is_unlocated_ ? 0.0 : moment.credit;
   const Duration unseen = time_ - searched_;  // without evidence outside the window
   bool is_wide = widens(is_joining);
   // Cells that enter the window have had no evidence of their own since then, so this burst counts
@@ -120,11 +120,7 @@ void GridFollower::take(Localizer::Evidence evidence, double weight) {
 // Periodically, when an access point joins, and when the filter has the target in another place: a
 // wrongly followed peak explains enough to be followed on.
 bool GridFollower::widens(bool is_joining) const {
-  // By frame time, not by the track's begin, so that a successor evaluates at the same times.
-  const auto number = [&](Timestamp time) {
-    return (time.time_since_epoch() + phase_) / whole_room_period_;
-  };
-  const bool is_due = number(time_) != number(searched_);
+  const bool is_due = is_search_due(time_, searched_, whole_room_period_, phase_);
   return !filter_.window().is_all_of(space_->grid) &&
          (is_due || filter_.away() > kMaxAway || is_joining);
 }
@@ -189,6 +185,13 @@ void GridFollower::advance(Timestamp time) {
   time_ = time;
 }
 
+void GridFollower::rest(Timestamp time) {
+  if (has_begun_) {
+    narrow(Duration{});
+  }
+  time_ = time;
+}
+
 void GridFollower::summarise(const PosteriorOptions& options,
                              bool is_predicted,
                              LocationEstimate& location) const {
@@ -225,6 +228,7 @@ void GridFollower::compact() {
 
 void GridFollower::forget_place() {
   filter_ = GridFilter(space_, options_.motion);
+  weighed_ = {};
   is_unlocated_ = true;
   loss_ = 0.0;
   within_.clear();

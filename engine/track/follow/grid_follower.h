@@ -46,6 +46,8 @@ class GridFollower {
   void wake() { filter_.wake(); }
 
   void advance(Timestamp time);
+  // Time passes, and the target does not move: its channel is the same.
+  void rest(Timestamp time);
   // The share of a snapshot's weight that the present channel has then; empty if no place of the
   // room explains the moment.
   std::optional<double> weigh(const TrackedMoment& moment);

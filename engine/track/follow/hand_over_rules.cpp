@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "engine/base/highest.h"
+#include "engine/posterior/posterior.h"
 #include "engine/track/searched_cells.h"
 
 namespace rayloc {
@@ -15,10 +16,6 @@ namespace {
 constexpr double kUnitArea = 0.05 * 0.05;  // [m^2], of the cells in which widths are stated
 constexpr double kSquare = 0.1;            // [m], chosen: side of the squares of a cloud
 constexpr double kOfCloud = 0.95;          // a probability, chosen: of the cells that a cloud is in
-
-std::size_t room_cell(const PlaceCloud& cloud, std::size_t i, const Grid& grid) {
-  return grid.cell_at(static_cast<double>(cloud.x()[i]), static_cast<double>(cloud.y()[i]));
-}
 
 std::size_t cells_of(double length, double step) {
   return static_cast<std::size_t>(std::max(1.0, std::round(length / step)));
@@ -29,7 +26,7 @@ std::vector<char> cells_near(const PlaceCloud& cloud, const Grid& grid, double d
   std::vector<double> mass(grid.size());
   const std::vector<float> weights = cloud.weights();
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    const std::size_t cell = room_cell(cloud, i, grid);
+    const std::size_t cell = cell_of(cloud, i, grid);
     if (cell < grid.size()) {
       mass[cell] += static_cast<double>(weights[i]);
     }
@@ -67,11 +64,11 @@ double effective_cells(std::span<const double> mass, double cell_area) {
   if (!(all > 0.0)) {
     return 0.0;
   }
-  double entropy = 0.0;
-  for (const double one : mass) {
-    entropy -= one > 0.0 ? one / all * std::log(one / all) : 0.0;
+  std::vector<double> share(mass.begin(), mass.end());
+  for (double& one : share) {
+    one /= all;
   }
-  return std::exp(entropy) * cell_area / kUnitArea;
+  return effective_cells(share) * cell_area / kUnitArea;
 }
 
 double effective_cells(const PlaceCloud& cloud, const Grid& grid) {
@@ -81,7 +78,7 @@ double effective_cells(const PlaceCloud& cloud, const Grid& grid) {
   std::vector<double> mass((grid.count_x / block_x + 1) * rows);
   const std::vector<float> weights = cloud.weights();
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    const std::size_t cell = room_cell(cloud, i, grid);
+    const std::size_t cell = cell_of(cloud, i, grid);
     if (cell < grid.size()) {
       mass[cell / grid.count_y / block_x * rows + cell % grid.count_y / block_y] +=
           static_cast<double>(weights[i]);
@@ -111,32 +108,32 @@ double spread_of(double away, bool has_rival, const HandOverOptions& options) {
   return std::max(away, has_rival ? options.rival_spread : options.least_spread);
 }
 
-RoomLook look_beside(const PlaceCloud& cloud,
+RoomBest best_beside(const PlaceCloud& cloud,
                      const FreeSpace& space,
                      std::span<const double> log_likelihood,
                      double distance) {
   const std::vector<char> near = cells_near(cloud, space.grid, distance);
   constexpr double kNone = -std::numeric_limits<double>::infinity();
-  RoomLook look{kNone, kNone};
+  RoomBest found{kNone, kNone};
   for (std::size_t cell = 0; cell < near.size(); ++cell) {
     if (space.free[cell] != 0) {
-      double& best = near[cell] != 0 ? look.near : look.rival;
+      double& best = near[cell] != 0 ? found.near : found.rival;
       best = std::max(best, log_likelihood[cell]);
     }
   }
-  return look;
+  return found;
 }
 
 double rival_lead(double lead,
-                  const RoomLook& look,
+                  const RoomBest& best,
                   double exponent,
                   double weight,
                   const HandOverOptions& options) {
-  if (!std::isfinite(look.rival)) {  // the cloud is near every cell
+  if (!std::isfinite(best.rival)) {  // the cloud is near every cell
     return 0.0;
   }
   const double gain =
-      std::clamp(exponent * (look.rival - look.near), -options.rival_most, options.rival_most);
+      std::clamp(exponent * (best.rival - best.near), -options.rival_most, options.rival_most);
   return std::max(0.0, lead + weight * (gain - options.rival_handicap));
 }
 
@@ -144,7 +141,7 @@ bool is_rival_better(double lead, const HandOverOptions& options) {
   return lead > options.rival_margin;
 }
 
-Duration next_look(Duration last, double lead) {
+Duration next_search_period(Duration last, double lead) {
   return lead > 0.0 ? kFirstWholeRoomPeriod : std::min(2 * last, kWholeRoomPeriod);
 }
 

@@ -23,8 +23,8 @@ struct HandOverOptions {
   Duration acquire_for = std::chrono::seconds(2);  // of frames since the place was unknown
   // Widths of a distribution, in cells of 5 x 5 cm of equal mass (exp of the entropy). The grid
   // hands over below the first and takes back above the second, or at no width with 0; the factor
-  // between them keeps a target from going to and fro. Chosen: 400 are a square metre, five hills
-  // of 10 cm standard deviation, and 15 of the first places of a cloud are in each cell.
+  // between them keeps a target from changing back and forth. Chosen: 400 are a square metre, five
+  // peaks of 10 cm standard deviation, and 15 of the first places of a cloud are in each cell.
   double max_cells = 400.0;
   double return_cells = 800.0;
   // Probabilities from which on the grid takes the target back: it is at none of the cloud's
@@ -36,8 +36,8 @@ struct HandOverOptions {
   // ... and as much as the cloud keeps when another place is the reason: the grid decides.
   double rival_spread = 0.5;
 
-  // A rival is the best place of the room at a distance of the cloud [m]. Each evaluation of the
-  // whole room changes its lead by the difference to the best place near the cloud, at most
+  // A rival is the best place of the room farther than this from the cloud [m]. Each evaluation of
+  // the whole room changes its lead by the difference to the best place near the cloud, at most
   // `rival_most` in either direction, less the handicap [nat of the tempered log-likelihood].
   double rival_distance = 0.5;
   // Chosen: about what the best of many wrong places gains over the right one by chance.
@@ -45,7 +45,7 @@ struct HandOverOptions {
   // Chosen: as much as the outlier probability of a moment, 0.05, lets it rule out.
   double rival_most = 3.0;
   // Lead above which the grid takes over. Above rival_most - rival_handicap: one moment is never
-  // enough. With one access point each moment has hills everywhere, but not the same ones.
+  // enough. With one access point each moment has peaks everywhere, but not the same ones.
   double rival_margin = 3.0;
 };
 
@@ -73,25 +73,25 @@ bool is_taken_back(const CloudWidth& cloud, const HandOverOptions& options);
 double spread_of(double away, bool has_rival, const HandOverOptions& options);
 
 // The best log-likelihoods of a moment near a cloud and at a distance of it; -inf without a cell.
-struct RoomLook {
+struct RoomBest {
   double near = 0.0;
   double rival = 0.0;
 };
 // log_likelihood: [cell of the room].
-RoomLook look_beside(const PlaceCloud& cloud,
+RoomBest best_beside(const PlaceCloud& cloud,
                      const FreeSpace& space,
                      std::span<const double> log_likelihood,
                      double distance);
 // The lead of a rival, at least 0, after an evaluation of the whole room. exponent: that of the
 // likelihood. weight: share of the moment that is new, in [0, 1].
 double rival_lead(double lead,
-                  const RoomLook& look,
+                  const RoomBest& best,
                   double exponent,
                   double weight,
                   const HandOverOptions& options);
 bool is_rival_better(double lead, const HandOverOptions& options);
 // Time to the next evaluation: soon while a rival leads, otherwise twice as long as the last one,
 // up to kWholeRoomPeriod.
-Duration next_look(Duration last, double lead);
+Duration next_search_period(Duration last, double lead);
 
 }  // namespace rayloc

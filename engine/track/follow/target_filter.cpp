@@ -19,6 +19,17 @@ TargetFilter::TargetFilter(std::shared_ptr<const Localizer> localizer,
       source_(std::move(source)),
       grid_(std::make_unique<GridFollower>(localizer_, space_, options_, phase_)) {}
 
+TargetFilter::TargetFilter(const TargetFilter& other)
+    : localizer_(other.localizer_),
+      space_(other.space_),
+      options_(other.options_),
+      phase_(other.phase_),
+      source_(other.source_),
+      time_(other.time_),
+      acquiring_since_(other.acquiring_since_),
+      grid_(other.grid_ ? std::make_unique<GridFollower>(*other.grid_) : nullptr),
+      cloud_(other.cloud_ ? std::make_unique<CloudFollower>(*other.cloud_) : nullptr) {}
+
 void TargetFilter::compact() {
   if (grid_) {
     grid_->compact();
@@ -36,6 +47,15 @@ void TargetFilter::advance(Timestamp time) {
     cloud_->advance(time);
   } else {
     grid_->advance(time);
+  }
+  time_ = time;
+}
+
+void TargetFilter::rest(Timestamp time) {
+  if (cloud_) {
+    cloud_->rest(time);
+  } else {
+    grid_->rest(time);
   }
   time_ = time;
 }

@@ -45,14 +45,22 @@ class TargetFilter {
                Duration phase,
                CloudSource source);
 
+  TargetFilter(const TargetFilter& other);
+  TargetFilter(TargetFilter&&) = default;
+  TargetFilter& operator=(const TargetFilter&) = delete;
+  TargetFilter& operator=(TargetFilter&&) = default;
+  ~TargetFilter() = default;
+
   // False if these frames need no evaluation: the last estimate is moved instead.
   bool is_due(std::span<const CsiFrame> frames) const { return !cloud_ || cloud_->is_due(frames); }
   bool is_in_cloud() const { return cloud_ != nullptr; }
+  Timestamp time() const { return time_; }  // of the last advance()
 
   // As GridFollower.
   void compact();
   void wake();
   void advance(Timestamp time);
+  void rest(Timestamp time);
   std::optional<double> weigh(const TrackedMoment& moment);
   void forget_place();
   void summarise(const PosteriorOptions& options, bool is_predicted, LocationEstimate& location);

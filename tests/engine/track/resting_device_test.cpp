@@ -85,21 +85,76 @@ TEST(RestingDevice, RepeatedChannelAddsNoMoreThanASnapshot) {
   EXPECT_GT(updates.back().estimate.location.accuracy_m, 0.5 * snapshot.accuracy_m);
 }
 
-// Each frame differs from the one before by its noise, also where it is not small.
-TEST(RestingDevice, NoiseIsNotNew) {
-  double first_accuracy = 0.0;
-  double last_accuracy = 0.0;
-  for (const Vec3d& truth : {Vec3d{-0.4, -0.5, 1.2}, Vec3d{1.2, 0.5, 1.2}, Vec3d{0.4, 1.0, 1.2}}) {
+const std::vector<Vec3d> kPlaces = {{-0.4, -0.5, 1.2}, {1.2, 0.5, 1.2}, {0.4, 1.0, 1.2}};
+
+struct Accuracy {
+  double first = 0.0;
+  double last = 0.0;
+};
+
+// Mean accuracy [m] over places, of the first and the last estimate. times: of frames [ms].
+// receives: true if an access point receives frame n.
+template <typename Receives>
+Accuracy accuracy(const std::vector<int>& times, const Receives& receives) {
+  Accuracy mean;
+  for (const Vec3d& truth : kPlaces) {
     DeviceTracker tracker(localizer(), {});
     std::vector<DeviceUpdate> updates;
-    for (int ms = 0; ms <= 20000; ms += 100) {
-      tracker.receive(kDevice, frames(localizer()->room(), truth, ms, 22.0), updates);
+    for (std::size_t n = 0; n < times.size(); ++n) {
+      auto received = frames(localizer()->room(), truth, times[n], 22.0);
+      std::erase_if(received, [&](const CsiFrame& one) { return !receives(n, one.access_point); });
+      tracker.advance(Timestamp(milliseconds(times[n])), updates);
+      tracker.receive(kDevice, received, updates);
     }
-    first_accuracy += updates.front().estimate.location.accuracy_m;
-    last_accuracy += updates.back().estimate.location.accuracy_m;
+    const double places = static_cast<double>(kPlaces.size());
+    mean.first += updates.front().estimate.location.accuracy_m / places;
+    mean.last += updates.back().estimate.location.accuracy_m / places;
   }
-  std::printf("accuracy %.2f m, after 20 s %.2f m\n", first_accuracy / 3.0, last_accuracy / 3.0);
-  EXPECT_GT(last_accuracy, 0.7 * first_accuracy);
+  std::printf("accuracy %.2f m, at the end %.2f m\n", mean.first, mean.last);
+  return mean;
+}
+
+std::vector<int> every(int step, int end) {
+  std::vector<int> times;
+  for (int ms = 0; ms <= end; ms += step) {
+    times.push_back(ms);
+  }
+  return times;
+}
+bool by_all(std::size_t /*n*/, std::size_t /*access_point*/) { return true; }
+
+// Each frame differs from the one before by its noise, also where it is not small.
+TEST(RestingDevice, NoiseIsNotNew) {
+  const Accuracy of = accuracy(every(100, 20000), by_all);
+  EXPECT_GT(of.last, 0.7 * of.first);
+  EXPECT_LT(of.last, 1.3 * of.first);
+}
+
+// Between two frames the filter moves mass, which only evidence brings back.
+TEST(RestingDevice, RegionStaysAtOneFrameASecond) {
+  const Accuracy of = accuracy(every(900, 54000), by_all);
+  EXPECT_GT(of.last, 0.5 * of.first);
+  EXPECT_LT(of.last, 1.3 * of.first);
+}
+
+TEST(RestingDevice, RegionReturnsAfterASilence) {
+  std::vector<int> times = every(100, 2000);
+  for (int ms = 5000; ms <= 7000; ms += 100) {
+    times.push_back(ms);
+  }
+  const Accuracy of = accuracy(times, by_all);
+  EXPECT_GT(of.last, 0.5 * of.first);
+  EXPECT_LT(of.last, 1.3 * of.first);
+}
+
+// The channel of each access point has its own weight once.
+TEST(RestingDevice, AccessPointsInTurnAddNoMoreThanASnapshotEach) {
+  const auto in_turn = [](std::size_t n, std::size_t access_point) {
+    return access_point == n % 2;
+  };
+  const Accuracy alone = accuracy(every(100, 1000), in_turn);
+  const Accuracy longer = accuracy(every(100, 10000), in_turn);
+  EXPECT_GT(longer.last, 0.7 * alone.last);
 }
 
 }  // namespace

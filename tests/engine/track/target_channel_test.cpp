@@ -1,4 +1,4 @@
-#include "engine/track/channel_change.h"
+#include "engine/track/target_channel.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-namespace rayloc::channel_change_test {
+namespace rayloc::target_channel_test {
 namespace {
 
 constexpr std::size_t kAntennas = 2;
@@ -63,15 +63,16 @@ TEST(TargetChannel, IsUnknownWithoutACommonAccessPoint) {
 TEST(TargetChannel, IsTheMeanOverCommonAccessPoints) {
   TargetChannel change(band(), kLimits);
   change.remember(moment({array_of(0, 0.0), array_of(1, 0.0)}));
-  const double same = change.of(moment({array_of(0, 0.0)})).value();
-  const double moved = change.of(moment({array_of(0, 0.8)})).value();
+  const double same = change.of(moment({array_of(0, 0.0)})).value().power;
+  const double moved = change.of(moment({array_of(0, 0.8)})).value().power;
   EXPECT_GT(same, 0.0);
   EXPECT_LT(same, 1e-4);
   EXPECT_GT(moved, 0.05);
   EXPECT_LT(moved, 0.5);
-  EXPECT_NEAR(change.of(moment({array_of(0, 0.8), array_of(1, 0.0), array_of(2, 0.8)})).value(),
-              0.5 * (moved + same),
-              1e-12);
+  EXPECT_NEAR(
+      change.of(moment({array_of(0, 0.8), array_of(1, 0.0), array_of(2, 0.8)})).value().power,
+      0.5 * (moved + same),
+      1e-12);
 }
 
 // A factor and a delay are not a change of the channel.
@@ -84,19 +85,39 @@ TEST(TargetChannel, LeavesOutFactorAndDelay) {
     const double offset = grid.offset_hz(i % grid.size());
     later.h[i] *= std::polar(3.0, 1.0 - 2.0 * std::numbers::pi * offset * 9e-9);
   }
-  EXPECT_LT(change.of(moment({later})).value(), 1e-4);
+  EXPECT_LT(change.of(moment({later})).value().power, 1e-4);
+}
+
+// Access points that receive different moments keep their arrays.
+TEST(TargetChannel, RemembersEachAccessPoint) {
+  TargetChannel change(band(), kLimits);
+  change.remember(moment({array_of(0, 0.0)}));
+  EXPECT_FALSE(change.has_all(moment({array_of(0, 0.0), array_of(1, 0.0)})));
+  change.remember(moment({array_of(1, 0.0)}));
+  EXPECT_TRUE(change.has_all(moment({array_of(0, 0.0), array_of(1, 0.0)})));
+  EXPECT_TRUE(change.of(moment({array_of(0, 0.0)})).value().is_explained());
+  EXPECT_FALSE(change.of(moment({array_of(0, 0.8)})).value().is_explained());
+  change.remember(moment({array_of(0, 0.8)}));
+  EXPECT_TRUE(change.of(moment({array_of(0, 0.8)})).value().is_explained());
+  EXPECT_TRUE(change.of(moment({array_of(1, 0.0)})).value().is_explained());
+}
+
+// Of the access points that are compared, at both moments.
+TEST(TargetChannel, NoiseIsThatOfTheComparedArrays) {
+  TargetChannel change(band(), kLimits);
+  change.remember(moment({array_of(0, 0.0, 0.99), array_of(1, 0.0, 0.95)}));
+  const auto now = moment({array_of(0, 0.0, 0.97), array_of(1, 0.0, 0.99), array_of(2, 0.0, 0.5)});
+  EXPECT_NEAR(change.of(now).value().unmoved, 0.005 + 0.5 * (0.04 + 0.06), 1e-12);
 }
 
 TEST(TargetChannel, MotionExceedsNoiseAndTheRadio) {
   const TargetChannel change(band(), kLimits);
-  const RoomObservation one = moment({array_of(0, 0.0), array_of(1, 0.0, 0.97)});
-  const double still = 0.005 + 2.0 * (1.0 - 0.5 * (kCaptured + 0.97));
-  EXPECT_NEAR(change.unmoved(one), still, 1e-12);
-  EXPECT_EQ(change.motion_of(0.5 * still, one), 0.0);
-  EXPECT_NEAR(change.motion_of(still, one), 0.0, 1e-9);
-  EXPECT_NEAR(change.motion_of(std::sqrt(5.0) * still, one), 0.5, 1e-9);
-  EXPECT_EQ(change.motion_of(6.0 * still, one), 1.0);
+  constexpr double kStill = 0.03;
+  EXPECT_EQ(change.motion_of({0.5 * kStill, kStill}), 0.0);
+  EXPECT_NEAR(change.motion_of({kStill, kStill}), 0.0, 1e-9);
+  EXPECT_NEAR(change.motion_of({std::sqrt(5.0) * kStill, kStill}), 0.5, 1e-9);
+  EXPECT_EQ(change.motion_of({6.0 * kStill, kStill}), 1.0);
 }
 
 }  // namespace
-}  // namespace rayloc::channel_change_test
+}  // namespace rayloc::target_channel_test
