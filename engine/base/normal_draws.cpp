@@ -1,6 +1,7 @@
 #include "engine/base/normal_draws.h"
 
 #include <cmath>
+#include <cstddef>
 #include <numbers>
 #include <vector>
 

@@ -4,12 +4,12 @@
 // Not for cryptography. Different objects may be used on different threads.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 
 namespace rayloc {
 
-// A hash of 64 bits: one step of the generator splitmix64.
+// A hash of 64 bits: one step of the generator splitmix64 (Steele, Lea, Flood 2014). Neighbouring
+// numbers become unrelated.
 std::uint64_t mixed(std::uint64_t value);
 
 // The same key gives the same numbers, on any thread.

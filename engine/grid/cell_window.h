@@ -1,8 +1,10 @@
 // CellWindow: a rectangle of the cells of a grid.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <optional>
+#include <vector>
 
 #include "engine/grid/grid.h"
 
@@ -38,5 +40,9 @@ struct CellWindow {
     return part;
   }
 };
+
+// The first and one past the last of the entries that remain when at most `out` is removed at each
+// end; one entry always remains. REQUIRES: an entry.
+std::array<std::size_t, 2> kept_range(const std::vector<double>& mass, double out);
 
 }  // namespace rayloc

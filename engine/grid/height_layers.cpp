@@ -14,6 +14,11 @@ constexpr double kMinAbove = 0.1;   // [m], chosen: clearance to floor and ceili
 // Probability of a standard normal variable below x.
 double below(double x) { return 0.5 * std::erfc(-x / std::numbers::sqrt2); }
 
+// Probability that a normal variable of mean 0 is between these values.
+double between(double low, double high, double sigma) {
+  return below(high / sigma) - below(low / sigma);
+}
+
 }  // namespace
 
 HeightLayers height_layers(const HeightPrior& prior, double floor, double ceiling) {
@@ -31,14 +36,23 @@ HeightLayers height_layers(const HeightPrior& prior, double floor, double ceilin
   for (std::size_t i = 0; i < count; ++i) {
     const double from = low + layers.thickness * static_cast<double>(i);
     layers.offset.push_back(from + 0.5 * layers.thickness);
-    layers.weight.push_back(below((from + layers.thickness) / prior.sigma) -
-                            below(from / prior.sigma));
+    layers.weight.push_back(between(from, from + layers.thickness, prior.sigma));
     sum += layers.weight.back();
   }
   for (double& weight : layers.weight) {
     weight /= sum;
   }
   return layers;
+}
+
+std::vector<double> layer_probabilities(const HeightLayers& layers, double mean, double sigma) {
+  std::vector<double> result;
+  result.reserve(layers.size());
+  for (const double offset : layers.offset) {
+    const double from = offset - 0.5 * layers.thickness - mean;
+    result.push_back(between(from, from + layers.thickness, sigma));
+  }
+  return result;
 }
 
 std::vector<HeightSlice> slices_of(const HeightLayers& layers,

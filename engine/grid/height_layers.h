@@ -27,6 +27,10 @@ struct HeightLayers {
 // The layers in a room whose floor and ceiling are at these heights [m].
 HeightLayers height_layers(const HeightPrior& prior, double floor, double ceiling);
 
+// Probability of each layer for a normally distributed height: mean [m], relative to
+// HeightPrior::mean, and standard deviation [m]. REQUIRES: sigma > 0.
+std::vector<double> layer_probabilities(const HeightLayers& layers, double mean, double sigma);
+
 // Heights within a layer that are evaluated one by one: offsets from HeightPrior::mean [m] and
 // shares of the layer's probability, sum 1. They are at most `most` [m] apart.
 struct HeightSlice {

@@ -11,9 +11,9 @@ namespace {
 
 // Masses, chosen: outside these limits a product in single precision may have lost digits, and
 // below this multiple of the mass that carries no information their difference has.
-constexpr float kLeastProduct = 1e-30F;
-constexpr float kLargestProduct = 1e30F;
-constexpr float kLeastAbove = 1e-2F;
+constexpr float kMinProduct = 1e-30F;
+constexpr float kMaxProduct = 1e30F;
+constexpr float kMinAbove = 1e-2F;
 
 std::vector<LaneRow> rows_of(const std::vector<float>& values) {
   std::vector<LaneRow> rows(values.size() / kLaneCount);
@@ -30,7 +30,7 @@ std::vector<float> of_single(const std::vector<float>& values,
   const auto add = static_cast<float>(fusion.log_right(0) / likelihood_exponent);
   std::vector<float> result(values.size());
   for (std::size_t n = 0; n < values.size(); ++n) {
-    result[n] = std::max(kLeast, values[n] + add);
+    result[n] = std::max(kNoMass, values[n] + add);
   }
   return result;
 }
@@ -88,16 +88,16 @@ std::vector<float> fused_log_likelihood(std::span<const std::vector<float>> valu
   }
   std::vector<LaneRow> mass(places / kLaneCount);
   fuse_rows(arrays, mass);
-  const float least = std::max(kLeastProduct, kLeastAbove * nothing);
+  const float least = std::max(kMinProduct, kMinAbove * nothing);
   const auto scale = static_cast<float>(log_scale / likelihood_exponent);
   const auto inverse = static_cast<float>(1.0 / likelihood_exponent);
   std::vector<float> result(places);
   std::vector<double> of_each(values.size());
   for (std::size_t n = 0; n < places; ++n) {
     const float of_place = mass[n / kLaneCount][n % kLaneCount];
-    if (values.front()[n] <= kLeast) {
-      result[n] = kLeast;
-    } else if (of_place > least && of_place < kLargestProduct) {
+    if (values.front()[n] <= kNoMass) {
+      result[n] = kNoMass;
+    } else if (of_place > least && of_place < kMaxProduct) {
       result[n] = scale + inverse * std::log(of_place);
     } else {
       for (std::size_t i = 0; i < values.size(); ++i) {
@@ -105,7 +105,7 @@ std::vector<float> fused_log_likelihood(std::span<const std::vector<float>> valu
       }
       result[n] = static_cast<float>(fusion.log_likelihood(of_each));
     }
-    result[n] = std::max(result[n], kLeast);
+    result[n] = std::max(result[n], kNoMass);
   }
   return result;
 }
@@ -114,13 +114,13 @@ double log_mean_of(std::span<const float> log_likelihood, std::size_t count, dou
   RAYLOC_CHECK(count > 0 && count <= log_likelihood.size());
   const std::span<const float> values = log_likelihood.first(count);
   const float top = *std::max_element(values.begin(), values.end());
-  if (top <= kLeast) {
+  if (top <= kNoMass) {
     return -std::numeric_limits<double>::infinity();
   }
   const auto by = static_cast<float>(exponent);
   double sum = 0.0;
   for (const float value : values) {
-    sum += value > kLeast ? static_cast<double>(std::exp(by * (value - top))) : 0.0;
+    sum += value > kNoMass ? static_cast<double>(std::exp(by * (value - top))) : 0.0;
   }
   return exponent * static_cast<double>(top) + std::log(sum / static_cast<double>(count));
 }

@@ -229,16 +229,6 @@ double accuracy_of(const Masses& masses, const Vec3d& position, const PosteriorO
              : radius_of(masses, position, options.accuracy_confidence, options.outlier);
 }
 
-double effective_cells(const std::vector<double>& mass) {
-  double entropy = 0.0;
-  for (const double m : mass) {
-    if (m > 0.0) {
-      entropy -= m * std::log(m);
-    }
-  }
-  return std::exp(entropy);
-}
-
 // Adds the mass of a cell, in two parts if its best place is known.
 void add_parts(const Masses& masses, std::size_t cell, std::vector<HillMass>& parts) {
   // A ratio, chosen: a cell whose best place has at least this share is one part.
@@ -349,6 +339,16 @@ void add_hypotheses(Masses masses, const PosteriorOptions& options, LocationEsti
 }
 
 }  // namespace
+
+double effective_cells(std::span<const double> mass) {
+  double entropy = 0.0;
+  for (const double m : mass) {
+    if (m > 0.0) {
+      entropy -= m * std::log(m);
+    }
+  }
+  return std::exp(entropy);
+}
 
 void summarise_posterior(const Grid& grid,
                          const std::vector<double>& log_likelihood,

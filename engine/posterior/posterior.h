@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "engine/grid/cell_mass.h"
@@ -36,5 +37,8 @@ void summarise_posterior(const Grid& grid,
                          const PosteriorOptions& options,
                          LocationEstimate& estimate,
                          const RefinedCells& within = {});
+
+// Number of equally probable cells that have the entropy of `mass`, whose sum is 1.
+double effective_cells(std::span<const double> mass);
 
 }  // namespace rayloc

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
 #include <utility>
 
 #include "engine/base/check.h"
@@ -12,7 +11,7 @@ namespace rayloc {
 namespace {
 
 // A count, chosen: positions that are drawn for a box of the sample, in a room full of furniture.
-constexpr std::size_t kMostDrawnForABox = 1000;
+constexpr std::size_t kMaxDrawsPerBox = 1000;
 
 // Multiples modulo 1: of the powers of the inverse of the root of x^3 = x + 1 they fill a square
 // evenly, and so do any successive ones; of the golden ratio, the heights.
@@ -53,7 +52,8 @@ std::vector<char> free_boxes(const BoxLattice& lattice, const FreeSpace& space) 
   for (std::uint32_t box = 0; box < free.size(); ++box) {
     free[box] = space.free[lattice.cell(box)] != 0 ? 1 : 0;
   }
-  if (std::count(free.begin(), free.end(), 1) == 0) {  // free cells are beside the middles
+  if (std::count(free.begin(), free.end(), 1) == 0) {
+    // No box has its middle in a free cell: all boxes count.
     std::fill(free.begin(), free.end(), 1);
   }
   return free;
@@ -71,14 +71,14 @@ std::shared_ptr<const CloudRoom> make_cloud_room(std::shared_ptr<const Localizer
   const std::vector<char> free = free_boxes(lattice, *space);
   std::vector<CloudRoom::SampleBox> sample;
   for (std::size_t number = 0;
-       sample.size() < kSampleBoxes && number < kMostDrawnForABox * kSampleBoxes;
+       sample.size() < kSampleBoxes && number < kMaxDrawsPerBox * kSampleBoxes;
        ++number) {
     const std::uint32_t box = box_of(lattice, number);
     if (box != BoxLattice::kNone && free[box] != 0) {
       sample.push_back({box, lattice.middle(box)});
     }
   }
-  // A few free boxes in a large room: the first ones, whatever they are.
+  // If too few free boxes were drawn, the free boxes fill the sample in order, repeatedly.
   while (sample.size() < kSampleBoxes) {
     for (std::uint32_t box = 0; box < free.size() && sample.size() < kSampleBoxes; ++box) {
       if (free[box] != 0) {

@@ -27,8 +27,8 @@ struct CloudRoom {
   double boxes = 0.0;             // boxes whose cell is free: a count
 };
 
-// Counts, chosen: boxes that represent the room. A moment is compared with a part of them, the next
-// moment with another one.
+// Counts, chosen. Boxes that represent the room. Each moment is compared with kBoxesOfMoment of
+// them, selected by its time.
 inline constexpr std::size_t kSampleBoxes = 256;
 inline constexpr std::size_t kBoxesOfMoment = 8;
 

@@ -19,23 +19,11 @@ namespace {
 constexpr double kOutOfSide = 2.5e-5;     // a probability, chosen: left out at each of four sides
 constexpr double kVelocityRadius = 0.15;  // [m], that of a position in posterior/posterior
 constexpr double kLargerCells = 1.05;     // a ratio, chosen
-constexpr std::size_t kMostCells = kSummaryWindow + kSummaryWindow / 10;  // of a narrow part
-
-std::size_t cell_of(const Grid& grid, const PlaceCloud& cloud, std::size_t i) {
-  return grid.cell_at(static_cast<double>(cloud.x()[i]), static_cast<double>(cloud.y()[i]));
-}
+constexpr std::size_t kMaxCells = kSummaryWindow + kSummaryWindow / 10;  // of a narrow part
 
 // First and count of the rows that hold all but the mass of two sides, and one more on each side.
 std::array<std::size_t, 2> kept_rows(const std::vector<double>& mass, double all) {
-  const double out = kOutOfSide * all;
-  std::size_t begin = 0;
-  std::size_t end = mass.size();
-  for (double sum = mass[begin]; sum <= out && begin + 1 < end; sum += mass[begin]) {
-    ++begin;
-  }
-  for (double sum = mass[end - 1]; sum <= out && begin + 1 < end; sum += mass[end - 1]) {
-    --end;
-  }
+  auto [begin, end] = kept_range(mass, kOutOfSide * all);
   begin -= std::min<std::size_t>(begin, 1);
   end = std::min(end + 1, mass.size());
   return {begin, end - begin};
@@ -59,7 +47,7 @@ std::size_t occupied_cells(const PlaceCloud& cloud,
   std::vector<char> is_occupied(part.size() + 1);  // the last one: outside
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     if (weights[i] > 0.0F) {
-      is_occupied[cell_of(part, cloud, i)] = 1;
+      is_occupied[cell_of(cloud, i, part)] = 1;
     }
   }
   return static_cast<std::size_t>(std::count(is_occupied.begin(), is_occupied.end() - 1, 1));
@@ -103,7 +91,7 @@ std::vector<CellSums> sums_of(const PlaceCloud& cloud,
     if (weights[i] <= 0.0F) {
       continue;
     }
-    const std::size_t cell = cell_of(part, cloud, i);
+    const std::size_t cell = cell_of(cloud, i, part);
     if (cell < part.size()) {
       const Vec3d position{static_cast<double>(cloud.x()[i]),
                            static_cast<double>(cloud.y()[i]),
@@ -121,7 +109,7 @@ double take_places_outside(const PlaceCloud& cloud,
                            std::vector<float>& weights) {
   double outside = 0.0;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    const std::size_t cell = cell_of(grid, cloud, i);
+    const std::size_t cell = cell_of(cloud, i, grid);
     const bool is_inside = cell < grid.size() && (inside.empty() || inside[cell] != 0);
     if (!is_inside) {
       outside += static_cast<double>(weights[i]);
@@ -138,7 +126,7 @@ Grid summary_grid(const PlaceCloud& cloud, std::span<const float> weights, const
   std::vector<double> by_y(grid.count_y);
   double all = 0.0;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    const std::size_t cell = cell_of(grid, cloud, i);
+    const std::size_t cell = cell_of(cloud, i, grid);
     if (cell < grid.size()) {
       const auto weight = static_cast<double>(weights[i]);
       by_x[cell / grid.count_y] += weight;
@@ -157,7 +145,7 @@ Grid summary_grid(const PlaceCloud& cloud, std::span<const float> weights, const
     cells = with_cells(part, step);
   }
   for (std::size_t occupied = occupied_cells(cloud, weights, cells);
-       cells.size() > kMostCells || occupied > kSummaryCells;
+       cells.size() > kMaxCells || occupied > kSummaryCells;
        occupied = occupied_cells(cloud, weights, cells)) {
     const double times = static_cast<double>(occupied) / static_cast<double>(kSummaryCells);
     step *= std::max(kLargerCells, std::sqrt(times));
@@ -173,8 +161,13 @@ double summarise_cloud(const PlaceCloud& cloud,
                        LocationEstimate& location) {
   RAYLOC_CHECK(inside.empty() || inside.size() == grid.size());
   std::vector<float> weights = cloud.weights();
+  const auto is_weighed = [](float one) { return one > 0.0F; };
+  if (std::none_of(weights.begin(), weights.end(), is_weighed)) {
+    location.reason = "no place of the cloud is possible";
+    return 1.0;
+  }
   const double outside = take_places_outside(cloud, grid, inside, weights);
-  if (std::none_of(weights.begin(), weights.end(), [](float one) { return one > 0.0F; })) {
+  if (std::none_of(weights.begin(), weights.end(), is_weighed)) {
     location.reason = SearchArea::kBeside;
     return 1.0;
   }

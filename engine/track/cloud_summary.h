@@ -13,7 +13,7 @@
 namespace rayloc {
 
 // Counts, chosen: cells of a summary that have any mass, and all of its cells, about. They bound
-// its time; a wide cloud gets larger cells, two narrow hills far apart do not.
+// its time: a wide cloud, or hills far apart, get larger cells.
 inline constexpr std::size_t kSummaryCells = 200;
 inline constexpr std::size_t kSummaryWindow = 1000;
 
@@ -21,6 +21,7 @@ inline constexpr std::size_t kSummaryWindow = 1000;
 // SearchArea::inside, empty if all cells are. options: likelihood_exponent and cells_of_room are
 // set here, and the mass outside the area or the grid is added to options.outlier. Returns that
 // mass, a probability; without any other mass, location.reason states it and there is no position.
+// If no place is possible, the result is 1.
 double summarise_cloud(const PlaceCloud& cloud,
                        const Grid& grid,
                        std::span<const char> inside,

@@ -5,35 +5,16 @@
 #include <iterator>
 #include <utility>
 
-#include "engine/base/content_hash.h"
 #include "engine/base/parallel.h"
 #include "engine/track/searched_cells.h"
 
 namespace rayloc {
 namespace {
 
-std::shared_ptr<const FreeSpace> free_space_of(const Localizer& localizer) {
-  std::vector<Vec3d> access_points;
-  for (const RoomAccessPoint& ap : localizer.room().access_points) {
-    access_points.push_back(ap.array.pose.position);
-  }
-  return std::make_shared<const FreeSpace>(
-      make_free_space(*localizer.room().scene, localizer.grid(), access_points));
-}
-
 // Time offset of the moments at which a target is searched for in the whole room.
 Duration phase_of(const MacAddress& address) {
   const auto steps = static_cast<int>(std::hash<MacAddress>()(address) % 100);
   return kWholeRoomPeriod * steps / 100;
-}
-
-// From the bytes of the address alone: the same in every process.
-std::uint64_t seed_of(const MacAddress& address) {
-  ContentHash hash;
-  for (const std::uint8_t octet : address.octets) {
-    hash.add(std::uint64_t{octet});
-  }
-  return hash.value();
 }
 
 std::shared_ptr<const CloudRoom> cloud_room_of(const TrackOptions& options,
@@ -59,7 +40,7 @@ TrackerCounters& TrackerCounters::operator+=(const TrackerCounters& other) {
 DeviceTracker::DeviceTracker(std::shared_ptr<const Localizer> localizer,
                              DeviceTrackerOptions options)
     : localizer_(std::move(localizer)),
-      space_(free_space_of(*localizer_)),
+      space_(std::make_shared<const FreeSpace>(make_free_space(*localizer_))),
       cloud_room_(cloud_room_of(options.track, localizer_, space_)),
       options_(std::move(options)) {}
 
@@ -145,7 +126,7 @@ DeviceTracker::Tracks::iterator DeviceTracker::track_of(const DeviceBurst& burst
                 space_,
                 options_.track,
                 phase_of(burst.device),
-                CloudSource{cloud_room_, seed_of(burst.device)});
+                CloudSource{cloud_room_, std::hash<MacAddress>()(burst.device)});
     found = tracks_.emplace(burst.device, Entry{std::move(track), {}}).first;
   }
   return found;

@@ -96,7 +96,7 @@ class DeviceTracker {
   // tracks.
   Timestamp received_until(Timestamp now) const;
   std::size_t size() const { return tracks_.size(); }
-  std::size_t in_clouds() const;  // tracks that have left the grid (TrackOptions::uses_cloud)
+  std::size_t in_clouds() const;  // tracks that a cloud follows; for tests
   const TrackerCounters& counters() const { return counters_; }
 
  private:

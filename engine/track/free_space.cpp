@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "engine/base/parallel.h"
+#include "engine/localize/localizer.h"
 #include "engine/scene/closed_objects.h"
 #include "engine/scene/scene.h"
 #include "engine/scene/solid.h"
@@ -49,6 +50,14 @@ FreeSpace make_free_space(const Scene& scene, const Grid& grid, const std::vecto
     space.link_y[cell] = (cell + 1) % grid.count_y != 0 && is_linked(cell, cell + 1) ? 1 : 0;
   });
   return space;
+}
+
+FreeSpace make_free_space(const Localizer& localizer) {
+  std::vector<Vec3d> access_points;
+  for (const RoomAccessPoint& ap : localizer.room().access_points) {
+    access_points.push_back(ap.array.pose.position);
+  }
+  return make_free_space(*localizer.room().scene, localizer.grid(), access_points);
 }
 
 bool is_open(const FreeSpace& space, std::size_t from, std::size_t to) {

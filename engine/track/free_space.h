@@ -12,6 +12,7 @@
 
 namespace rayloc {
 
+class Localizer;
 class Scene;
 
 struct FreeSpace {
@@ -25,10 +26,12 @@ struct FreeSpace {
 // points') is the hull of the room, not an obstacle. When no cell would be free, the plan is
 // rejected and every cell is free.
 FreeSpace make_free_space(const Scene& scene, const Grid& grid, const std::vector<Vec3d>& inside);
+// That of a room and its grid.
+FreeSpace make_free_space(const Localizer& localizer);
 
 // True if a target can move between these cells of the grid over open links, first along x and then
-// along y, or first along y. A way around several corners is not found: for cells at most 8 apart
-// in each direction.
+// along y, or first along y. Paths around several corners are not found, so it is meant for cells
+// at most 8 apart in each direction.
 bool is_open(const FreeSpace& space, std::size_t from, std::size_t to);
 
 }  // namespace rayloc

@@ -260,15 +260,8 @@ void GridFilter::narrow(double share, Duration reach) {
                         std::size_t first,
                         std::size_t most,
                         double step) -> std::array<std::size_t, 2> {
-    const double out = 0.25 * share * all;  // mass that may be left out on each of four sides
-    std::size_t begin = 0;
-    std::size_t end = masses.size();
-    for (double sum = masses[begin]; sum <= out && begin + 1 < end; sum += masses[begin]) {
-      ++begin;
-    }
-    for (double sum = masses[end - 1]; sum <= out && begin + 1 < end; sum += masses[end - 1]) {
-      --end;
-    }
+    // A quarter of the share may be left out on each of four sides.
+    auto [begin, end] = kept_range(masses, 0.25 * share * all);
     const auto beside = static_cast<std::size_t>(std::ceil(fastest * to_seconds(reach) / step)) + 1;
     begin += first;
     end += first;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 #include <utility>
 
@@ -12,7 +11,8 @@
 namespace rayloc {
 namespace {
 
-constexpr float kModeVariance = 0.09F;  // [m^2/s^2], chosen: of a mode's velocity, speeds between
+// [m^2/s^2], chosen: variance of the velocity of a mode: it covers the speeds between modes.
+constexpr float kModeVariance = 0.09F;
 constexpr double kSameDistance = 0.1;   // [m/s], chosen: modes that are about as near
 constexpr int kTries = 8;               // a count, chosen: to draw a place that no wall hides
 constexpr double kMinDeviation = 1e-6;  // [m], of a height
@@ -29,20 +29,6 @@ std::size_t entry_at(std::span<const double> values, double share) {
     }
   }
   return values.size() - 1;
-}
-
-// Probability of each layer of a normally distributed height.
-std::vector<double> layers_of_height(const HeightLayers& layers, double mean, double variance) {
-  const double scale =
-      1.0 / (std::numbers::sqrt2 * std::max(std::sqrt(std::max(variance, 0.0)), kMinDeviation));
-  std::vector<double> share;
-  share.reserve(layers.size());
-  for (const double offset : layers.offset) {
-    const double low = (offset - 0.5 * layers.thickness - mean) * scale;
-    const double high = (offset + 0.5 * layers.thickness - mean) * scale;
-    share.push_back(0.5 * (std::erfc(low) - std::erfc(high)));
-  }
-  return share;
 }
 
 // An offset from the centre of a cell: horizontally normal given the height.
@@ -84,7 +70,8 @@ class CellDraws {
     if (heights.is_known() || mass->layers.size() != heights.size()) {
       return;
     }
-    const std::vector<double> best = layers_of_height(heights, mass->best.z, mass->best.zz);
+    const double sigma = std::max(std::sqrt(std::max(mass->best.zz, 0.0)), kMinDeviation);
+    const std::vector<double> best = layer_probabilities(heights, mass->best.z, sigma);
     layers_.assign(mass->layers.begin(), mass->layers.end());
     double sum = 0.0;
     for (const double one : layers_) {
@@ -248,8 +235,7 @@ GridFilter grid_of(const PlaceCloud& cloud,
   double all = 0.0;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const CloudPlace place = cloud.place(i);
-    const std::size_t cell =
-        grid.cell_at(static_cast<double>(place.x), static_cast<double>(place.y));
+    const std::size_t cell = cell_of(cloud, i, grid);
     if (cell == grid.size() || space->free[cell] == 0 || weights[i] <= 0.0F) {
       continue;
     }

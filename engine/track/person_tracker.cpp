@@ -8,11 +8,11 @@
 #include "engine/grid/grid.h"
 #include "engine/scene/scene.h"
 #include "engine/track/filter_summary.h"
+#include "engine/track/follow/tracked_moment.h"
 
 namespace rayloc {
 namespace {
 
-constexpr double kMinMomentWeight = 0.02;  // least weight of a moment for which the map is computed
 // Height at which walls block a walk and chairs do not, as a share of the body's height.
 constexpr double kWalkHeight = 0.8;
 // Share of the power by which two frames of a room at rest differ beyond noise: the phases of the
@@ -187,11 +187,10 @@ PersonTracker::Sight PersonTracker::weigh(const PersonObservation& observation) 
   const double credit = life_->credit * (1.0 - change);
   const bool is_one_sided = person.front_offset_sigma > 0.0 && observation.arrays.size() == 1;
   const Duration same = is_one_sided ? options_.one_sided_evidence_time : options_.evidence_time;
-  const double share = std::min(1.0, to_seconds(time - life_->weighed) / to_seconds(same));
-  const double weight = share * (1.0 - credit);
+  const double weight = snapshot_share(time - life_->weighed, same) * (1.0 - credit);
   life_->filter.weigh_change(change);
   life_->credit = credit;
-  if (weight >= kMinMomentWeight) {
+  if (weight >= kMinBurstWeight) {
     PersonMap map = evaluate(observation);
     if (const Sight sight = sight_of(map, 0.0); sight != Sight::kSeen) {
       return sight;

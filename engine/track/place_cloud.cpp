@@ -11,9 +11,9 @@
 namespace rayloc {
 namespace {
 
-constexpr double kParts16 = 65536.0;    // of a probability, as NormalDraws::bits16
-constexpr double kMovedAtRest = 0.3;    // a ratio, chosen: of the move of a resting place
-constexpr float kLeastWeight = -1e29F;  // logarithm: a place below it has no weight
+constexpr double kParts16 = 65536.0;     // of a probability, as NormalDraws::bits16
+constexpr double kMovedAtRest = 0.3;     // a ratio, chosen: of the move of a resting place
+constexpr float kMinLogWeight = -1e29F;  // logarithm: a place below it has no weight
 
 std::uint32_t share16(double probability) {
   return static_cast<std::uint32_t>(std::lround(kParts16 * probability));
@@ -90,8 +90,8 @@ void PlaceCloud::predict(double seconds,
   if (seconds <= 0.0) {
     return;
   }
-  // Per walking place: 60 operations and ten numbers that are read and written.
-  WorkDone::add(60 * size(), 80 * size());
+  // Per walking place: 60 operations, six floats read and written, and the mode.
+  WorkDone::add(60 * size(), 49 * size());
   const Step step{static_cast<float>(seconds),
                   static_cast<float>(std::exp(-seconds / motion.velocity_time)),
                   static_cast<float>(motion.height_speed * seconds),
@@ -141,11 +141,11 @@ void PlaceCloud::weigh_change(double change, double odds) {
 
 std::vector<float> PlaceCloud::weights() const {
   std::vector<float> weights(size(), 0.0F);
-  float top = kLeastWeight;
+  float top = kMinLogWeight;
   for (const float one : log_weight_) {
     top = std::max(top, one);
   }
-  if (top <= kLeastWeight) {
+  if (top <= kMinLogWeight) {
     return weights;
   }
   double sum = 0.0;
@@ -236,6 +236,10 @@ double PlaceCloud::resting() const {
     sum += is_resting_[i] != 0 ? static_cast<double>(weight[i]) : 0.0;
   }
   return std::min(sum, 1.0);
+}
+
+std::size_t cell_of(const PlaceCloud& cloud, std::size_t i, const Grid& grid) {
+  return grid.cell_at(static_cast<double>(cloud.x()[i]), static_cast<double>(cloud.y()[i]));
 }
 
 }  // namespace rayloc

@@ -3,7 +3,7 @@
 // velocity and a variance instead of a drawn one (Rao-Blackwellised).
 //
 // Positions are those of the world [m]. A place either rests or walks. Nothing here depends on
-// radio: the caller multiplies the weights, and removes places that cannot be. Results follow from
+// radio: the caller multiplies the weights, and removes impossible places. Results follow from
 // the arguments alone; a cloud is used by one thread at a time.
 #pragma once
 
@@ -14,6 +14,7 @@
 
 #include "engine/base/normal_draws.h"
 #include "engine/base/vec3.h"
+#include "engine/grid/grid.h"
 #include "engine/grid/height_layers.h"
 
 namespace rayloc {
@@ -44,7 +45,7 @@ struct CloudPlace {
 
 class PlaceCloud {
  public:
-  static constexpr float kNoWeight = -1e30F;  // logarithm, of a place that cannot be
+  static constexpr float kNoWeight = -1e30F;  // log-weight of an impossible place
 
   std::size_t size() const { return x_.size(); }
   void reserve(std::size_t count);
@@ -58,7 +59,7 @@ class PlaceCloud {
   std::span<const float> v() const { return v_; }
   std::span<const float> log_weight() const { return log_weight_; }
 
-  // Time passes. height: the prior; with sigma 0 the height is known, and z is fixed.
+  // Predicts over `seconds`. height: the prior; with sigma 0 the height is known, and z is fixed.
   // REQUIRES: seconds >= 0.
   void predict(double seconds,
                const CloudMotion& motion,
@@ -99,5 +100,8 @@ class PlaceCloud {
   std::vector<std::uint8_t> is_resting_;
   std::vector<float> log_weight_;
 };
+
+// The cell of place i in plan; grid.size() outside the grid.
+std::size_t cell_of(const PlaceCloud& cloud, std::size_t i, const Grid& grid);
 
 }  // namespace rayloc

@@ -22,14 +22,16 @@
 #include "engine/track/cloud_summary.h"
 #include "tests/bench/best_times.h"
 #include "tests/bench/laboratory_room.h"
+#include "tests/support/cloud_scene.h"
 #include "tests/support/synthetic_room.h"
 
 namespace rayloc::bench {
 namespace {
 
 constexpr auto kMoment = std::chrono::milliseconds(50);
-constexpr double kStep = 0.04;     // [m], of a walk in a moment
-constexpr std::size_t kKept = 32;  // moments of a device at one place
+constexpr double kStep = 0.04;      // [m], of a walk in a moment
+constexpr std::size_t kKept = 32;   // moments of a device at one place
+constexpr std::size_t kSteps = 50;  // of a walk
 
 std::shared_ptr<const CloudRoom> room_of(int access_points) {
   static std::map<int, std::shared_ptr<const CloudRoom>> made;
@@ -37,15 +39,7 @@ std::shared_ptr<const CloudRoom> room_of(int access_points) {
   if (one == nullptr) {
     RoomModel room = laboratory_room({3, access_points});
     room.device.height_sigma = 0.3;
-    const auto localizer = std::make_shared<const Localizer>(
-        *Localizer::create(std::make_shared<const RoomModel>(std::move(room)), {}));
-    std::vector<Vec3d> inside;
-    for (const RoomAccessPoint& ap : localizer->room().access_points) {
-      inside.push_back(ap.array.pose.position);
-    }
-    one = make_cloud_room(localizer,
-                          std::make_shared<const FreeSpace>(make_free_space(
-                              *localizer->room().scene, localizer->grid(), inside)));
+    one = test::cloud_room(std::move(room));
   }
   return one;
 }
@@ -145,12 +139,15 @@ void sizes(benchmark::internal::Benchmark* of) {
   of->Unit(benchmark::kMicrosecond);
 }
 
+void usual_sizes(benchmark::internal::Benchmark* of) {
+  of->Args({1, 1500, 100})->Args({3, 600, 50})->Unit(benchmark::kMicrosecond);
+}
+
 void BM_WeighAtRest(benchmark::State& state) {
   const Setup setup(state);
   const auto moments = setup.at_rest(kKept);
   CloudEvidence evidence(setup.room);
   std::size_t next = 0;
-  std::size_t boxes = 0;
   const auto weigh = [&](const Moment& moment) {
     return evidence.weigh(moment.observation, moment.cloud, moment.boxes, 0.25);
   };
@@ -160,17 +157,14 @@ void BM_WeighAtRest(benchmark::State& state) {
   for (auto _ : state) {
     const auto weights = weigh(moments[next]);
     next = (next + 1) % kKept;
-    boxes = weights ? weights->boxes : 0;
     benchmark::DoNotOptimize(weights);
   }
-  state.counters["boxes"] = static_cast<double>(boxes);
 }
 BENCHMARK(BM_WeighAtRest)->Apply(sizes)->Repetitions(3);
 
 // Boxes are made at the edge of the cloud; those of the sample are kept, as they are in a room with
 // devices.
 void BM_WeighAWalk(benchmark::State& state) {
-  constexpr std::size_t kSteps = 50;
   const Setup setup(state);
   const auto moments = setup.along_a_walk(kSteps);
   CloudEvidence evidence(setup.room);
@@ -183,11 +177,7 @@ void BM_WeighAWalk(benchmark::State& state) {
     benchmark::DoNotOptimize(evidence.weigh(moment.observation, moment.cloud, moment.boxes, 0.25));
   }
 }
-BENCHMARK(BM_WeighAWalk)
-    ->Args({1, 1500, 100})
-    ->Args({3, 600, 50})
-    ->Iterations(50)
-    ->Unit(benchmark::kMicrosecond);
+BENCHMARK(BM_WeighAWalk)->Apply(usual_sizes)->Iterations(kSteps);
 
 // Values of the cloud alone.
 void BM_SearchPlaces(benchmark::State& state) {
@@ -199,14 +189,16 @@ void BM_SearchPlaces(benchmark::State& state) {
   for (auto _ : state) {
     benchmark::DoNotOptimize(search.log_likelihoods(places, PlaceSearch::Spread::kTogether));
   }
+  state.counters["boxes"] = static_cast<double>(search.boxes());
 }
 BENCHMARK(BM_SearchPlaces)->Apply(sizes)->Repetitions(3);
 
 void BM_PrepareSearch(benchmark::State& state) {
   const Setup setup(state);
   const Moment moment = setup.at_rest(1).front();
+  const double exponent = setup.room->localizer->room().likelihood_exponent;
   for (auto _ : state) {
-    benchmark::DoNotOptimize(PlaceSearch(moment.observation, 0.6));
+    benchmark::DoNotOptimize(PlaceSearch(moment.observation, exponent));
   }
 }
 BENCHMARK(BM_PrepareSearch)
@@ -234,24 +226,19 @@ void BM_WeighGivenValues(benchmark::State& state) {
     benchmark::DoNotOptimize(evidence.weigh(moment.observation, moment.cloud, moment.boxes, 0.25));
   }
 }
-BENCHMARK(BM_WeighGivenValues)
-    ->Args({1, 1500, 100})
-    ->Args({3, 600, 50})
-    ->Unit(benchmark::kMicrosecond)
-    ->Repetitions(3);
+BENCHMARK(BM_WeighGivenValues)->Apply(usual_sizes)->Repetitions(3);
 
 void BM_Summarise(benchmark::State& state) {
   const Setup setup(state);
   const Moment moment = setup.at_rest(1).front();
   const Grid& grid = setup.room->lattice.grid();
   const SearchArea& area = setup.room->localizer->area();
-  std::size_t cells = 0;
   for (auto _ : state) {
     LocationEstimate location;
     benchmark::DoNotOptimize(summarise_cloud(moment.cloud, grid, area.inside, {}, location));
   }
-  cells = summary_grid(moment.cloud, moment.cloud.weights(), grid).size();
-  state.counters["cells"] = static_cast<double>(cells);
+  state.counters["cells"] =
+      static_cast<double>(summary_grid(moment.cloud, moment.cloud.weights(), grid).size());
 }
 BENCHMARK(BM_Summarise)->Apply(sizes)->Args({1, 1500, 500})->Repetitions(3);
 

@@ -1,7 +1,6 @@
 #include "tests/support/cloud_scene.h"
 
 #include <utility>
-#include <vector>
 
 #include "tests/support/scenes.h"
 
@@ -21,12 +20,7 @@ RoomModel furnished_room() {
 std::shared_ptr<const CloudRoom> cloud_room(RoomModel room, const LocalizerOptions& options) {
   auto localizer = std::make_shared<const Localizer>(
       *Localizer::create(std::make_shared<const RoomModel>(std::move(room)), options));
-  std::vector<Vec3d> inside;
-  for (const RoomAccessPoint& ap : localizer->room().access_points) {
-    inside.push_back(ap.array.pose.position);
-  }
-  auto space = std::make_shared<const FreeSpace>(
-      make_free_space(*localizer->room().scene, localizer->grid(), inside));
+  auto space = std::make_shared<const FreeSpace>(make_free_space(*localizer));
   return make_cloud_room(std::move(localizer), std::move(space));
 }
 

@@ -6,19 +6,12 @@
 
 #include "engine/base/check.h"
 #include "engine/base/constants.h"
+#include "engine/base/normal_draws.h"
 #include "engine/trace/diffuse/leg_finder.h"
 #include "engine/trace/diffuse/surface_patches.h"
 
 namespace rayloc {
 namespace {
-
-// Steele, Lea, Flood 2014: the finaliser of SplitMix64; neighbouring numbers become unrelated.
-std::uint64_t mixed(std::uint64_t value) {
-  value += 0x9e37'79b9'7f4a'7c15U;
-  value = (value ^ (value >> 30U)) * 0xbf58'476d'1ce4'e5b9U;
-  value = (value ^ (value >> 27U)) * 0x94d0'49bb'1331'11ebU;
-  return value ^ (value >> 31U);
-}
 
 // On the unit circle.
 Complex<double> phase(std::uint64_t number) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 
 #include "engine/grid/cell_mass.h"
@@ -56,6 +57,13 @@ TEST(CellWindow, NumbersTheCellsOfARectangle) {
   EXPECT_FALSE(window.number(g.size() - 1, g));
   EXPECT_FALSE(window.is_all_of(g));
   EXPECT_TRUE(CellWindow::all_of(g).is_all_of(g));
+}
+
+TEST(CellWindow, KeepsARangeWithoutItsEnds) {
+  using Range = std::array<std::size_t, 2>;
+  EXPECT_EQ(kept_range({0.0, 0.1, 0.5, 0.3, 0.1, 0.05}, 0.1), (Range{2, 5}));
+  EXPECT_EQ(kept_range({0.2, 0.5, 0.3}, 0.1), (Range{0, 3}));
+  EXPECT_EQ(kept_range({0.2, 0.5, 0.3}, 2.0), (Range{2, 3}));  // one entry remains
 }
 
 TEST(Lattice, IsCentred) {

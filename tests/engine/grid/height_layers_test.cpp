@@ -34,6 +34,17 @@ TEST(HeightLayers, FollowThePriorAndStayInTheRoom) {
   EXPECT_LE(low.thickness, layers.thickness + 0.05);
 }
 
+TEST(HeightLayers, HaveTheProbabilitiesOfAHeight) {
+  const HeightLayers layers = height_layers({1.2, kSigma}, 0.0, 2.5);
+  const std::vector<double> prior = layer_probabilities(layers, 0.0, kSigma);
+  const double sum = std::accumulate(prior.begin(), prior.end(), 0.0);
+  ASSERT_EQ(prior.size(), layers.size());
+  for (std::size_t i = 0; i < prior.size(); ++i) {
+    EXPECT_NEAR(prior[i] / sum, layers.weight[i], 1e-12);
+  }
+  EXPECT_NEAR(layer_probabilities(layers, layers.offset[2], 1e-6)[2], 1.0, 1e-12);
+}
+
 TEST(HeightLayers, SlicesFillALayer) {
   const HeightLayers layers = height_layers({1.2, kSigma}, 0.0, 2.5);
   const auto slices = slices_of(layers, 0, kSigma, 0.015);

@@ -92,11 +92,11 @@ TEST(PlaceFusion, APlaceThatWasNotComparedHasTheLeastValue) {
     const std::vector<double> faulty(arrays, 0.015);
     const AccessPointFusion fusion(maps_of(values), kTemper, faulty);
     for (auto& one : values) {
-      one[17] = kLeast;
+      one[17] = kNoMass;
     }
     const auto fused = fused_log_likelihood(values, fusion, kTemper);
-    EXPECT_EQ(fused[17], kLeast);
-    EXPECT_GT(fused[18], kLeast);
+    EXPECT_EQ(fused[17], kNoMass);
+    EXPECT_GT(fused[18], kNoMass);
   }
 }
 
@@ -122,10 +122,10 @@ TEST(PlaceFusion, MeansOverTheRoomMakeTheSameFusionAsItsMaps) {
 }
 
 TEST(PlaceFusion, MeanCountsPlacesThatWereNotCompared) {
-  const std::vector<float> values{1.0F, 2.0F, kLeast, 3.0F, 100.0F};
+  const std::vector<float> values{1.0F, 2.0F, kNoMass, 3.0F, 100.0F};
   const double mean = (std::exp(0.5) + std::exp(1.0) + std::exp(1.5)) / 4.0;
   EXPECT_NEAR(log_mean_of(values, 4, 0.5), std::log(mean), 1e-6);
-  const std::vector<float> none(8, kLeast);
+  const std::vector<float> none(8, kNoMass);
   EXPECT_EQ(log_mean_of(none, 8, 0.5), -std::numeric_limits<double>::infinity());
 }
 

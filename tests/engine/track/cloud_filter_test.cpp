@@ -174,8 +174,7 @@ TEST(CloudFilter, NoPlaceCrossesAWall) {
     double behind = 0.0;
     const std::vector<float> weights = filter.cloud().weights();
     for (std::size_t i = 0; i < filter.cloud().size(); ++i) {
-      const std::size_t cell =
-          behind_wall->lattice.cell_at(filter.cloud().x()[i], filter.cloud().y()[i]);
+      const std::size_t cell = cell_of(filter.cloud(), i, grid);
       behind += cell / grid.count_y >= first ? static_cast<double>(weights[i]) : 0.0;
     }
     EXPECT_EQ(behind, 0.0) << ms;

@@ -197,6 +197,17 @@ TEST(CloudSummary, MassBesideTheAreaIsOutlierProbability) {
   EXPECT_EQ(nowhere.reason, SearchArea::kBeside);
 }
 
+TEST(CloudSummary, ImpossiblePlacesAreNotBesideTheArea) {
+  PlaceCloud cloud = cloud_of_hills({{4.0, 3.0, 0.1, 20}}, 2);
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    cloud.remove(i);
+  }
+  LocationEstimate location;
+  EXPECT_EQ(summarise_cloud(cloud, room_grid(), {}, {}, location), 1.0);
+  EXPECT_FALSE(location.position);
+  EXPECT_EQ(location.reason, "no place of the cloud is possible");
+}
+
 TEST(CloudSummary, VelocityIsThatOfThePlacesNearby) {
   const PlaceCloud cloud =
       cloud_of_hills({{2.0, 2.0, 0.03, 500, 1.0F}, {5.0, 2.0, 0.03, 500, -0.5F}}, 2);

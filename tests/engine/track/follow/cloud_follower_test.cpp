@@ -25,15 +25,8 @@ std::shared_ptr<const Localizer> localizer() {
 }
 
 std::shared_ptr<const CloudRoom> room() {
-  static const auto kMade = [] {
-    std::vector<Vec3d> access_points;
-    for (const RoomAccessPoint& ap : localizer()->room().access_points) {
-      access_points.push_back(ap.array.pose.position);
-    }
-    return make_cloud_room(localizer(),
-                           std::make_shared<const FreeSpace>(make_free_space(
-                               *localizer()->room().scene, localizer()->grid(), access_points)));
-  }();
+  static const auto kMade = make_cloud_room(
+      localizer(), std::make_shared<const FreeSpace>(make_free_space(*localizer())));
   return kMade;
 }
 
@@ -120,7 +113,7 @@ TEST(CloudFollower, GivesBackATargetWhenAnAccessPointJoins) {
 }
 
 // A channel that has had its weight is not compared again, and its access points remain.
-TEST(CloudFollower, AMomentWithoutNewsChangesNoPlace) {
+TEST(CloudFollower, AMomentThatIsNotNewChangesNoPlace) {
   const TrackOptions options;
   CloudFollower follower = follower_at(truth(0), options);
   const std::vector<float> before = follower.cloud().weights();

@@ -107,10 +107,10 @@ TEST(HandOverRules, RivalIsTheBestCellAtADistance) {
   map[grid.cell_at(-1.0, 0.5)] = 6.0;  // at a distance
   map[grid.cell_at(-1.0, -1.0)] = 9.0;
   space.free[grid.cell_at(-1.0, -1.0)] = 0;
-  const RoomLook look = look_beside(cloud, space, map, 0.5);
-  EXPECT_EQ(look.near, 7.0);
-  EXPECT_EQ(look.rival, 6.0);
-  const RoomLook everywhere = look_beside(cloud, space, map, 10.0);
+  const RoomBest best = best_beside(cloud, space, map, 0.5);
+  EXPECT_EQ(best.near, 7.0);
+  EXPECT_EQ(best.rival, 6.0);
+  const RoomBest everywhere = best_beside(cloud, space, map, 10.0);
   EXPECT_EQ(everywhere.near, 7.0);
   EXPECT_FALSE(std::isfinite(everywhere.rival));
   EXPECT_EQ(rival_lead(2.5, everywhere, 0.1, 1.0, {}), 0.0);
@@ -118,9 +118,9 @@ TEST(HandOverRules, RivalIsTheBestCellAtADistance) {
 
 TEST(HandOverRules, ARivalMustLeadInSeveralMoments) {
   const HandOverOptions options;
-  const RoomLook far_better{0.0, 1000.0};
-  const RoomLook worse{0.0, -1000.0};
-  const RoomLook alike{100.0, 105.0};  // 0.5 nat at this exponent
+  const RoomBest far_better{0.0, 1000.0};
+  const RoomBest worse{0.0, -1000.0};
+  const RoomBest alike{100.0, 105.0};  // 0.5 nat at this exponent
   constexpr double kExponent = 0.1;
   double lead = rival_lead(0.0, far_better, kExponent, 1.0, options);
   EXPECT_GT(lead, 0.0);
@@ -137,15 +137,15 @@ TEST(HandOverRules, ARivalMustLeadInSeveralMoments) {
   // A moment that is not new counts little.
   EXPECT_LT(rival_lead(0.0, far_better, kExponent, 0.1, options), 0.5);
   // No place near the cloud explains the moment.
-  const RoomLook none_near{-std::numeric_limits<double>::infinity(), 3.0};
+  const RoomBest none_near{-std::numeric_limits<double>::infinity(), 3.0};
   EXPECT_EQ(rival_lead(0.0, none_near, kExponent, 1.0, options),
             rival_lead(0.0, far_better, kExponent, 1.0, options));
 }
 
 TEST(HandOverRules, TheNextEvaluationIsSoonWhileARivalLeads) {
-  EXPECT_EQ(next_look(kFirstWholeRoomPeriod, 0.0), 2 * kFirstWholeRoomPeriod);
-  EXPECT_EQ(next_look(kWholeRoomPeriod, 0.0), kWholeRoomPeriod);
-  EXPECT_EQ(next_look(kWholeRoomPeriod, 0.5), kFirstWholeRoomPeriod);
+  EXPECT_EQ(next_search_period(kFirstWholeRoomPeriod, 0.0), 2 * kFirstWholeRoomPeriod);
+  EXPECT_EQ(next_search_period(kWholeRoomPeriod, 0.0), kWholeRoomPeriod);
+  EXPECT_EQ(next_search_period(kWholeRoomPeriod, 0.5), kFirstWholeRoomPeriod);
 }
 
 }  // namespace
