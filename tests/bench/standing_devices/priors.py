@@ -106,5 +106,7 @@ def table_line(name: str, outcomes: list[Outcome]) -> str:
     metres = [f"{v:.2f} [{low:.2f}, {high:.2f}]" for v, low, high in (found["median"], found["p90"])]
     shares = [f"{100 * v:.0f} [{100 * low:.0f}, {100 * high:.0f}]"
               for v, low, high in (found["below"], found["region"])]
-    radius = "-" if math.isinf(found["radius"][0]) else f"{found['radius'][0]:.2f}"
+    radius = f"{found['radius'][0]:.2f}"
+    if math.isinf(found["radius"][0]):  # without a region
+        shares[1], radius = "-", "-"
     return f"| {name} | {len({one[0] for one in outcomes})} | " + " | ".join([*metres, *shares, radius]) + " |"

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include <gtest/gtest.h>
 
@@ -55,7 +56,7 @@ TEST(Controls, AreWhatTheirNamesState) {
   };
   EXPECT_EQ(place_of("nearest"), layout.survey[2].position);
   EXPECT_EQ(place_of("centre"), 0.5 * (room()->bounds_min + room()->bounds_max));
-  // The oracle has the true range in plan, and the bearing of a device.
+  // The oracle has the true range in plan.
   const Vec3d& from = room()->access_points[0].array.pose.position;
   const Vec3d oracle = place_of("oracle");
   EXPECT_NEAR(std::hypot(oracle.x - from.x, oracle.y - from.y),
