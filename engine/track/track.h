@@ -83,10 +83,10 @@ class Track {
   TargetChannel channel_;
   TargetFilter filter_;
   std::optional<TargetFilter> before_silence_;  // compact; while the filter is predicted
-  std::optional<TrackState> state_;  // empty before the first usable burst
-  Timestamp received_;               // last burst that gave an estimate
-  Timestamp weighed_;                // the last one that did not only move the estimate
-  std::size_t bursts_ = 0;           // usable ones
+  std::optional<TrackState> state_;             // empty before the first usable burst
+  Timestamp received_;                          // last burst that gave an estimate
+  Timestamp weighed_;                           // the last one that did not only move the estimate
+  std::size_t bursts_ = 0;                      // usable ones
   double credit_ = 0.0;  // share of a snapshot's weight already given to the present channel
   // From the last frames: all evidence of the filter relies on the same chains, equally suspect.
   FrameFault fault_;

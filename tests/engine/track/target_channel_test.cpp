@@ -102,7 +102,7 @@ TEST(TargetChannel, RemembersEachAccessPoint) {
   EXPECT_TRUE(change.of(moment({array_of(1, 0.0)})).value().is_explained());
 }
 
-// Of the access points that are compared, at both moments.
+// Over the access points that are compared, at both moments.
 TEST(TargetChannel, NoiseIsThatOfTheComparedArrays) {
   TargetChannel change(band(), kLimits);
   change.remember(moment({array_of(0, 0.0, 0.99), array_of(1, 0.0, 0.95)}));
