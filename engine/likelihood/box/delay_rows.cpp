@@ -25,8 +25,8 @@ DelayRows delay_rows(const ObservedArray& observed, std::size_t values) {
 
 double noise_outside_basis(double captured, std::size_t coordinates, std::size_t values) {
   RAYLOC_CHECK(values > coordinates);
-  const double inside = static_cast<double>(coordinates);
-  const double outside = static_cast<double>(values - coordinates);
+  const auto inside = static_cast<double>(coordinates);
+  const auto outside = static_cast<double>(values - coordinates);
   return std::clamp((1.0 - captured) * inside / outside, 0.0, 1.0);
 }
 
