@@ -6,6 +6,7 @@
 #include "engine/track/moved_estimate.h"
 
 namespace rayloc {
+
 Track::Track(std::shared_ptr<const Localizer> localizer,
              std::shared_ptr<const FreeSpace> space,
              const TrackOptions& options,

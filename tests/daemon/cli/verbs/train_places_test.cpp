@@ -96,8 +96,10 @@ class TrainPlaces : public ::testing::Test {
     return places;
   }
   static std::vector<Place> people() {
+    constexpr int kPlaces = 16;
     std::vector<Place> places;
-    for (int i = 0; i < 16; ++i) {
+    places.reserve(kPlaces);
+    for (int i = 0; i < kPlaces; ++i) {
       places.push_back({0.95 * std::sin(2.4 * i), 0.75 * std::sin(1.7 * i + 0.5)});
     }
     return places;
