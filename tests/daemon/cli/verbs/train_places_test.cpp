@@ -89,9 +89,14 @@ class TrainPlaces : public ::testing::Test {
   static void TearDownTestSuite() { fs::remove_all(folder()); }
 
   static std::vector<Place> grid() {
+    constexpr int kColumns = 6;
+    constexpr int kRows = 5;
     std::vector<Place> places;
-    for (int i = 0; i < 30; ++i) {
-      places.push_back({-1.05 + 0.4 * (i % 6), -0.75 + 0.3 * (i / 6)});
+    places.reserve(kColumns * kRows);
+    for (int row = 0; row < kRows; ++row) {
+      for (int column = 0; column < kColumns; ++column) {
+        places.push_back({-1.05 + 0.4 * column, -0.75 + 0.3 * row});
+      }
     }
     return places;
   }
