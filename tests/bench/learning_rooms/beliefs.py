@@ -4,7 +4,7 @@ A burst is a dictionary: `learning`, the access points whose chains are being le
 `error_m`, the error of its last measured position, and `inside`, whether the 95 % region contains the device (both
 None without one).
 
-A belief is a state of one access point's chains that the replay accepts as learned:
+A belief is a state of one access point's chains that the replay accepts as learned; a wrong one is a wrong state:
 
     seconds             from the begin of the walk
     error_deg           largest error of a phase then, from whole degrees
@@ -15,11 +15,11 @@ A belief is a state of one access point's chains that the replay accepts as lear
 """
 from __future__ import annotations
 
-import calendar
 import csv
 import json
 import math
 import re
+from datetime import datetime
 from pathlib import Path
 from typing import Any
 
@@ -47,20 +47,14 @@ def true_place(truth: Truth, time: float) -> tuple[float, float]:
     return ax + share * (bx - ax), ay + share * (by - ay)
 
 
-def seconds_of(time: str) -> float:
-    """POSIX seconds of 2024-06-11T10:00:00.075Z."""
-    whole, _, part = time.rstrip("Z").partition(".")
-    return calendar.timegm((*map(int, re.split("[-T:]", whole)), 0, 0, 0)) + float(f"0.{part or 0}")
-
-
 def read_bursts(file: Path, truth: Truth) -> list[Row]:
     """All bursts of a walk, from the estimates of a replay."""
     count = math.ceil((truth[-1][0] - truth[0][0] + 0.5 / RATE_HZ) / BURST_S)
     bursts: list[Row] = [{"learning": None, "error_m": None, "inside": None} for _ in range(count)]
     for line in file.read_text().splitlines():
         location = json.loads(line)
-        time = seconds_of(location["time"])
-        number = int((time - truth[0][0]) / BURST_S)
+        time = datetime.fromisoformat(location["time"]).timestamp()
+        number = int((time - truth[0][0] + 0.25 / RATE_HZ) / BURST_S)  # a frame's time is rounded
         if not 0 <= number < count:
             continue
         burst, quality = bursts[number], location["quality"]

@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from beliefs import add_ends, learned_times, learning_ends, phases_at_end, read_beliefs
+from beliefs import add_ends, learned_times, learning_ends, phases_at_end, read_beliefs, read_bursts
 from drawn_rooms import drawn_room
 from room import Room
 from table import percent, quantile, table
@@ -125,6 +125,19 @@ def test_times_of_beliefs() -> None:
             for one in beliefs] == [("ap2", 0.4, 60.0, 9, 2), ("ap1", 0.6, 5.0, 9, None), ("ap2", 1.0, 1.0, 9, None)]
     assert learning_ends(bursts, beliefs, ["ap1", "ap2"]) == 3
     assert learning_ends(bursts, beliefs[:1], ["ap1", "ap2"]) == len(bursts)
+
+
+def test_a_frame_on_the_edge_is_of_the_later_burst(tmp_path: Path) -> None:
+    truth = [(1718100000 + n / RATE_HZ, 0.05 * n, 0.0) for n in range(20)]
+    file = tmp_path / "fixes.jsonl"
+    file.write_text("".join(json.dumps({
+        "time": f"2024-06-11T10:00:00.{milliseconds:03}Z", "mode": "FIX_MODE_2D", "position": {"x": x, "y": 0.0},
+        "accuracy_m": 0.1, "quality": {},
+    }) + "\n" for milliseconds, x in ((550, 0.55), (600, 0.85))))
+    bursts = read_bursts(file, truth)
+    assert [one["error_m"] is None for one in bursts] == [True, True, False, False, True]
+    assert [one["inside"] for one in bursts] == [None, None, True, False, None]
+    assert bursts[3]["error_m"] == pytest.approx(0.25)
 
 
 def test_errors_at_the_end(tmp_path: Path) -> None:

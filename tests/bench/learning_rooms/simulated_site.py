@@ -23,7 +23,7 @@ SURVEYED_AT, WALKED_AT = 1718000000, 1718100000  # POSIX seconds
 DEVICE_HEIGHT_M, HEIGHT_SIGMA_M = 1.2, 0.3
 HANDLED = ("--height-sigma", HEIGHT_SIGMA_M, "--tilt-deg", 35, "--power-sigma-db", 4)
 CORES = (2, 0, 3)  # of the drawn access points
-NO_SUCCESS = 79    # exit status of a calibration that explains its survey no better than the plan does
+NO_SUCCESS = 79  # exit status of a calibration that explains too little of the survey
 
 Row = dict[str, Any]
 
@@ -31,7 +31,7 @@ Row = dict[str, Any]
 class SimulatedSite:
     def __init__(self, options: argparse.Namespace, number: int, aps: int) -> None:
         self.options, self.number, self.aps = options, number, aps
-        self.folder = options.out.with_suffix("") / f"room{number}-{aps}"
+        self.folder = options.out.with_name(options.out.name + ".rooms") / f"room{number}-{aps}"
         self.room = drawn_room(options.seed, number)
         self.ids = [f"ap{n + 1}" for n in range(aps)]
         self.calibration: Row = {}  # empty: not made yet

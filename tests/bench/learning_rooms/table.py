@@ -9,7 +9,7 @@ HALVES = ("choose", "judge")
 WITHDRAWN_IN = 30  # bursts: the aim
 HEAD = (
     "half", "access points", "rooms", "power cycles", "first learned: median / 90 %", "all learned: median / 90 %",
-    "not all learned", "wrong beliefs", f"withdrawn within {WITHDRAWN_IN} bursts", "wrong at the end",
+    "not all learned", "wrong states", f"withdrawn within {WITHDRAWN_IN} bursts", "wrong at the end",
     "learning: bursts with a fix", "in the 95 % region", "median error",
     "afterwards: bursts with a fix", "in the 95 % region", "median error",
 )
@@ -85,7 +85,7 @@ def line(words: list[str]) -> str:
 
 
 def table(rows: list[Row], limit: float) -> str:
-    """A belief is wrong if a phase is off by more than `limit` [degrees]. Failed power cycles are listed below."""
+    """An accepted state is wrong if a phase is off by more than `limit` [degrees]. Failed power cycles are listed below."""
     lines = [line(list(HEAD)), "|" + "---|" * len(HEAD)]
     for half in HALVES:
         for aps in ((1,), (3,), (1, 3)):
