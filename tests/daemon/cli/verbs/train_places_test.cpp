@@ -89,13 +89,12 @@ class TrainPlaces : public ::testing::Test {
   static void TearDownTestSuite() { fs::remove_all(folder()); }
 
   static std::vector<Place> grid() {
-    constexpr int kColumns = 6;
-    constexpr int kRows = 5;
+    constexpr std::size_t kPlaces = 30;
     std::vector<Place> places;
-    places.reserve(kColumns * kRows);
-    for (int row = 0; row < kRows; ++row) {
-      for (int column = 0; column < kColumns; ++column) {
-        places.push_back({-1.05 + 0.4 * column, -0.75 + 0.3 * row});
+    places.reserve(kPlaces);
+    for (const double y : {-0.75, -0.45, -0.15, 0.15, 0.45}) {
+      for (const double x : {-1.05, -0.65, -0.25, 0.15, 0.55, 0.95}) {
+        places.push_back({x, y});
       }
     }
     return places;
