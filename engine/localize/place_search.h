@@ -46,7 +46,7 @@ class PlaceSearch {
   //
   // kTogether: the box with most places is evaluated first. The delay is searched for in it and is
   // the hint for the others. kApart: each box has a search of its own. The obstructed case is
-  // evaluated at every place: within a meter it fits some places and not others.
+  // evaluated at every place: within a metre it fits some places and not others.
   // A value does not depend on the order of the places.
   std::vector<std::vector<float>> log_likelihoods(const SearchedPlaces& places, Spread spread);
   std::size_t boxes() const { return groups_.size(); }  // distinct ones of the last call

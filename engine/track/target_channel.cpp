@@ -33,7 +33,12 @@ std::optional<TargetChannel::Change> TargetChannel::of(const RoomObservation& ob
   if (count <= 0.0) {
     return std::nullopt;
   }
-  return Change{std::max(power / count, kMinChange), limits_.still_change + noise / count};
+  Change change{std::max(power / count, kMinChange),
+                limits_.still_change + noise / count,
+                count == static_cast<double>(observation.arrays.size())};
+  change.shows_motion = change.unmoved < limits_.moved_change;
+  change.is_rest = change.shows_motion && change.is_of_all && change.power <= change.unmoved;
+  return change;
 }
 
 double TargetChannel::motion_of(const Change& change) const {
@@ -41,18 +46,13 @@ double TargetChannel::motion_of(const Change& change) const {
       std::log(change.power / change.unmoved) / std::log(limits_.walking_ratio), 0.0, 1.0);
 }
 
-bool TargetChannel::has_all(const RoomObservation& observation) const {
-  return std::all_of(observation.arrays.begin(),
-                     observation.arrays.end(),
-                     [&](const ArrayObservation& one) { return earlier_of(one) != nullptr; });
-}
-
 void TargetChannel::remember(const RoomObservation& observation) {
   for (const ArrayObservation& received : observation.arrays) {
     Earlier now{received.ap, received.h, received.observed.array.captured};
-    const auto found = std::find_if(remembered_.begin(),
-                                    remembered_.end(),
-                                    [&](const Earlier& one) { return one.ap == received.ap; });
+    const auto found =
+        std::find_if(remembered_.begin(), remembered_.end(), [&](const Earlier& one) {
+          return one.ap == now.ap && one.h.size() == now.h.size();
+        });
     if (found == remembered_.end()) {
       remembered_.push_back(std::move(now));
     } else {

@@ -23,22 +23,24 @@ class TargetChannel {
     // from `walking_ratio` times as much on, the device certainly walks.
     double still_change = 0.0;
     double walking_ratio = 0.0;  // above 1
+    // Share of the power that differs when the device has moved by a quarter of the wavelength.
+    double moved_change = 0.0;
   };
   TargetChannel(const OfdmGrid& grid, const Limits& limits) : aligner_(grid), limits_(limits) {}
 
   // Shares of the power, means over the access points with a remembered array.
   struct Change {
-    double power = 0.0;    // that differs, above 0
-    double unmoved = 0.0;  // that noise and the radio explain
-
-    bool is_explained() const { return power <= unmoved; }
+    double power = 0.0;         // that differs, above 0
+    double unmoved = 0.0;       // that noise and the radio explain
+    bool is_of_all = false;     // each array of the moment has a remembered one
+    bool shows_motion = false;  // noise and the radio are too small to hide a movement
+    // It would show a movement, and noise and the radio explain the changes of all arrays.
+    bool is_rest = false;
   };
   // Empty if no access point has a remembered array.
   std::optional<Change> of(const RoomObservation& observation) const;
   // 0: the change is explained by noise and the radio, 1: the device must have moved.
   double motion_of(const Change& change) const;
-  // True if each array of the moment has a remembered one.
-  bool has_all(const RoomObservation& observation) const;
 
   // The next moments are compared with these arrays; those of other access points stay.
   void remember(const RoomObservation& observation);
@@ -55,7 +57,7 @@ class TargetChannel {
 
   Aligner aligner_;
   Limits limits_;
-  std::vector<Earlier> remembered_;  // one an access point
+  std::vector<Earlier> remembered_;  // one for each access point and size of its arrays
 };
 
 }  // namespace rayloc

@@ -14,7 +14,8 @@ Track::Track(std::shared_ptr<const Localizer> localizer,
              CloudSource cloud)
     : localizer_(std::move(localizer)),
       options_(options),
-      channel_(localizer_->room().grid, {options.still_change, options.walking_ratio}),
+      channel_(localizer_->room().grid,
+               {options.still_change, options.walking_ratio, options.moved_change}),
       filter_(localizer_, std::move(space), options, phase, std::move(cloud)) {}
 
 // The credit of the present channel after the burst; empty when no place of the room explains it.
@@ -22,29 +23,24 @@ std::optional<double> Track::weigh(const RoomObservation& observation,
                                    const std::optional<TargetChannel::Change>& change,
                                    std::span<const CsiFrame> frames,
                                    Duration elapsed) {
-  double novelty = 1.0;
+  const bool is_rest = change && change->is_rest;
+  double novelty = 1.0;  // an access point without a remembered array has had no weight
   std::optional<double> motion;
   if (change) {
-    novelty =
-        is_same(observation, change) ? 0.0 : std::min(1.0, change->power / options_.moved_change);
-    motion = channel_.motion_of(*change);
-  }
-  if (!channel_.has_all(observation)) {  // one that has had no weight in this channel
-    novelty = 1.0;
+    if (change->shows_motion) {
+      motion = channel_.motion_of(*change);
+    }
+    if (change->is_of_all) {
+      novelty = is_rest ? 0.0 : std::min(1.0, change->power / options_.moved_change);
+    }
   }
   const auto credit =
-      filter_.weigh({observation, frames, elapsed, motion, credit_ * (1.0 - novelty)});
+      filter_.weigh({observation, frames, elapsed, motion, credit_ * (1.0 - novelty), is_rest});
   // While noise explains the changes the remembered arrays stay, so that a slow movement adds up.
   if (credit && novelty > 0.0) {
     channel_.remember(observation);
   }
   return credit;
-}
-
-// True if noise explains all changes of the channel: the target is where it was.
-bool Track::is_same(const RoomObservation& observation,
-                    const std::optional<TargetChannel::Change>& change) const {
-  return change && change->is_explained() && channel_.has_all(observation);
 }
 
 void Track::enter(TrackState state,
@@ -110,20 +106,21 @@ tl::expected<FilteredEstimate, MomentRefusal> Track::receive(std::span<const Csi
   }
   const Duration elapsed = time - weighed_;
   const std::optional<TargetChannel::Change> change = channel_.of(observation);
-  if (is_same(observation, change)) {
+  if (change && change->is_rest) {
     if (before_silence_) {
       filter_ = *std::move(before_silence_);
+      before_silence_.reset();
       filter_.wake();
     }
     filter_.rest(time);
   } else {
     filter_.advance(time);
   }
-  before_silence_.reset();
   const std::optional<double> credit = weigh(observation, change, frames, elapsed);
   if (!credit) {
     return tl::make_unexpected(MomentRefusal::kUnexplained);
   }
+  before_silence_.reset();
   credit_ = *credit;
   ++bursts_;
   received_ = time;

@@ -71,8 +71,6 @@ class Track {
                               const std::optional<TargetChannel::Change>& change,
                               std::span<const CsiFrame> frames,
                               Duration elapsed);
-  bool is_same(const RoomObservation& observation,
-               const std::optional<TargetChannel::Change>& change) const;
   tl::expected<FilteredEstimate, MomentRefusal> move_estimate(std::span<const CsiFrame> frames);
   FilteredEstimate predict(Timestamp time);
   FilteredEstimate summarise(LocationEstimate location, bool is_predicted);
@@ -82,11 +80,12 @@ class Track {
   TrackOptions options_;
   TargetChannel channel_;
   TargetFilter filter_;
-  std::optional<TargetFilter> before_silence_;  // compact; while the filter is predicted
-  std::optional<TrackState> state_;             // empty before the first usable burst
-  Timestamp received_;                          // last burst that gave an estimate
-  Timestamp weighed_;                           // the last one that did not only move the estimate
-  std::size_t bursts_ = 0;                      // usable ones
+  // Compact, from before the first prediction since a moment had weight; else empty.
+  std::optional<TargetFilter> before_silence_;
+  std::optional<TrackState> state_;  // empty before the first usable burst
+  Timestamp received_;               // last burst that gave an estimate
+  Timestamp weighed_;                // the last one that did not only move the estimate
+  std::size_t bursts_ = 0;           // usable ones
   double credit_ = 0.0;  // share of a snapshot's weight already given to the present channel
   // From the last frames: all evidence of the filter relies on the same chains, equally suspect.
   FrameFault fault_;

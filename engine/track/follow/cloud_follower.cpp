@@ -42,7 +42,8 @@ void CloudFollower::search_room(const RoomObservation& observation, double weigh
 
 std::optional<double> CloudFollower::weigh(const TrackedMoment& moment) {
   const RoomObservation& observation = moment.observation;
-  if (weighed_.is_joined_by(observation, filter_.time()) || !PlaceSearch::can_search(observation)) {
+  const bool is_joining = !moment.is_rest && weighed_.is_joined_by(observation, filter_.time());
+  if (is_joining || !PlaceSearch::can_search(observation)) {
     return std::nullopt;
   }
   const double is_new = 1.0 - moment.credit;

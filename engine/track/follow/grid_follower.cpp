@@ -58,16 +58,17 @@ void GridFollower::continue_from(const PlaceCloud& cloud,
 }
 
 std::optional<double> GridFollower::weigh(const TrackedMoment& moment) {
-  // Evidence from access points that join is entirely new, also for a device at rest.
-  const bool is_joining = weighed_.is_joined_by(moment.observation, time_);
-  // The first moment decides between the places of a cloud and all others.
-  const double credit = is_joining || is_unlocated_ ? 0.0 : moment.credit;
+  // Evidence from access points that join is entirely new, unless the device has rested since it
+  // was weighed. So is the first moment after a cloud, or after the target might have been
+  // anywhere: it decides between the places of the filter and all others.
+  const bool is_joining = !moment.is_rest && weighed_.is_joined_by(moment.observation, time_);
+  const bool is_new = is_joining || is_unlocated_;
+  const double credit = is_new ? 0.0 : moment.credit;
   const Duration unseen = time_ - searched_;  // without evidence outside the window
   bool is_wide = widens(is_joining);
   // Cells that enter the window have had no evidence of their own since then, so this burst counts
   // for all of that time. Otherwise no single evaluation could leave a wrongly followed peak,
   // because the next window would again exclude the small mass that was given to the right one.
-  const bool is_new = is_unlocated_ || is_joining;
   const auto weight_of_burst = [&] {
     const Duration since = is_wide ? std::max(moment.elapsed, unseen) : moment.elapsed;
     const double share = is_new ? 1.0 : snapshot_share(since, options_.evidence_time);

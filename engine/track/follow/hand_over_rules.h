@@ -72,7 +72,8 @@ bool is_taken_back(const CloudWidth& cloud, const HandOverOptions& options);
 // Share of the mass that the grid spreads over the room then. away: as above.
 double spread_of(double away, bool has_rival, const HandOverOptions& options);
 
-// The best log-likelihoods of a moment near a cloud and at a distance of it; -inf without a cell.
+// The best log-likelihoods of a moment near a cloud, and farther than `distance` from it; -inf
+// without a cell.
 struct RoomBest {
   double near = 0.0;
   double rival = 0.0;

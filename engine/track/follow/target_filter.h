@@ -54,7 +54,7 @@ class TargetFilter {
   // False if these frames need no evaluation: the last estimate is moved instead.
   bool is_due(std::span<const CsiFrame> frames) const { return !cloud_ || cloud_->is_due(frames); }
   bool is_in_cloud() const { return cloud_ != nullptr; }
-  Timestamp time() const { return time_; }  // of the last advance()
+  Timestamp time() const { return time_; }  // of the last advance() or rest()
 
   // As GridFollower.
   void compact();

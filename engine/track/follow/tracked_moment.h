@@ -20,6 +20,7 @@ struct TrackedMoment {
   Duration elapsed{};            // since the last moment of the target
   std::optional<double> motion;  // TargetChannel::motion_of; empty: no earlier moment to compare
   double credit = 0.0;           // share of a snapshot's weight already given to this channel
+  bool is_rest = false;          // TargetChannel::Change::is_rest
 };
 
 // Share of a snapshot's weight that moments within `elapsed` have together (METHODS B6).

@@ -147,7 +147,7 @@ TEST(RestingDevice, RegionReturnsAfterASilence) {
   EXPECT_LT(of.last, 1.3 * of.first);
 }
 
-// The channel of each access point has its own weight once.
+// Access points that receive in turn have one credit; each channel is compared with its own.
 TEST(RestingDevice, AccessPointsInTurnAddNoMoreThanASnapshotEach) {
   const auto in_turn = [](std::size_t n, std::size_t access_point) {
     return access_point == n % 2;
@@ -155,6 +155,30 @@ TEST(RestingDevice, AccessPointsInTurnAddNoMoreThanASnapshotEach) {
   const Accuracy alone = accuracy(every(100, 1000), in_turn);
   const Accuracy longer = accuracy(every(100, 10000), in_turn);
   EXPECT_GT(longer.last, 0.7 * alone.last);
+}
+
+// The second access point is absent for more than five seconds again and again.
+TEST(RestingDevice, AnAccessPointThatReturnsAddsNothingThroughTheSameChannel) {
+  const auto one_returns = [](std::size_t n, std::size_t access_point) {
+    return access_point == 0 || n % 20 == 0;
+  };
+  const Accuracy of = accuracy(every(300, 36000), one_returns);
+  EXPECT_GT(of.last, 0.7 * of.first);
+}
+
+// Noise may hide a movement: then an equal channel neither holds the device in its place nor makes
+// it one at rest.
+TEST(RestingDevice, AWalkAtALowSnrIsNoRest) {
+  DeviceTracker tracker(localizer(), {});
+  std::vector<DeviceUpdate> updates;
+  double stationary = 0.0;
+  for (int ms = 0; ms <= 3000; ms += 100) {
+    const Vec3d at{-1.2 + 0.8e-3 * ms, -0.5, 1.2};
+    tracker.receive(kDevice, frames(localizer()->room(), at, ms, 3.0), updates);
+    stationary += updates.back().estimate.stationary;
+  }
+  EXPECT_LT(stationary, 0.4 * static_cast<double>(updates.size()));
+  EXPECT_GT(error_of(updates.back().estimate.location, {-1.2, -0.5, 1.2}), 1.0);
 }
 
 }  // namespace

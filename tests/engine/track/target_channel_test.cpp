@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kAntennas = 2;
 constexpr double kCaptured = 0.99;  // share of the power at the delays of a room
-constexpr TargetChannel::Limits kLimits{0.005, 5.0};
+constexpr TargetChannel::Limits kLimits{0.005, 5.0, 0.25};
 
 OfdmGrid band() {
   OfdmGrid grid;
@@ -92,14 +92,35 @@ TEST(TargetChannel, LeavesOutFactorAndDelay) {
 TEST(TargetChannel, RemembersEachAccessPoint) {
   TargetChannel change(band(), kLimits);
   change.remember(moment({array_of(0, 0.0)}));
-  EXPECT_FALSE(change.has_all(moment({array_of(0, 0.0), array_of(1, 0.0)})));
+  const auto both = moment({array_of(0, 0.0), array_of(1, 0.0)});
+  EXPECT_FALSE(change.of(both).value().is_of_all);
+  EXPECT_FALSE(change.of(both).value().is_rest);
   change.remember(moment({array_of(1, 0.0)}));
-  EXPECT_TRUE(change.has_all(moment({array_of(0, 0.0), array_of(1, 0.0)})));
-  EXPECT_TRUE(change.of(moment({array_of(0, 0.0)})).value().is_explained());
-  EXPECT_FALSE(change.of(moment({array_of(0, 0.8)})).value().is_explained());
+  EXPECT_TRUE(change.of(both).value().is_of_all);
+  EXPECT_TRUE(change.of(moment({array_of(0, 0.0)})).value().is_rest);
+  EXPECT_FALSE(change.of(moment({array_of(0, 0.8)})).value().is_rest);
   change.remember(moment({array_of(0, 0.8)}));
-  EXPECT_TRUE(change.of(moment({array_of(0, 0.8)})).value().is_explained());
-  EXPECT_TRUE(change.of(moment({array_of(1, 0.0)})).value().is_explained());
+  EXPECT_TRUE(change.of(moment({array_of(0, 0.8)})).value().is_rest);
+  EXPECT_TRUE(change.of(moment({array_of(1, 0.0)})).value().is_rest);
+}
+
+// An array without a dead chain does not replace the one with all chains.
+TEST(TargetChannel, RemembersEachSizeOfAnArray) {
+  TargetChannel change(band(), kLimits);
+  ArrayObservation without_chain = array_of(0, 0.0);
+  without_chain.h.resize(without_chain.h.size() / kAntennas);
+  change.remember(moment({array_of(0, 0.0)}));
+  change.remember(moment({without_chain}));
+  EXPECT_TRUE(change.of(moment({array_of(0, 0.0)})).value().is_rest);
+  EXPECT_TRUE(change.of(moment({without_chain})).value().is_rest);
+}
+
+// An equal channel shows a rest only if the noise would not hide a movement.
+TEST(TargetChannel, NoiseThatHidesAMovementIsNoRest) {
+  TargetChannel change(band(), kLimits);
+  change.remember(moment({array_of(0, 0.0, 0.9)}));
+  EXPECT_TRUE(change.of(moment({array_of(0, 0.0, 0.9)})).value().is_rest);
+  EXPECT_FALSE(change.of(moment({array_of(0, 0.0, 0.8)})).value().is_rest);
 }
 
 // Over the access points that are compared, at both moments.
