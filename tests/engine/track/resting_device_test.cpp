@@ -106,7 +106,7 @@ Accuracy accuracy(const std::vector<int>& times, const Receives& receives) {
       tracker.advance(Timestamp(milliseconds(times[n])), updates);
       tracker.receive(kDevice, received, updates);
     }
-    const double places = static_cast<double>(kPlaces.size());
+    const auto places = static_cast<double>(kPlaces.size());
     mean.first += updates.front().estimate.location.accuracy_m / places;
     mean.last += updates.back().estimate.location.accuracy_m / places;
   }
