@@ -17,10 +17,11 @@ inline constexpr double kMinBurstWeight = 0.02;
 struct TrackedMoment {
   const RoomObservation& observation;
   std::span<const CsiFrame> frames;
-  Duration elapsed{};            // since the last moment of the target
-  std::optional<double> motion;  // TargetChannel::motion_of; empty: no earlier moment to compare
-  double credit = 0.0;           // share of a snapshot's weight already given to this channel
-  bool is_rest = false;          // TargetChannel::Change::is_rest
+  Duration elapsed{};  // since the last moment of the target
+  // TargetChannel::motion_of; empty: no earlier moment to compare, or noise would hide a movement.
+  std::optional<double> motion;
+  double credit = 0.0;   // share of a snapshot's weight already given to this channel
+  bool is_rest = false;  // TargetChannel::Change::is_rest
 };
 
 // Share of a snapshot's weight that moments within `elapsed` have together (METHODS B6).

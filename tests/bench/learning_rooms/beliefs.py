@@ -4,7 +4,7 @@ A burst is a dictionary: `learning`, the access points whose chains are being le
 `error_m`, the error of its last measured position, and `inside`, whether the 95 % region contains the device (both
 None without one).
 
-A belief is a state of one access point's chains that the replay accepts as learned; a wrong one is a wrong state:
+A belief is a state of one access point's chains that the replay accepts as learned ("state" in the table):
 
     seconds             from the begin of the walk
     error_deg           largest error of a phase then, from whole degrees
