@@ -65,18 +65,15 @@ std::optional<double> GridFollower::weigh(const TrackedMoment& moment) {
   const bool is_new = is_joining || is_unlocated_;
   const double credit = is_new ? 0.0 : moment.credit;
   const Duration unseen = time_ - searched_;  // without evidence outside the window
+  const CellWindow compared = filter_.window();
   bool is_wide = widens(is_joining);
-  // Cells that enter the window have had no evidence of their own since then, so this burst counts
-  // for all of that time. Otherwise no single evaluation could leave a wrongly followed peak,
-  // because the next window would again exclude the small mass that was given to the right one.
-  const auto weight_of_burst = [&] {
-    const Duration since = is_wide ? std::max(moment.elapsed, unseen) : moment.elapsed;
-    const double share = is_new ? 1.0 : snapshot_share(since, options_.evidence_time);
-    return share * (1.0 - credit);
+  const auto weight_of = [&](Duration since) {
+    return (is_new ? 1.0 : snapshot_share(since, options_.evidence_time)) * (1.0 - credit);
   };
-  double weight = weight_of_burst();
+  MomentWeights weights{weight_of(moment.elapsed), weight_of(moment.elapsed)};
+  const double of_unseen = weight_of(std::max(moment.elapsed, unseen));
   Localizer::Evidence evidence;
-  if (weight >= kMinBurstWeight) {
+  if ((is_wide ? of_unseen : weights.window) >= kMinBurstWeight) {
     if (is_joining) {  // evaluated again soon: one burst of a joining access point may mislead
       whole_room_period_ = kFirstWholeRoomPeriod;
     }
@@ -84,38 +81,62 @@ std::optional<double> GridFollower::weigh(const TrackedMoment& moment) {
     if (evidence.log_likelihood.empty()) {
       return std::nullopt;
     }
-    weight = weight_of_burst();
   }
   if (moment.motion) {
     filter_.weigh_change(*moment.motion);
   }
-  const bool is_weighed = !evidence.log_likelihood.empty();
-  if (is_weighed) {
-    take(std::move(evidence), weight);
+  double weight = 0.0;
+  if (!evidence.log_likelihood.empty()) {
+    weights.room = is_wide ? of_unseen : weights.window;
+    weight = take(std::move(evidence), compared, weights);
   }
   // Also a moment that was not compared: the present channel has had its weight.
   weighed_.note(moment.observation, time_);
   ++moments_;
   has_begun_ = true;
   is_unlocated_ = false;
-  return is_weighed ? credit + weight : credit;
+  return credit + weight;
 }
 
-// The evidence of a moment of which only the share `weight` is new.
-void GridFollower::take(Localizer::Evidence evidence, double weight) {
+// Updates with the evidence of a moment; returns its weight, averaged over the mass of the cells.
+// `compared`: the window that moments were compared with before.
+//
+// Cells outside it have had no evidence of their own since the room was evaluated, so the moment
+// counts for all of that time when the window as a whole is compared with them. Otherwise no single
+// evaluation could leave a wrongly followed peak, because the next window would again exclude the
+// small mass that was given to the right one.
+double GridFollower::take(Localizer::Evidence evidence,
+                          const CellWindow& compared,
+                          const MomentWeights& weights) {
   const Grid& grid = space_->grid;
-  filter_.update(evidence.log_likelihood,
+  const double exponent = localizer_->room().likelihood_exponent;
+  const bool is_tempered = weights.window < weights.room;
+  std::vector<double> tempered;
+  if (is_tempered) {
+    tempered = tempered_in_window(
+        evidence.log_likelihood, filter_.mass(), compared, grid, exponent, weights);
+  }
+  filter_.update(is_tempered ? tempered : evidence.log_likelihood,
                  evidence.evaluated,
-                 weight * localizer_->room().likelihood_exponent,
+                 weights.room * exponent,
                  evidence.outlier);
   within_ = std::move(evidence.within);
   const auto mass = filter_.mass();
+  double weight = weights.room;
+  if (is_tempered) {
+    double before = 0.0;  // of the cells that were compared before
+    for (std::size_t n = 0; n < compared.size(); ++n) {
+      before += mass[compared.cell(n, grid)];
+    }
+    weight += before * (weights.window - weights.room);
+  }
   if (!grid.layers.is_known()) {
     layers_.learn(grid.layers, layer_mass_of(within_, mass, filter_.window(), grid), weight);
   }
   const auto peak =
       static_cast<std::size_t>(std::max_element(mass.begin(), mass.end()) - mass.begin());
   loss_ = -value_of(evidence, grid, filter_.window().cell(peak, grid));
+  return weight;
 }
 
 // Periodically, when an access point joins, and when the filter has the target in another place: a

@@ -17,6 +17,7 @@
 #include "engine/track/follow/track_options.h"
 #include "engine/track/follow/tracked_moment.h"
 #include "engine/track/follow/weighed_access_points.h"
+#include "engine/track/follow/window_evidence.h"
 #include "engine/track/free_space.h"
 #include "engine/track/grid_filter.h"
 #include "engine/track/layer_weights.h"
@@ -72,7 +73,9 @@ class GridFollower {
   Localizer::Evidence evaluate(const RoomObservation& observation, bool& is_wide);
   SearchFocus focus() const;
   void narrow(Duration reach);
-  void take(Localizer::Evidence evidence, double weight);
+  double take(Localizer::Evidence evidence,
+              const CellWindow& compared,
+              const MomentWeights& weights);
 
   Duration phase_;
   std::shared_ptr<const Localizer> localizer_;
