@@ -374,14 +374,18 @@ void summarise_posterior(const Grid& grid,
     return horizontal_distance(grid.centre(i), peak) <= kPeakRadius;
   };
   const Vec3d position = mean_position(masses, near).position;
+  Masses stated = masses;
+  if (options.region_exponent != 1.0) {
+    stated.mass = weights_of(log_likelihood, options.likelihood_exponent * options.region_exponent);
+  }
   estimate.position = position;
-  estimate.covariance = covariance_about(masses, position, [](std::size_t) { return true; });
+  estimate.covariance = covariance_about(stated, position, [](std::size_t) { return true; });
   estimate.is_height_estimated =
       grid.height_sigma > 0.0 &&
       estimate.covariance[8] < kHeightShare * grid.height_sigma * grid.height_sigma;
   estimate.accuracy_confidence = options.accuracy_confidence;
-  estimate.accuracy_m = accuracy_of(masses, position, options);
-  add_hypotheses(masses, options, estimate);
+  estimate.accuracy_m = accuracy_of(stated, position, options);
+  add_hypotheses(std::move(stated), options, estimate);
   double top = log_likelihood.front();
   bool found = false;
   for (std::size_t i = 0; i < masses.mass.size(); ++i) {

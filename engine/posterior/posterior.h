@@ -24,6 +24,9 @@ struct PosteriorOptions {
   // Largest share of the room's cells that the map may cover (by its entropy): with more it is flat
   // and gives no position.
   double max_spread = 0.5;
+  // Further factor of the exponent for the reported covariance, accuracy and hypotheses; the
+  // position does not depend on it.
+  double region_exponent = 1.0;
 };
 
 // Sets position, covariance, accuracy, hypotheses, residual probability and `ambiguous` of the

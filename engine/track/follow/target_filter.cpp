@@ -84,9 +84,11 @@ void TargetFilter::forget_place() {
   }
 }
 
-void TargetFilter::summarise(const PosteriorOptions& options,
+void TargetFilter::summarise(PosteriorOptions options,
                              bool is_predicted,
                              LocationEstimate& location) {
+  const WeighedAccessPoints& weighed = cloud_ ? cloud_->weighed() : grid_->weighed();
+  options.region_exponent = weighed.recent() == 1 ? options_.lone_exponent : 1.0;
   if (cloud_) {
     cloud_->summarise(options, location);
   } else {

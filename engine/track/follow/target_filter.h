@@ -63,7 +63,8 @@ class TargetFilter {
   void rest(Timestamp time);
   std::optional<double> weigh(const TrackedMoment& moment);
   void forget_place();
-  void summarise(const PosteriorOptions& options, bool is_predicted, LocationEstimate& location);
+  // Sets region_exponent: TrackOptions::lone_exponent with one access point, otherwise 1.
+  void summarise(PosteriorOptions options, bool is_predicted, LocationEstimate& location);
 
   double stationary() const;
   // [m/s], of the target if it is at this position; empty: the positions determine it.

@@ -16,6 +16,10 @@ struct TrackOptions {
   // Correlation time of the model error along a walk: the bursts within it together weigh as much
   // as one snapshot, at any rate of frames.
   Duration evidence_time = std::chrono::milliseconds(400);
+  // Exponent of the reported regions while only one access point receives the target. Along a walk
+  // errors of its model persist for longer than evidence_time, and no other access point
+  // contradicts them (engine/studies/2026-11-chains.md).
+  double lone_exponent = 0.75;
   // Share of the power that differs between two bursts when the device has moved by a quarter of
   // the wavelength: that of a room with three quarters of the power in the line of sight.
   double moved_change = 0.25;

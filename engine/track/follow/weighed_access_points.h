@@ -3,6 +3,8 @@
 #pragma once
 
 #include <algorithm>
+#include <chrono>
+#include <cstddef>
 #include <optional>
 #include <vector>
 
@@ -21,6 +23,15 @@ class WeighedAccessPoints {
     }
   }
 
+  // Number of access points within kRecent of the latest moment.
+  std::size_t recent() const {
+    const auto latest = std::max_element(times_.begin(), times_.end());
+    return static_cast<std::size_t>(
+        std::count_if(times_.begin(), times_.end(), [&](const auto& time) {
+          return time && *time + kRecent >= **latest;
+        }));
+  }
+
   // True if one of its access points was absent or suspect in every moment of the last seconds: it
   // may separate places that all others find alike.
   bool is_joined_by(const RoomObservation& observation, Timestamp time) const {
@@ -33,6 +44,10 @@ class WeighedAccessPoints {
   }
 
  private:
+  // Chosen: a walk keeps its direction for about this long (MotionModel), so older evidence no
+  // longer constrains the position.
+  static constexpr Duration kRecent = std::chrono::seconds(1);
+
   std::vector<std::optional<Timestamp>> times_;  // [ArrayObservation::ap]
 };
 

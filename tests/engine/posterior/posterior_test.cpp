@@ -53,6 +53,23 @@ TEST(Posterior, TemperWidens) {
   EXPECT_NEAR(wide.accuracy_m / sharp.accuracy_m, 2.0, 0.15);
 }
 
+TEST(Posterior, RegionExponentWidensAboutTheSamePosition) {
+  const Grid g = grid();
+  const auto map = map_of(g, [](const Vec3d& p) {
+    return std::max(gaussian(p, 0.2, 0.1, 0.1), gaussian(p, -0.9, -0.6, 0.1) - 1.0);
+  });
+  LocationEstimate sharp;
+  LocationEstimate wide;
+  PosteriorOptions options;
+  summarise_posterior(g, map, options, sharp);
+  options.region_exponent = 0.25;
+  summarise_posterior(g, map, options, wide);
+  EXPECT_EQ(*wide.position, *sharp.position);
+  EXPECT_GT(wide.accuracy_m, sharp.accuracy_m);
+  EXPECT_GT(wide.covariance[0], sharp.covariance[0]);
+  EXPECT_LT(wide.hypotheses[0].weight, sharp.hypotheses[0].weight);
+}
+
 TEST(Posterior, ReservesTheErrorProbabilityOfTheMap) {
   const Grid g = grid();
   const auto map = map_of(g, [](const Vec3d& p) { return gaussian(p, 0.0, 0.0, 0.08); });

@@ -28,5 +28,16 @@ TEST(WeighedAccessPoints, OneThatWasAbsentForSecondsJoins) {
   EXPECT_TRUE(weighed.is_joined_by(of({0, 2}), at(7)));
 }
 
+TEST(WeighedAccessPoints, CountsThoseOfTheLastSecond) {
+  WeighedAccessPoints weighed;
+  EXPECT_EQ(weighed.recent(), 0U);
+  weighed.note(of({0, 2}), at(1));
+  EXPECT_EQ(weighed.recent(), 2U);
+  weighed.note(of({2}), at(2));
+  EXPECT_EQ(weighed.recent(), 2U);
+  weighed.note(of({2}), at(2.5));
+  EXPECT_EQ(weighed.recent(), 1U);
+}
+
 }  // namespace
 }  // namespace rayloc::weighed_access_points_test
