@@ -72,6 +72,7 @@ class PcapLiveSource::Impl {
     return published_;
   }
   const std::string& interface() const { return interface_; }
+  int descriptor() const { return pcap_get_selectable_fd(handle_.get()); }
 
  private:
   Expected<int> dispatch();
@@ -147,7 +148,7 @@ Expected<void> PcapLiveSource::Impl::read(DatagramBatch& batch, Duration timeout
   sizes_.clear();
   auto got = dispatch();
   if (got && *got == 0) {
-    pollfd waiting{.fd = pcap_get_selectable_fd(handle_.get()), .events = POLLIN, .revents = 0};
+    pollfd waiting{.fd = descriptor(), .events = POLLIN, .revents = 0};
     poll(&waiting, 1, poll_milliseconds(timeout));
     got = dispatch();
   }
@@ -214,6 +215,7 @@ Expected<void> PcapLiveSource::read(DatagramBatch& batch, Duration timeout) {
 }
 SourceCounters PcapLiveSource::counters() const { return impl_->counters(); }
 std::string PcapLiveSource::description() const { return "interface " + impl_->interface(); }
+std::optional<int> PcapLiveSource::poll_descriptor() const { return impl_->descriptor(); }
 
 const TransportScheme kLiveScheme{
     .name = "live",

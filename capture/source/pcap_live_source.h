@@ -7,6 +7,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "capture/transport/datagram_source.h"
@@ -29,6 +30,7 @@ class PcapLiveSource final : public DatagramSource {
   Expected<void> read(DatagramBatch& batch, Duration timeout) override;
   SourceCounters counters() const override;
   std::string description() const override;
+  std::optional<int> poll_descriptor() const override;
 
  private:
   class Impl;

@@ -13,6 +13,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 
 #include "capture/source/event_clock.h"
@@ -36,6 +37,9 @@ class ReopeningSource final : public DatagramSource {
   SourceCounters counters() const override;
   std::string description() const override { return description_; }
   std::string trouble() const override { return trouble_; }
+  std::optional<int> poll_descriptor() const override {
+    return source_ ? source_->poll_descriptor() : std::optional(-1);
+  }
 
  private:
   ReopeningSource(Open open, std::function<Time()> now, std::unique_ptr<DatagramSource> source);

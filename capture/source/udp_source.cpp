@@ -150,6 +150,7 @@ class UdpSource::Impl {
   void wake() const { eventfd_write(wake_fd_.get(), 1); }
   std::uint16_t port() const { return port_; }
   const ReceiveBuffer& receive_buffer() const { return buffer_granted_; }
+  int descriptor() const { return fd_.get(); }
 
  private:
   Expected<std::size_t> receive();
@@ -389,6 +390,7 @@ std::string UdpSource::description() const { return impl_->description(); }
 void UdpSource::wake() { impl_->wake(); }
 std::uint16_t UdpSource::port() const { return impl_->port(); }
 ReceiveBuffer UdpSource::receive_buffer() const { return impl_->receive_buffer(); }
+std::optional<int> UdpSource::poll_descriptor() const { return impl_->descriptor(); }
 
 const TransportScheme kUdpScheme{
     .name = "udp",

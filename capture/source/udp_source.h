@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -46,6 +47,7 @@ class UdpSource final : public DatagramSource {
 
   std::uint16_t port() const;  // the bound port
   ReceiveBuffer receive_buffer() const override;
+  std::optional<int> poll_descriptor() const override;
 
  private:
   class Impl;

@@ -98,6 +98,7 @@ class UnixSource::Impl {
   std::string description() const {
     return path_.empty() ? "unix socket " + std::to_string(fd_) : "unix " + path_;
   }
+  int descriptor() const { return fd_; }
 
  private:
   Expected<std::size_t> receive();
@@ -264,6 +265,7 @@ Expected<void> UnixSource::read(DatagramBatch& batch, Duration timeout) {
 }
 SourceCounters UnixSource::counters() const { return impl_->counters(); }
 std::string UnixSource::description() const { return impl_->description(); }
+std::optional<int> UnixSource::poll_descriptor() const { return impl_->descriptor(); }
 
 const TransportScheme kUnixScheme{
     .name = "unix",

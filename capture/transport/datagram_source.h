@@ -100,6 +100,11 @@ class DatagramSource {
 
   virtual ReceiveBuffer receive_buffer() const { return {}; }
 
+  // The descriptor that is readable when datagrams have arrived, so that one thread can wait for
+  // several sources and read each with a time-out of zero; -1: none while it is closed. Nothing for
+  // a source that needs a thread of its own. For the thread that reads.
+  virtual std::optional<int> poll_descriptor() const { return std::nullopt; }
+
   // Notices for the operator, a line each: those available before reading, and those from reading
   // so far; for the thread that reads.
   virtual std::vector<std::string> notices() const { return {}; }

@@ -50,16 +50,16 @@ BurstQueueOptions EstimationLoop::queue_options() const {
   return options;
 }
 
-bool EstimationLoop::step() {
+EstimationLoop::Step EstimationLoop::step(bool may_wait) {
   if (!more_ && is_collected_ && (waiting_.empty() || is_cancelled_)) {
     finish();
-    return false;
+    return Step::kDone;
   }
   progress_.beat();
   // Live, new frames are taken before every burst; a replay processes all bursts first.
   if (waiting_.empty() || is_cancelled_ || is_live()) {
-    if (is_collected_ && more_) {
-      take();
+    if (is_collected_ && more_ && !take(may_wait)) {
+      return Step::kWaits;
     }
     progress_.beat();
     if (!is_collected_) {
@@ -68,28 +68,31 @@ bool EstimationLoop::step() {
   }
   if (is_collected_ && std::exchange(taken_.moved, false)) {
     reset_after_seek();
-    return true;
+    return Step::kMore;
   }
   if (!waiting_.empty() && !is_cancelled_) {
     explain(next_of_waiting());
   }
   advance_output();
-  return true;
+  return Step::kMore;
 }
 
-void EstimationLoop::take() {
-  if (waiting_.empty() || is_cancelled_) {
+// False if there is neither a frame nor a waiting burst.
+bool EstimationLoop::take(bool may_wait) {
+  const bool has_bursts = !waiting_.empty() && !is_cancelled_;
+  if (may_wait && !has_bursts) {
     progress_.rest();
     taken_ = mailbox_.take();
   } else if (auto taken = mailbox_.try_take()) {
     taken_ = *std::move(taken);
   } else {
-    return;
+    return has_bursts;
   }
   more_ = !taken_.ended;
   is_collected_ = false;
   next_ = 0;
   uncounted_ = taken_.frames.size();
+  return true;
 }
 
 // True if data are complete beyond a mark that has not been reached: a mark that cuts an open

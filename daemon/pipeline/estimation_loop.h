@@ -28,8 +28,13 @@ class EstimationLoop {
                  LocationSink& sink,
                  FrameMailbox& mailbox);
 
-  // One iteration: waits for frames if no burst is waiting. False once all is done.
-  bool step();
+  enum class Step : std::uint8_t {
+    kMore,   // another iteration may follow at once
+    kWaits,  // no frames are there; only without `may_wait`
+    kDone    // all is done
+  };
+  // One iteration. `may_wait`: for frames, if no burst is waiting.
+  Step step(bool may_wait);
   // From now on waiting bursts are not processed.
   void cancel_pending() { is_cancelled_ = true; }
   // When all bursts are processed every track and every stay ends with that reason: none continues.
@@ -44,7 +49,7 @@ class EstimationLoop {
   bool has_frames() const { return next_ < taken_.frames.size(); }
   CollectorOptions collector_options() const;
   BurstQueueOptions queue_options() const;
-  void take();
+  bool take(bool may_wait);
   void collect();
   bool reaches_mark(Timestamp time, bool is_frame);
   void note_silence();

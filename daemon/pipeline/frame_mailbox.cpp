@@ -49,7 +49,7 @@ void FrameMailbox::put(std::size_t source, std::vector<CsiFrame>& frames, Timest
         // The source that is behind all others never waits here for long: its frames are taken
         // immediately.
         queue.safe_time = std::max(queue.safe_time, std::min(safe_time, frame.time));
-        changed_.notify_one();
+        notify_taker();
         // Frames of the same instant can only be taken together, regardless of their number.
         taken_.wait(lock, [&] {
           return closed_ || queue.frames.size() < capacity_ ||
@@ -65,14 +65,14 @@ void FrameMailbox::put(std::size_t source, std::vector<CsiFrame>& frames, Timest
   frames.clear();
   if (safe_time > queue.safe_time) {
     queue.safe_time = safe_time;
-    changed_.notify_one();
+    notify_taker();
   }
 }
 
 void FrameMailbox::move(std::size_t source, std::uint64_t number) {
   std::unique_lock lock(mutex_);
   queues_[source].move = number;
-  changed_.notify_one();
+  notify_taker();
   moved_.notify_all();
   moved_.wait(lock, [&] {
     return closed_ || move_ >= number ||
@@ -85,7 +85,7 @@ void FrameMailbox::move(std::size_t source, std::uint64_t number) {
 void FrameMailbox::end(std::size_t source) {
   const std::lock_guard lock(mutex_);
   queues_[source].ended = true;
-  changed_.notify_one();
+  notify_taker();
 }
 
 void FrameMailbox::close() {
@@ -94,6 +94,15 @@ void FrameMailbox::close() {
   changed_.notify_all();
   taken_.notify_all();
   moved_.notify_all();
+  notify_taker();
+}
+
+// REQUIRES: the mutex is held.
+void FrameMailbox::notify_taker() {
+  changed_.notify_one();
+  if (wake_ && advanced()) {
+    wake_();
+  }
 }
 
 bool FrameMailbox::all_ended() const {

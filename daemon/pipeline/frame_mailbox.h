@@ -13,8 +13,10 @@
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <mutex>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "engine/channel/csi_frame.h"
@@ -46,6 +48,11 @@ class FrameMailbox {
 
   // The source delivers no more frames.
   void end(std::size_t source);
+
+  // For a taker that does not wait: `wake` is called, by the threads of the sources, when event
+  // time has advanced, and when the mailbox is closed. It must not call the mailbox. To be called
+  // before the first put().
+  void on_advance(std::function<void()> wake) { wake_ = std::move(wake); }
 
   // Wakes all threads; from now on put() drops and take() returns the ready frames, then ends.
   void close();
@@ -80,6 +87,7 @@ class FrameMailbox {
   Taken take_locked();
   void reset_after_seek();
   void insert(Queue& queue, CsiFrame&& frame);
+  void notify_taker();
 
   const std::size_t capacity_;
   const Overflow overflow_;
@@ -91,6 +99,7 @@ class FrameMailbox {
   Timestamp last_safe_time_ = Timestamp::min();
   std::uint64_t move_ = 0;  // last seek that all sources have completed
   bool closed_ = false;
+  std::function<void()> wake_;
 };
 
 }  // namespace rayloc

@@ -7,6 +7,7 @@
 
 #include "daemon/pipeline/estimates.h"
 #include "daemon/pipeline/estimation_loop.h"
+#include "daemon/pipeline/shared/shared_threads.h"
 #include "engine/base/parallel.h"
 
 namespace rayloc {
@@ -28,7 +29,10 @@ Pipeline::Pipeline(const PipelineOptions& options,
                    std::vector<SourceWorker::Input> sources,
                    Estimator& estimator,
                    LocationSink& sink)
-    : mailbox_(sources.size(), options.ring_frames, options.overflow),
+    : threads_(options.threads),
+      // A source that waits for room would keep others waiting.
+      may_share_sources_(threads_ && options.overflow == Overflow::kDropOldest),
+      mailbox_(sources.size(), options.ring_frames, options.overflow),
       loop_(std::make_unique<EstimationLoop>(options, estimator, sink, mailbox_)) {
   for (SourceWorker::Input& source : sources) {
     workers_.push_back(
@@ -42,18 +46,39 @@ Pipeline::~Pipeline() {
 }
 
 void Pipeline::start() {
-  estimation_ = std::thread([this] { estimate_all(); });
+  if (threads_) {
+    turns_ = threads_->estimations.add([this] { return take_turn(); });
+    mailbox_.on_advance([this] { turns_->wake(); });
+  } else {
+    estimation_ = std::thread([this] { estimate_all(); });
+  }
   for (const auto& worker : workers_) {
-    worker->start();
+    worker->start(may_share_sources_ ? &threads_->receivers : nullptr);
   }
 }
 
 void Pipeline::estimate_all() {
   pthread_setname_np(pthread_self(), "estimation");  // for top -H
-  while (loop_->step()) {
+  while (loop_->step(true) != EstimationLoop::Step::kDone) {
   }
   finished_ = true;
   loop_->progress().rest();
+}
+
+// Between its turns it waits for others.
+WorkerPool::Turn Pipeline::take_turn() {
+  const EstimationLoop::Step step = loop_->step(false);
+  loop_->progress().rest();
+  switch (step) {
+    case EstimationLoop::Step::kMore:
+      return WorkerPool::Turn::kMore;
+    case EstimationLoop::Step::kWaits:
+      return WorkerPool::Turn::kWaits;
+    case EstimationLoop::Step::kDone:
+      break;
+  }
+  finished_ = true;
+  return WorkerPool::Turn::kEnded;
 }
 
 void Pipeline::stop() {
@@ -84,6 +109,9 @@ void Pipeline::wait() { join(); }
 void Pipeline::join() {
   for (const auto& worker : workers_) {
     worker->join();
+  }
+  if (turns_) {
+    turns_->wait_for_end();
   }
   if (estimation_.joinable()) {
     estimation_.join();

@@ -1,4 +1,5 @@
-// Pipeline: from datagrams to locations; owns every thread between a source and a LocationSink.
+// Pipeline: from datagrams to locations; owns every thread between a source and a LocationSink, or
+// shares them with other pipelines (PipelineOptions::threads).
 //
 //   source threads (SourceWorker) -> FrameMailbox
 //     -> estimation thread (EstimationLoop): BurstCollector -> BurstQueue -> Estimator ->
@@ -25,6 +26,7 @@
 #include "daemon/pipeline/burst_collector.h"
 #include "daemon/pipeline/burst_queue.h"
 #include "daemon/pipeline/frame_mailbox.h"
+#include "daemon/pipeline/shared/worker_pool.h"
 #include "daemon/pipeline/source_worker.h"
 
 namespace rayloc {
@@ -33,6 +35,7 @@ class EstimationLoop;
 struct Carried;
 struct Estimates;
 struct Location;
+struct SharedThreads;
 struct TrackEvent;
 struct ZoneEvent;
 
@@ -113,6 +116,9 @@ struct PipelineOptions {
   // promises, and silence is determined up to them. Otherwise silence is determined up to the
   // newest frame, because recordings contain no promises.
   bool promises_are_kept = false;
+  // Threads shared by the pipelines of a process: the results are the same. Null: it has a thread
+  // for each source and one for the estimation.
+  std::shared_ptr<SharedThreads> threads = {};
 };
 
 class Pipeline {
@@ -152,13 +158,17 @@ class Pipeline {
 
  private:
   void estimate_all();
+  WorkerPool::Turn take_turn();
   void join();
 
+  const std::shared_ptr<SharedThreads> threads_;  // may be null
+  const bool may_share_sources_;
   FrameMailbox mailbox_;
   std::unique_ptr<EstimationLoop> loop_;
   std::vector<std::unique_ptr<SourceWorker>> workers_;
   std::atomic<bool> finished_ = false;
   std::thread estimation_;
+  std::unique_ptr<WorkerPool::Member> turns_;  // of the estimation in threads_; null: none
 };
 
 }  // namespace rayloc

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -80,6 +81,8 @@ class SourceLane {
 
   SourceReport report() const;
   const StageProgress& progress() const { return progress_; }
+  // As DatagramSource::poll_descriptor().
+  std::optional<int> poll_descriptor() const { return source_->poll_descriptor(); }
 
  private:
   void move(std::uint64_t number);

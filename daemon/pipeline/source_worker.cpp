@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "daemon/pipeline/shared/receiver_pool.h"
+
 namespace rayloc {
 namespace {
 
@@ -22,11 +24,19 @@ SourceWorker::~SourceWorker() {
   join();
 }
 
-void SourceWorker::start() {
+void SourceWorker::start(ReceiverPool* receivers) {
+  if (receivers != nullptr && lane_.poll_descriptor()) {
+    receivers_ = receivers;
+    receivers_->add(*this);
+    return;
+  }
   thread_ = std::thread([this] { run(); });
 }
 
 void SourceWorker::join() {
+  if (receivers_ != nullptr) {
+    receivers_->wait_for_end(*this);
+  }
   if (thread_.joinable()) {
     thread_.join();
   }
@@ -35,14 +45,23 @@ void SourceWorker::join() {
 void SourceWorker::run() {
   while (!stopping_ && lane_.step(kReadTimeout)) {
   }
-  // Datagrams that were in the socket at the time of the stop have been received: they are still
-  // taken, but a sender that continues does not extend this.
-  for (int reads = 0; stopping_ && reads < kReadsAfterStop; ++reads) {
-    if (!lane_.step(Duration::zero()) || lane_.was_idle()) {
-      break;
-    }
+  while (stopping_ && drain_once()) {
   }
   lane_.finish();
+}
+
+// Datagrams that were in the socket at the time of the stop have been received: they are still
+// taken, but a sender that continues does not extend this. False: all are taken.
+bool SourceWorker::drain_once() {
+  return reads_after_stop_++ < kReadsAfterStop && lane_.step(Duration::zero()) && !lane_.was_idle();
+}
+
+bool SourceWorker::read_once() {
+  const bool continues = stopping_ ? drain_once() : lane_.step(Duration::zero());
+  if (!continues) {
+    lane_.finish();
+  }
+  return continues;
 }
 
 }  // namespace rayloc

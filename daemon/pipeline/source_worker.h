@@ -1,5 +1,5 @@
-// SourceWorker: the receiving thread of one access point: it drives a SourceLane until the source
-// ends, or a stop is requested.
+// SourceWorker: reads one access point: it drives a SourceLane until the source ends, or a stop is
+// requested. It has a thread of its own, or shares those of a ReceiverPool.
 //
 // Thread safety: start(), stop() and join() from one thread, report() from any.
 #pragma once
@@ -7,21 +7,25 @@
 #include <atomic>
 #include <thread>
 
+#include "daemon/pipeline/shared/polled_reader.h"
 #include "daemon/pipeline/source_lane.h"
 
 namespace rayloc {
 
-class SourceWorker {
+class ReceiverPool;
+
+class SourceWorker : private PolledReader {
  public:
   using Input = SourceInput;
 
   // `slot`: the source's number in `mailbox`, which outlives the worker.
   SourceWorker(Input input, FrameMailbox& mailbox, std::size_t slot);
-  ~SourceWorker();
+  ~SourceWorker() override;
   SourceWorker(const SourceWorker&) = delete;
   SourceWorker& operator=(const SourceWorker&) = delete;
 
-  void start();
+  // `receivers` (may be null, outlives the worker): read a source that has a descriptor.
+  void start(ReceiverPool* receivers);
   // Asks the thread to end: it decodes the datagrams that have already arrived and ends.
   void stop() { stopping_ = true; }
   void join();
@@ -33,9 +37,15 @@ class SourceWorker {
 
  private:
   void run();
+  int descriptor() const override { return lane_.poll_descriptor().value_or(-1); }
+  bool read_once() override;
+  bool may_have_more() const override { return !lane_.was_idle(); }
+  bool drain_once();
 
   SourceLane lane_;
   std::atomic<bool> stopping_ = false;
+  int reads_after_stop_ = 0;
+  ReceiverPool* receivers_ = nullptr;  // that read it; null: none
   std::thread thread_;
 };
 

@@ -165,6 +165,32 @@ TEST(ManySites, EachHasTopicsPathsMetricsAndRecordingsOfItsOwn) {
   EXPECT_FALSE(std::filesystem::exists(recordings / "hall"));
 }
 
+// Threads of a daemon that runs so many sites, each of which has received something.
+std::size_t threads_with(std::size_t sites) {
+  const TemporaryFolder folder;
+  LiveDaemonOptions options;
+  options.more_configuration = kCountOnly;
+  for (std::size_t i = 0; i < sites; ++i) {
+    options.sites.push_back({"site" + std::to_string(i), bundled("")});
+  }
+  LiveDaemon daemon(folder.path(), options);
+  EXPECT_TRUE(daemon.ready()) << daemon.errors();
+  for (const std::size_t source : {std::size_t{0}, sites - 1}) {
+    send_some(folder.path(), daemon, source, 50);
+    EXPECT_TRUE(eventually(
+        kPatience, [&] { return received(daemon, "site" + std::to_string(source)) >= 50; }));
+  }
+  const std::filesystem::directory_iterator tasks("/proc/" + std::to_string(daemon.pid()) +
+                                                  "/task");
+  return static_cast<std::size_t>(std::distance(begin(tasks), end(tasks)));
+}
+
+TEST(ManySites, ShareThreadsWhoseNumberDependsOnTheCores) {
+  const std::size_t cores = std::max(2U, std::thread::hardware_concurrency());
+  const std::size_t one = threads_with(1);
+  EXPECT_LE(threads_with(20), one + 2 * cores);
+}
+
 TEST(ManySites, AReloadOfOneAndItsTroublesLeaveTheOthersAlone) {
   const TemporaryFolder folder;
   const std::filesystem::path lab = copy_of_bundled(folder.path(), "lab");

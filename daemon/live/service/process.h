@@ -186,6 +186,7 @@ class Process {
   SteadyTime along_checked_{};
   StandbyAudits audits_;
   const std::shared_ptr<LimitedLog> limited_log_ = std::make_shared<LimitedLog>(log_event);
+  const std::shared_ptr<SharedThreads> shared_threads_ = std::make_shared<SharedThreads>();
   LossWatch shared_losses_{limited_log_};
   const Timestamp started_ = system_now();
   std::uint64_t epoch_ = 0;

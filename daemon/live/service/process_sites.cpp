@@ -66,6 +66,7 @@ SiteRuntime::Surroundings Process::surroundings(
   surroundings.started = system_now();
   surroundings.path_grids = path_grids_;
   surroundings.limited_log = limited_log_;
+  surroundings.threads = shared_threads_;
   surroundings.capture = capture_.get();
   surroundings.broker = broker_;
   surroundings.log = log;

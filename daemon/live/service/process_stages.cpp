@@ -5,9 +5,11 @@
 #include <thread>
 #include <vector>
 
+#include "daemon/live/config/source_url.h"
 #include "daemon/live/machine/start_resources.h"
 #include "daemon/live/service/process.h"
 #include "daemon/live/service/shutdown.h"
+#include "daemon/pipeline/shared/shared_threads.h"
 
 namespace rayloc {
 namespace {
@@ -27,22 +29,28 @@ void wait_until_started(const std::vector<Stage>& stages) {
 // To be called before any object is opened that needs the threads and descriptors, and before the
 // room is prepared, which uses many threads.
 Expected<void> Process::check_resources(bool estimators_ready) const {
-  const std::size_t sources = setup_.config.sources.size();
-  // Three of libzmq; guard, snapshot server, publisher, estimation, HTTP, channel, ring, one that
-  // stops them; each source has its own and a recorder's.
-  constexpr std::size_t kThreads = 12;
+  const auto& all = setup_.config.sources;
+  const std::size_t sources = all.size();
+  const bool is_worker = setup_.config.cluster.role == ClusterRole::kWorker;
+  // Recordings and streams of a cluster have a thread each, live sources share some.
+  const auto live =
+      is_worker ? 0U : static_cast<std::size_t>(std::count_if(all.begin(), all.end(), is_live));
+  const std::size_t readers = SharedThreads::receivers_for(live) + (sources - live);
+  const std::size_t estimations = SharedThreads::workers_for(setup_.sites.size());
+  // Three of libzmq; guard, snapshot server, publisher, HTTP, channel, ring, one that stops them;
+  // each source has a recorder's.
+  constexpr std::size_t kThreads = 11;
   constexpr std::size_t kMaxTracing = 8;
   const std::size_t tracing =
       estimators_ready ? 0
                        : std::min<std::size_t>(std::thread::hardware_concurrency(), kMaxTracing);
   // Some 20 of libzmq, two of HTTP; the others are for clients.
   constexpr std::size_t kDescriptors = 48;
-  const std::size_t estimations = setup_.sites.size() - 1;  // besides that of the first
   std::size_t compared = 0;
   for (const SiteSetup& site : setup_.sites) {
     compared += site.config.engine.compared.size();
   }
-  return check_start_resources(kThreads + tracing + 2 * sources + estimations + compared,
+  return check_start_resources(kThreads + tracing + readers + sources + estimations + compared,
                                kDescriptors + 4 * sources);
 }
 

@@ -13,6 +13,7 @@
 #include "daemon/pipeline/estimates.h"
 #include "daemon/pipeline/ordered_sink.h"
 #include "daemon/pipeline/playback/paced_source.h"
+#include "daemon/pipeline/shared/shared_threads.h"
 #include "tests/support/test_paths.h"
 
 namespace rayloc::pipeline_test {
@@ -48,13 +49,18 @@ struct Outcome {
   std::vector<MailboxCounters> mailbox;
 };
 
-Outcome replay(std::size_t ring_frames, std::shared_ptr<Pace> pace, std::size_t sources = 3) {
+Outcome replay(std::size_t ring_frames,
+               std::shared_ptr<Pace> pace,
+               std::size_t sources = 3,
+               std::shared_ptr<SharedThreads> threads = nullptr) {
   std::vector<SourceWorker::Input> inputs;
   for (std::size_t index = 0; index < sources; ++index) {
     const std::string id = "ap" + std::to_string(index + 1);
+    std::string recording = kSite;
+    recording.append("device_los-").append(id).append(".pcap.gz");
     SourceWorker::Input input;
     input.access_point = id;
-    input.source = PcapFileSource::open(kSite + ("device_los-" + id + ".pcap.gz")).value();
+    input.source = PcapFileSource::open(recording).value();
     if (pace) {
       input.source = std::make_unique<PacedSource>(std::move(input.source), pace);
     }
@@ -69,6 +75,7 @@ Outcome replay(std::size_t ring_frames, std::shared_ptr<Pace> pace, std::size_t 
   PipelineOptions options;
   options.ring_frames = ring_frames;
   options.overflow = Overflow::kWait;
+  options.threads = std::move(threads);
   Pipeline pipeline(options, std::move(inputs), estimator, sink);
   pipeline.start();
   pipeline.wait();
@@ -110,6 +117,18 @@ TEST(Pipeline, ReplayDependsNeitherOnSpeedNorOnQueues) {
   EXPECT_EQ(replay(8192, nullptr).locations, reference.locations);
   EXPECT_EQ(replay(3, nullptr).locations, reference.locations);
   EXPECT_EQ(replay(8192, std::make_shared<Pace>(200.0)).locations, reference.locations);
+}
+
+TEST(Pipeline, ReplayDoesNotDependOnSharedThreads) {
+  const Outcome reference = replay(8192, nullptr);
+  for (const std::size_t workers : {1U, 3U}) {
+    const auto threads = std::make_shared<SharedThreads>(1, workers);
+    EXPECT_EQ(replay(8192, nullptr, 3, threads).locations, reference.locations);
+    const Outcome narrow = replay(3, nullptr, 3, threads);
+    EXPECT_EQ(narrow.locations, reference.locations);
+    EXPECT_EQ(narrow.counters.used, reference.counters.used);
+    EXPECT_EQ(narrow.counters.in_flight, 0U);
+  }
 }
 
 // Reports the end of its tracks as an event with the reason.

@@ -204,6 +204,7 @@ Expected<void> SiteRuntime::open(const Opened& before, SiteOutput& output) {
   RAYLOC_TRY(open_sources(before, output, inputs));
   const bool playback = recording_clock_.playback != nullptr;
   PipelineOptions options = pipeline_options(setup_.config, playback);
+  options.threads = surroundings_.threads;
   LocationSink& sink = results_ ? go_on(options) : output;
   pipeline_ =
       std::make_unique<Pipeline>(options, std::move(inputs), estimators_->estimator(), sink);

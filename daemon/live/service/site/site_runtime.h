@@ -31,6 +31,7 @@
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/pipeline/record/recorder_stage.h"
 #include "daemon/pipeline/record/ring_snapshots.h"
+#include "daemon/pipeline/shared/shared_threads.h"
 #include "daemon/site/model/path_grid_files.h"
 #include "engine/base/expected.h"
 
@@ -43,8 +44,9 @@ class SiteRuntime {
     Timestamp started;                          // start time of the daemon
     std::shared_ptr<PathGridStore> path_grids;  // null: traced rooms are not stored
     std::shared_ptr<LimitedLog> limited_log;
-    CaptureRole* capture = nullptr;  // null: not a capture node
-    std::shared_ptr<Broker> broker;  // null: not part of a cluster
+    std::shared_ptr<SharedThreads> threads;  // of their pipelines
+    CaptureRole* capture = nullptr;          // null: not a capture node
+    std::shared_ptr<Broker> broker;          // null: not part of a cluster
     // Receives messages about a start for the operator, line by line.
     std::function<void(const std::string& line)> log;
   };

@@ -1,6 +1,7 @@
 #include "daemon/live/service/sources/handed_sources.h"
 
 #include <algorithm>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -46,6 +47,7 @@ class ContinuedSource final : public DatagramSource {
   std::vector<std::string> notices() const override { return source_->notices(); }
   std::vector<std::string> warnings() const override { return source_->warnings(); }
   std::string trouble() const override { return source_->trouble(); }
+  std::optional<int> poll_descriptor() const override { return source_->poll_descriptor(); }
 
   std::unique_ptr<DatagramSource> let_go() { return std::move(source_); }
 
