@@ -63,6 +63,13 @@ struct StreamState {
   std::uint64_t last = 0;
 };
 
+// Messages of a stream to be requested.
+struct MessageRange {
+  std::uint64_t first = 1;        // sequence
+  std::size_t messages = 1;       // at most
+  std::size_t bytes = 1U << 20U;  // it ends with the message that reaches so many
+};
+
 // Outcome of a publication with an expected last sequence.
 struct Published {
   bool is_last = false;        // otherwise another client has published meanwhile
@@ -126,7 +133,12 @@ class Broker {
   // where no message of that sequence exists (any more).
   virtual Expected<std::optional<BrokerMessage>> get(const std::string& stream,
                                                      std::uint64_t sequence) = 0;
-  // The same, from the stream's leader, which has all stored messages while its peers reach it.
+  // Returns the message of sequence `first` and those that follow it, ascending, by one request to
+  // any replica; from a server before 2.11 that message alone. Fewer where replies are missing.
+  // None where no message of that sequence exists (any more).
+  virtual Expected<std::vector<BrokerMessage>> get_several(const std::string& stream,
+                                                           const MessageRange& range) = 0;
+  // As get(), from the stream's leader, which has all stored messages while its peers reach it.
   virtual Expected<std::optional<BrokerMessage>> get_of_leader(const std::string& stream,
                                                                std::uint64_t sequence) = 0;
   // Returns the last message of that subject, from the stream's leader.

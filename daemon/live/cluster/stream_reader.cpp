@@ -1,6 +1,7 @@
 #include "daemon/live/cluster/stream_reader.h"
 
 #include <algorithm>
+#include <iterator>
 #include <thread>
 #include <utility>
 
@@ -58,11 +59,14 @@ std::optional<BrokerMessage> StreamReader::next(milliseconds timeout) {
       std::this_thread::sleep_for(std::min(timeout, kPause));
       continue;
     }
-    bool hole = false;
+    if (auto message = requested_one()) {
+      return accept(std::move(*message), true);
+    }
+    std::uint64_t hole = 0;
     if (auto message = waiting_one(std::min(deadline, received_ + options_.quiet), hole)) {
       return accept(std::move(*message), false);
     }
-    if (hole || std::chrono::steady_clock::now() >= received_ + options_.quiet) {
+    if (hole > 0 || std::chrono::steady_clock::now() >= received_ + options_.quiet) {
       if (auto message = ask_for_next(hole)) {
         return accept(std::move(*message), true);
       }
@@ -102,6 +106,7 @@ bool StreamReader::check_stream() {
   if ((!any && place_.created != state->created) || place_.sequence > state->last) {
     ++counters_.streams;
     place_.sequence = 0;
+    requested_.clear();
     waiting_.clear();
     waiting_bytes_ = 0;
   }
@@ -123,8 +128,24 @@ bool StreamReader::seems_shorter(const StreamState& state, Time now) {
   return now - *shorter_ < kStaleLeader;
 }
 
-// Returns the next message, if it arrives before `until`. `hole`: only a later one is there.
-std::optional<BrokerMessage> StreamReader::waiting_one(Time until, bool& hole) {
+// Returns the next message, if it is there. Those behind one that was removed are requested again:
+// a replica that lacks it may lack others.
+std::optional<BrokerMessage> StreamReader::requested_one() {
+  if (requested_.empty()) {
+    return std::nullopt;
+  }
+  if (requested_.front().sequence != place_.sequence + 1) {
+    requested_.clear();
+    return std::nullopt;
+  }
+  BrokerMessage message = std::move(requested_.front());
+  requested_.pop_front();
+  return message;
+}
+
+// Returns the next message, if it arrives before `until`. `hole`: so many are missing before a
+// later one that is there.
+std::optional<BrokerMessage> StreamReader::waiting_one(Time until, std::uint64_t& hole) {
   std::unique_lock lock(mutex_);
   for (;;) {
     while (!waiting_.empty() && waiting_.front().sequence <= place_.sequence) {
@@ -139,7 +160,7 @@ std::optional<BrokerMessage> StreamReader::waiting_one(Time until, bool& hole) {
     }
   }
   if (waiting_.front().sequence > place_.sequence + 1) {
-    hole = true;
+    hole = waiting_.front().sequence - place_.sequence - 1;
     return std::nullopt;
   }
   BrokerMessage message = std::move(waiting_.front());
@@ -148,22 +169,28 @@ std::optional<BrokerMessage> StreamReader::waiting_one(Time until, bool& hole) {
   return message;
 }
 
-std::optional<BrokerMessage> StreamReader::ask_for_next(bool hole) {
-  auto message = broker_->get(options_.stream, place_.sequence + 1);
-  const Time now = std::chrono::steady_clock::now();
-  if (!message) {
+// `hole`: size of the hole; 0: any number of messages may follow.
+std::optional<BrokerMessage> StreamReader::ask_for_next(std::uint64_t hole) {
+  MessageRange range{place_.sequence + 1, options_.max_requested, options_.max_requested_bytes};
+  if (hole > 0) {
+    range.messages = static_cast<std::size_t>(std::min<std::uint64_t>(hole, range.messages));
+  }
+  auto messages = broker_->get_several(options_.stream, range);
+  if (!messages) {
     std::this_thread::sleep_for(kPause);
     return std::nullopt;
   }
-  if (!*message) {
-    received_ = now;
-    if (hole) {
-      return ask_the_leader();
-    }
-    missing_.reset();
-    return std::nullopt;
+  requested_.assign(std::make_move_iterator(messages->begin()),
+                    std::make_move_iterator(messages->end()));
+  if (auto message = requested_one()) {
+    return message;
   }
-  return std::move(*message);
+  received_ = std::chrono::steady_clock::now();
+  if (hole > 0) {
+    return ask_the_leader();
+  }
+  missing_.reset();
+  return std::nullopt;
 }
 
 // Retention has removed it, or the queried replica does not have it yet. One

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "daemon/live/cluster/broker.h"
+#include "daemon/live/cluster/nats/batch_requests.h"
 #include "daemon/live/cluster/nats/link.h"
 #include "daemon/live/cluster/nats/message.h"
 #include "daemon/live/cluster/nats/module.h"
@@ -78,6 +79,8 @@ class NatsBroker final : public Broker {
   Expected<StreamState> stream_state(const std::string& stream) override;
   Expected<std::optional<BrokerMessage>> get(const std::string& stream,
                                              std::uint64_t sequence) override;
+  Expected<std::vector<BrokerMessage>> get_several(const std::string& stream,
+                                                   const MessageRange& range) override;
   Expected<std::optional<BrokerMessage>> get_of_leader(const std::string& stream,
                                                        std::uint64_t sequence) override;
   Expected<std::optional<BrokerMessage>> last_of(const std::string& stream,
@@ -92,6 +95,7 @@ class NatsBroker final : public Broker {
 
  private:
   Expected<std::unique_ptr<Subscription>> listen(const std::string& subject, Slot::Take take);
+  Expected<std::string> new_inbox() const;
   Expected<void> connect();
   void keep_linked();
   Link::Callbacks callbacks();
@@ -102,6 +106,7 @@ class NatsBroker final : public Broker {
 
   BrokerOptions options_;
   Identity identity_{"", "_INBOX"};
+  BatchRequests batches_;
   std::atomic<std::uint64_t> connections_{0};
   std::atomic<std::uint64_t> failed_tries_{0};
   std::mutex listening_;  // before mutex_; subscriptions of a link, and the current link
@@ -145,6 +150,11 @@ Expected<void> NatsBroker::open(const BrokerOptions& options, const std::string&
   options_ = options;
   identity_.nkey = nkey;
   identity_.inbox += options.inbox.empty() ? "" : "." + options.inbox;
+  auto inbox = new_inbox();
+  RAYLOC_TRY(inbox);
+  batches_.set_inbox(*inbox);
+  slots_.push_back(
+      std::make_shared<Slot>(*inbox + "*", [this](natsMsg* message) { batches_.take(message); }));
   if (Expected<void> first = connect(); !first && first.error().kind == ErrorKind::kConfiguration) {
     return first;
   }
@@ -278,7 +288,8 @@ class NatsAckedPublisher final : public Broker::AckedPublisher {
   std::unique_ptr<Broker::Subscription> acknowledgements_;
 };
 
-Expected<std::unique_ptr<Broker::AckedPublisher>> NatsBroker::acked_publisher(AckHandler handler) {
+// A new subject for replies to us, up to its last token.
+Expected<std::string> NatsBroker::new_inbox() const {
   natsInbox* made = nullptr;
   if (const natsStatus status = natsInbox_Create(&made); status != NATS_OK) {
     return tl::make_unexpected(error_of("NATS", status));
@@ -288,13 +299,19 @@ Expected<std::unique_ptr<Broker::AckedPublisher>> NatsBroker::acked_publisher(Ac
       identity_.inbox + "." +
       std::string(std::string_view(made).substr(std::string_view(made).rfind('.') + 1)) + ".";
   natsInbox_Destroy(made);
+  return inbox;
+}
+
+Expected<std::unique_ptr<Broker::AckedPublisher>> NatsBroker::acked_publisher(AckHandler handler) {
+  const auto inbox = new_inbox();
+  RAYLOC_TRY(inbox);
   auto acknowledgements =
-      listen(inbox + "*", [handler = std::move(handler), size = inbox.size()](natsMsg* message) {
+      listen(*inbox + "*", [handler = std::move(handler), size = inbox->size()](natsMsg* message) {
         handler(number_of(std::string_view(natsMsg_GetSubject(message)).substr(size)),
                 trouble_in(message));
       });
   RAYLOC_TRY(acknowledgements);
-  return std::make_unique<NatsAckedPublisher>(*this, inbox, *std::move(acknowledgements));
+  return std::make_unique<NatsAckedPublisher>(*this, *inbox, *std::move(acknowledgements));
 }
 
 Expected<Published> NatsBroker::publish_behind(const std::string& subject,
@@ -417,6 +434,15 @@ Expected<std::optional<BrokerMessage>> NatsBroker::get(const std::string& stream
   const natsStatus status =
       js_DirectGetMsg(&made, link->jetstream(), stream.c_str(), nullptr, &which);
   return found(stream, status, Message(made));
+}
+
+Expected<std::vector<BrokerMessage>> NatsBroker::get_several(const std::string& stream,
+                                                             const MessageRange& range) {
+  const auto link = linked();
+  if (!link) {
+    return away("stream " + stream);
+  }
+  return batches_.get(*link, stream, range);
 }
 
 Expected<std::optional<BrokerMessage>> NatsBroker::get_of_leader(const std::string& stream,

@@ -51,6 +51,30 @@ Expected<std::optional<BrokerMessage>> FakeBroker::get(const std::string& name,
   return found(name, sequence, replica_has_);
 }
 
+// The first one must exist; removed messages behind it are left out, as by the server.
+Expected<std::vector<BrokerMessage>> FakeBroker::get_several(const std::string& name,
+                                                             const MessageRange& range) {
+  const std::lock_guard lock(mutex_);
+  ++gets_;
+  auto first = found(name, range.first, replica_has_);
+  RAYLOC_TRY(first);
+  std::vector<BrokerMessage> several;
+  if (!*first) {
+    return several;
+  }
+  const auto& messages = streams_[name].messages;
+  std::size_t bytes = 0;
+  for (auto one = messages.find(range.first); one != messages.end(); ++one) {
+    const std::size_t limit = gives_several_ ? range.messages : 1;
+    if (several.size() == limit || bytes >= range.bytes || one->first > replica_has_) {
+      break;
+    }
+    several.push_back(one->second);
+    bytes += one->second.data.size();
+  }
+  return several;
+}
+
 Expected<std::optional<BrokerMessage>> FakeBroker::get_of_leader(const std::string& name,
                                                                  std::uint64_t sequence) {
   const std::lock_guard lock(mutex_);

@@ -68,6 +68,12 @@ class FakeBroker final : public Broker {
     replica_has_ = replica;
     leader_has_ = leader;
   }
+  // False: acts as a server before 2.11, which returns one message for each request.
+  void set_giving_several(bool several) {
+    const std::lock_guard lock(mutex_);
+    gives_several_ = several;
+  }
+  // Number of requests to replicas.
   std::uint64_t gets() const {
     const std::lock_guard lock(mutex_);
     return gets_;
@@ -120,6 +126,8 @@ class FakeBroker final : public Broker {
   Expected<StreamState> stream_state(const std::string& name) override;
   Expected<std::optional<BrokerMessage>> get(const std::string& name,
                                              std::uint64_t sequence) override;
+  Expected<std::vector<BrokerMessage>> get_several(const std::string& name,
+                                                   const MessageRange& range) override;
   Expected<std::optional<BrokerMessage>> get_of_leader(const std::string& name,
                                                        std::uint64_t sequence) override;
   Expected<std::optional<BrokerMessage>> last_of(const std::string& name,
@@ -222,6 +230,7 @@ class FakeBroker final : public Broker {
   std::uint64_t published_ = 0;
   std::uint64_t replica_has_ = kAll;  // guarded by mutex_, as the next
   std::uint64_t leader_has_ = kAll;
+  bool gives_several_ = true;
   std::uint64_t gets_ = 0;
   std::int64_t created_ = 0;
   std::map<std::string, Stream> streams_;

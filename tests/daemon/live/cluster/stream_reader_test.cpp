@@ -30,13 +30,15 @@ class Stream : public ::testing::Test {
     publisher_ = *broker_->acked_publisher([](std::uint64_t, const std::string&) {});
   }
   std::unique_ptr<StreamReader> open(StreamReader::Place after = {},
-                                     std::size_t max_waiting_bytes = 1 << 20) {
+                                     std::size_t max_waiting_bytes = 1 << 20,
+                                     std::size_t max_requested_bytes = 1 << 20) {
     StreamReader::Options options;
     options.stream = "S";
     options.again = "again.>";
     options.after = after;
     options.quiet = milliseconds(50);
     options.max_waiting_bytes = max_waiting_bytes;
+    options.max_requested_bytes = max_requested_bytes;
     return *StreamReader::open(broker_, options);
   }
   // The broker stores no message twice.
@@ -83,6 +85,63 @@ TEST_F(Stream, DoesNotRequestDeliveredMessages) {
     ASSERT_TRUE(next(*reader));
   }
   EXPECT_EQ(reader->counters().asked_for, 0U);
+}
+
+// As many messages as fit into one request, and none twice.
+TEST_F(Stream, CatchesUpByOneRequest) {
+  constexpr std::size_t kStored = 300;
+  for (std::size_t i = 0; i < kStored; ++i) {
+    store(std::to_string(i));
+  }
+  const auto reader = open({{}, 100});
+  for (std::size_t i = 100; i < kStored; ++i) {
+    const auto message = next(*reader);
+    ASSERT_TRUE(message);
+    ASSERT_EQ(message->data, std::to_string(i));
+  }
+  EXPECT_EQ(broker_->gets(), 1U);
+  EXPECT_EQ(reader->counters().asked_for, kStored - 100);
+  store("then");
+  EXPECT_THAT(read(*reader, 1), ElementsAre("then"));
+  EXPECT_EQ(reader->counters().lost, 0U);
+}
+
+TEST_F(Stream, CatchesUpOneByOneWithAnOldServer) {
+  broker_->set_giving_several(false);
+  for (const char* const word : {"a", "b", "c", "d", "e"}) {
+    store(word);
+  }
+  const auto reader = open();
+  for (const char* const word : {"a", "b", "c", "d", "e"}) {
+    const auto message = next(*reader);
+    ASSERT_TRUE(message);
+    EXPECT_EQ(message->data, word);
+  }
+  EXPECT_EQ(broker_->gets(), 5U);
+}
+
+TEST_F(Stream, LimitsARequestByBytes) {
+  for (int i = 0; i < 8; ++i) {
+    store("1234567890");
+  }
+  const auto reader = open({}, 1 << 20, 25);
+  for (int i = 0; i < 8; ++i) {
+    ASSERT_TRUE(next(*reader));
+  }
+  EXPECT_EQ(broker_->gets(), 3U);
+}
+
+// A request for a hole gives no message that is there already.
+TEST_F(Stream, RequestsNoMoreThanTheHole) {
+  const auto reader = open({}, 4);
+  for (const char* const word : {"aaa", "bbb", "ccc"}) {
+    store(word);
+  }
+  ASSERT_TRUE(next(*reader));
+  store("d");
+  store("e");
+  EXPECT_THAT(read(*reader, 4), ElementsAre("bbb", "ccc", "d", "e"));
+  EXPECT_EQ(reader->counters().asked_for, 2U);
 }
 
 TEST_F(Stream, RequestsTheOverflowLater) {
