@@ -42,11 +42,11 @@ bool SourceLane::step(Duration timeout) {
   publish_report();
   progress_.rest();  // with a recording it waits for room
   mailbox_.put(slot_, frames_, safe_time);
-  progress_.beat();
   return !batch_.ended;
 }
 
 void SourceLane::finish() {
+  progress_.beat();
   receiver_.flush(frames_);
   show();
   progress_.rest();

@@ -2,6 +2,7 @@
 // batch that a worker takes, against a bare client that publishes and receives the same batches.
 //
 //   cluster_bench [SECONDS]     of each part; 10 by default
+//   cluster_bench catch_up      only the time that a successor takes to read a stored stream
 //
 // It starts a nats-server of its own (RAYLOC_NATS_SERVER, else Debian's) on loopback. Publisher and
 // reader are threads of this process, so its processor time is that of both.
@@ -333,6 +334,78 @@ void run_paced(const cluster::NatsServer& server, int rate, double seconds) {
   node.sender->finish();
 }
 
+// As a worker after a take-over: a stored stream from its beginning, at most `most` messages by a
+// request.
+void catch_up(const cluster::NatsServer& server,
+              const std::string& stream,
+              std::uint64_t messages,
+              std::size_t most) {
+  StreamReader::Options options;
+  options.stream = stream;
+  options.again = live_subjects("stored");
+  options.max_requested = most;
+  const auto broker = *open_broker({{server.url()}, "bench worker"});
+  while (!broker->connected()) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  const auto reader = *StreamReader::open(broker, options);
+  const Stopwatch watch(server.pid());
+  std::uint64_t read = 0;
+  for (const auto end = Clock::now() + std::chrono::minutes(1);
+       read < messages && Clock::now() < end;) {
+    read += reader->next(std::chrono::milliseconds(50)) ? 1U : 0U;
+  }
+  const Cost cost = watch.cost(static_cast<double>(read));
+  std::printf("catch-up, %3zu a request: %llu messages in %.3f s, %.0f messages/s, %.1f us each\n",
+              most,
+              static_cast<unsigned long long>(read),
+              cost.seconds,
+              cost.datagrams / cost.seconds,
+              1e6 * cost.seconds / cost.datagrams);
+}
+
+// In turns, the first of which finds a cold store.
+void run_catch_up(const cluster::NatsServer& server) {
+  constexpr std::uint64_t kMessages = 2000;
+  constexpr std::size_t kBytes = 40 * kDatagramBytes;  // a batch of five access points in 20 ms
+  constexpr int kRounds = 5;
+  const StreamOptions stream = site_stream("stored", {});
+  const auto broker = *open_broker({{server.url()}, "bench node"});
+  while (!broker->connected()) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  (void)broker->ensure_stream(stream);
+  const std::string bytes(kBytes, 'x');
+  for (std::uint64_t last = 0; last < kMessages; ++last) {
+    if (!broker->publish_behind(csi_subject("stored", "node1"), bytes, last)) {
+      std::fprintf(stderr, "cluster_bench: the server stores no message\n");
+      return;
+    }
+  }
+  for (int round = 0; round < kRounds; ++round) {
+    for (const std::size_t most : {std::size_t{1}, StreamReader::Options{}.max_requested}) {
+      catch_up(server, stream.name, kMessages, most);
+    }
+  }
+}
+
+void run_live(const cluster::NatsServer& server, double seconds) {
+  // In turns, for the machine may be busy with other things.
+  constexpr int kRounds = 8;
+  Cost bare;
+  Cost ours;
+  for (int round = 0; round < kRounds; ++round) {
+    bare += run_bare(server, "bare" + std::to_string(round), seconds / kRounds);
+    ours += run_ours(server, "ours" + std::to_string(round), seconds / kRounds);
+  }
+  bare.print("bare client");
+  ours.print("ours");
+  for (const int rate : {200, 2000, 10'000}) {
+    run_paced(server, rate, seconds);
+  }
+}
+
+// Zero seconds: only the catch-up.
 int run(double seconds) {
   const std::filesystem::path folder =
       std::filesystem::temp_directory_path() / ("cluster_bench." + std::to_string(getpid()));
@@ -343,18 +416,9 @@ int run(double seconds) {
       std::fprintf(stderr, "cluster_bench: no nats-server\n");
       return 69;
     }
-    // In turns, for the machine may be busy with other things.
-    constexpr int kRounds = 8;
-    Cost bare;
-    Cost ours;
-    for (int round = 0; round < kRounds; ++round) {
-      bare += run_bare(server, "bare" + std::to_string(round), seconds / kRounds);
-      ours += run_ours(server, "ours" + std::to_string(round), seconds / kRounds);
-    }
-    bare.print("bare client");
-    ours.print("ours");
-    for (const int rate : {200, 2000, 10'000}) {
-      run_paced(server, rate, seconds);
+    run_catch_up(server);
+    if (seconds > 0) {
+      run_live(server, seconds);
     }
   }
   std::filesystem::remove_all(folder);

@@ -37,8 +37,8 @@ Expected<void> Process::check_resources(bool estimators_ready) const {
       is_worker ? 0U : static_cast<std::size_t>(std::count_if(all.begin(), all.end(), is_live));
   const std::size_t readers = SharedThreads::receivers_for(live) + (sources - live);
   const std::size_t estimations = SharedThreads::workers_for(setup_.sites.size());
-  // Three of libzmq; guard, snapshot server, publisher, HTTP, channel, ring, one that stops them;
-  // each source has a recorder's.
+  const std::size_t recorders = SharedThreads::receivers_for(sources);
+  // Three of libzmq; guard, snapshot server, publisher, HTTP, channel, ring, one that stops them.
   constexpr std::size_t kThreads = 11;
   constexpr std::size_t kMaxTracing = 8;
   const std::size_t tracing =
@@ -50,7 +50,7 @@ Expected<void> Process::check_resources(bool estimators_ready) const {
   for (const SiteSetup& site : setup_.sites) {
     compared += site.config.engine.compared.size();
   }
-  return check_start_resources(kThreads + tracing + readers + sources + estimations + compared,
+  return check_start_resources(kThreads + tracing + readers + recorders + estimations + compared,
                                kDescriptors + 4 * sources);
 }
 

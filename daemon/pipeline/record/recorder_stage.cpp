@@ -3,12 +3,12 @@
 #include <optional>
 #include <utility>
 
+#include "daemon/pipeline/shared/receiver_pool.h"
 #include "engine/base/spare_capacity.h"
 
 namespace rayloc {
 namespace {
 
-constexpr auto kWriteInterval = std::chrono::milliseconds(100);
 constexpr std::size_t kWakeBytes = std::size_t{1} << 20U;
 
 }  // namespace
@@ -19,10 +19,16 @@ void RecorderStage::Buffer::clear() {
   dropped = 0;
 }
 
-RecorderStage::RecorderStage(std::unique_ptr<RotatingRecorder> recorder, std::size_t buffer_bytes)
-    : buffer_bytes_(buffer_bytes), recorder_(std::move(recorder)) {
+RecorderStage::RecorderStage(std::unique_ptr<RotatingRecorder> recorder,
+                             ReceiverPool* writers,
+                             std::size_t buffer_bytes)
+    : buffer_bytes_(buffer_bytes), recorder_(std::move(recorder)), writers_(writers) {
   counters_.files = recorder_->counters();
-  thread_ = std::thread([this] { run(); });
+  if (writers_ != nullptr) {
+    writers_->add(*this);
+  } else {
+    thread_ = std::thread([this] { run(); });
+  }
 }
 
 RecorderStage::~RecorderStage() { finish(); }
@@ -54,35 +60,52 @@ void RecorderStage::finish() {
     finishing_ = true;
   }
   wake_.notify_one();
-  if (thread_.joinable()) {
+  if (writers_ != nullptr) {
+    writers_->wait_for_end(*this);
+  } else if (thread_.joinable()) {
     thread_.join();
   }
 }
 
 void RecorderStage::run() {
-  Buffer writing;
-  bool finishing = false;
-  while (!finishing) {
+  do {
     progress_.beat();
-    std::optional<RecordingLimits> limits;
-    {
-      std::unique_lock lock(mutex_);
-      wake_.wait_for(
-          lock, kWriteInterval, [&] { return finishing_ || waiting_.bytes.size() >= kWakeBytes; });
-      std::swap(writing, waiting_);
-      std::swap(limits, limits_);
-      finishing = finishing_;
-    }
-    if (limits) {
-      recorder_->set_limits(*limits);
-    }
-    write(writing);
-    writing.clear();
-  }
-  recorder_->close();
-  const std::lock_guard lock(mutex_);
-  counters_.files = recorder_->counters();
+    std::unique_lock lock(mutex_);
+    wake_.wait_for(
+        lock, kWriteInterval, [&] { return finishing_ || waiting_.bytes.size() >= kWakeBytes; });
+  } while (write_waiting());
   progress_.rest();
+}
+
+// Between its steps it waits for others.
+bool RecorderStage::read_once() {
+  progress_.beat();
+  const bool continues = write_waiting();
+  progress_.rest();
+  return continues;
+}
+
+// False when it has written everything, and has closed the file.
+bool RecorderStage::write_waiting() {
+  std::optional<RecordingLimits> limits;
+  bool finishing = false;
+  {
+    const std::lock_guard lock(mutex_);
+    std::swap(writing_, waiting_);
+    std::swap(limits, limits_);
+    finishing = finishing_;
+  }
+  if (limits) {
+    recorder_->set_limits(*limits);
+  }
+  write(writing_);
+  writing_.clear();
+  if (finishing) {
+    recorder_->close();
+    const std::lock_guard lock(mutex_);
+    counters_.files = recorder_->counters();
+  }
+  return !finishing;
 }
 
 void RecorderStage::write(const Buffer& buffer) {

@@ -1,5 +1,5 @@
 // RecorderStage: writes the datagrams of one source to recordings, on a separate thread, so that a
-// slow disk never delays the receiving thread.
+// slow disk never delays the receiving thread. The recorders of a process may share threads.
 //
 // Between the two is a bounded buffer; when the disk cannot keep up, the newest datagrams are
 // dropped, counted, and marked in the recording. A batch is written at least every 100 ms.
@@ -7,6 +7,7 @@
 // Thread safety: tap() from one thread; counters(), set_limits() from any.
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <cstddef>
 #include <cstdint>
@@ -20,10 +21,13 @@
 
 #include "capture/transport/datagram.h"
 #include "daemon/pipeline/record/rotating_recorder.h"
+#include "daemon/pipeline/shared/polled_reader.h"
 #include "daemon/pipeline/source_worker.h"
 #include "engine/base/expected.h"
 
 namespace rayloc {
+
+class ReceiverPool;
 
 // tapped = written + dropped + waiting.
 struct RecorderStageCounters {
@@ -34,11 +38,15 @@ struct RecorderStageCounters {
   RotatingRecorderCounters files;  // as of the last batch
 };
 
-class RecorderStage : public DatagramTap {
+class RecorderStage : public DatagramTap, private PolledReader {
  public:
   static constexpr std::size_t kDefaultBufferBytes = std::size_t{32} << 20U;
+  static constexpr std::chrono::milliseconds kWriteInterval{100};
 
+  // `writers`: threads that write, with ticks of kWriteInterval; outlives this. Null: a thread of
+  // its own.
   explicit RecorderStage(std::unique_ptr<RotatingRecorder> recorder,
+                         ReceiverPool* writers = nullptr,
                          std::size_t buffer_bytes = kDefaultBufferBytes);
   ~RecorderStage() override;
   RecorderStage(const RecorderStage&) = delete;
@@ -72,17 +80,23 @@ class RecorderStage : public DatagramTap {
   };
 
   void run();
+  int descriptor() const override { return -1; }
+  bool read_once() override;
+  bool may_have_more() const override { return false; }
+  bool write_waiting();
   void write(const Buffer& buffer);
 
   const std::size_t buffer_bytes_;
   StageProgress progress_;
-  std::unique_ptr<RotatingRecorder> recorder_;  // used by the thread alone
+  std::unique_ptr<RotatingRecorder> recorder_;  // used by the thread alone, as writing_
+  Buffer writing_;
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   Buffer waiting_;                         // guarded by mutex_
   RecorderStageCounters counters_;         // guarded by mutex_
   std::optional<RecordingLimits> limits_;  // guarded by mutex_; new ones
   bool finishing_ = false;                 // guarded by mutex_
+  ReceiverPool* const writers_;            // null: a thread of its own
   std::thread thread_;
 };
 

@@ -9,6 +9,7 @@
 #include <chrono>
 #include <cstdio>
 #include <cstring>
+#include <system_error>
 #include <utility>
 
 #include "capture/record/pcap_format.h"
@@ -39,10 +40,10 @@ bool write_all(int fd, std::span<const std::byte> bytes) {
 RingSnapshots::RingSnapshots(std::vector<Source> sources,
                              std::filesystem::path folder,
                              const Limits& limits)
-    : sources_(std::move(sources)),
-      folder_(std::move(folder)),
-      limits_(limits),
-      thread_([this] { run(); }) {}
+    : sources_(std::move(sources)), folder_(std::move(folder)), limits_(limits) {
+  progress_.beat();
+  progress_.rest();
+}
 
 RingSnapshots::~RingSnapshots() { finish(); }
 
@@ -51,7 +52,6 @@ void RingSnapshots::finish() {
     const std::lock_guard lock(mutex_);
     ending_ = true;
   }
-  wake_.notify_one();
   if (thread_.joinable()) {
     thread_.join();
   }
@@ -64,7 +64,7 @@ Expected<std::vector<std::string>> RingSnapshots::request() {
   if (ending_) {
     return make_error(ErrorKind::kUnavailable, "raylocd is stopping");
   }
-  if (writing_ || !waiting_.empty()) {
+  if (writing_) {
     return make_error(ErrorKind::kUnavailable, "a snapshot is being written already");
   }
   std::vector<std::string> paths;
@@ -80,8 +80,16 @@ Expected<std::vector<std::string>> RingSnapshots::request() {
     return make_error(ErrorKind::kUnavailable,
                       "there is nothing to write: no source has received a datagram");
   }
-  waiting_ = std::move(files);
-  wake_.notify_one();
+  if (thread_.joinable()) {  // that of the snapshot before, which does not write any more
+    thread_.join();
+  }
+  try {
+    thread_ = std::thread([this, files = std::move(files)] { run(files); });
+  } catch (const std::system_error& error) {
+    return make_error(ErrorKind::kUnavailable,
+                      std::string("no thread for the snapshot: ") + error.what());
+  }
+  writing_ = true;
   return paths;
 }
 
@@ -90,21 +98,12 @@ void RingSnapshots::set_limits(const Limits& limits) {
   limits_ = limits;
 }
 
-void RingSnapshots::run() {
-  progress_.beat();
-  progress_.rest();
-  std::unique_lock lock(mutex_);
-  while (!ending_ || !waiting_.empty()) {
-    wake_.wait(lock, [this] { return ending_ || !waiting_.empty(); });
-    const std::vector<File> files = std::exchange(waiting_, {});
-    writing_ = true;
-    lock.unlock();
-    for (const File& file : files) {
-      write(file);
-    }
-    lock.lock();
-    writing_ = false;
+void RingSnapshots::run(const std::vector<File>& files) {
+  for (const File& file : files) {
+    write(file);
   }
+  const std::lock_guard lock(mutex_);
+  writing_ = false;
 }
 
 void RingSnapshots::write(const File& file) {

@@ -1,13 +1,12 @@
 // RingSnapshots: writes the content of the rings of all sources to recordings, on request.
 //
-// One file per source, AP-snapshot-20261121T140509Z.pcap, by a separate thread: the requester never
-// waits for a disk, which may be the faulty part, and no stage has to make progress for it. They
-// are recordings like others: bounded in total, repaired after a crash.
+// One file per source, AP-snapshot-20261121T140509Z.pcap, by a thread that runs while it writes:
+// the requester never waits for a disk, which may be the faulty part, and no stage has to make
+// progress for it. They are recordings like others: bounded in total, repaired after a crash.
 //
 // Thread safety: any thread, unless stated otherwise.
 #pragma once
 
-#include <condition_variable>
 #include <cstdint>
 #include <filesystem>
 #include <mutex>
@@ -64,7 +63,7 @@ class RingSnapshots {
     std::string path;
     std::vector<std::shared_ptr<const DatagramRing::Piece>> pieces;
   };
-  void run();
+  void run(const std::vector<File>& files);
   void write(const File& file);
   Expected<std::uint64_t> write_file(const File& file, std::uint64_t min_free_bytes) const;
 
@@ -72,14 +71,12 @@ class RingSnapshots {
   const std::filesystem::path folder_;
   StageProgress progress_;
   mutable std::mutex mutex_;
-  std::condition_variable wake_;
   Limits limits_;                     // guarded by mutex_
-  std::vector<File> waiting_;         // guarded by mutex_
   bool writing_ = false;              // guarded by mutex_
   bool ending_ = false;               // guarded by mutex_
   RingSnapshotCounters counters_;     // guarded by mutex_
   std::vector<std::string> notices_;  // guarded by mutex_
-  std::thread thread_;
+  std::thread thread_;                // of the last snapshot
 };
 
 }  // namespace rayloc

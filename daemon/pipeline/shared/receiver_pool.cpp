@@ -16,14 +16,14 @@ namespace {
 
 using SteadyClock = std::chrono::steady_clock;
 
-// The resolution of event time while no data arrive, and the maximum delay of a stop.
-constexpr std::chrono::milliseconds kTick{20};
-
 }  // namespace
 
 class ReceiverPool::Receiver {
  public:
-  Receiver() : wake_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)), thread_([this] { run(); }) {}
+  explicit Receiver(const Options& options)
+      : options_(options),
+        wake_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)),
+        thread_([this] { run(); }) {}
   ~Receiver() {
     {
       const std::lock_guard lock(mutex_);
@@ -51,6 +51,7 @@ class ReceiverPool::Receiver {
     return find(reader) != readers_.end();
   }
   void wait_for_end(const PolledReader& reader) {
+    wake();
     std::unique_lock lock(mutex_);
     removed_.wait(lock, [&] { return find(reader) == readers_.end(); });
   }
@@ -65,6 +66,7 @@ class ReceiverPool::Receiver {
   bool wait_for_input();
   void take_steps(bool is_tick);
 
+  const Options options_;
   const FileDescriptor wake_;
   mutable std::mutex mutex_;
   std::condition_variable removed_;
@@ -78,7 +80,7 @@ class ReceiverPool::Receiver {
 };
 
 void ReceiverPool::Receiver::run() {
-  pthread_setname_np(pthread_self(), "receiver");  // for top -H
+  pthread_setname_np(pthread_self(), options_.name);  // for top -H
   while (begin_round()) {
     take_steps(wait_for_input());
   }
@@ -109,7 +111,7 @@ bool ReceiverPool::Receiver::wait_for_input() {
       return reader->may_have_more();
     });
     const auto rest = std::chrono::ceil<milliseconds>(next_tick_ - SteadyClock::now());
-    wait = has_more ? milliseconds(0) : std::clamp(rest, milliseconds(0), kTick);
+    wait = has_more ? milliseconds(0) : std::clamp(rest, milliseconds(0), options_.tick);
   }
   if (::poll(descriptors_.data(), descriptors_.size(), static_cast<int>(wait.count())) > 0 &&
       descriptors_.front().revents != 0) {
@@ -121,7 +123,7 @@ bool ReceiverPool::Receiver::wait_for_input() {
   if (now < next_tick_) {
     return false;
   }
-  next_tick_ = now + kTick;
+  next_tick_ = now + options_.tick;
   return true;
 }
 
@@ -139,8 +141,7 @@ void ReceiverPool::Receiver::take_steps(bool is_tick) {
   }
 }
 
-ReceiverPool::ReceiverPool(std::size_t most_threads)
-    : most_threads_(std::max<std::size_t>(1, most_threads)) {}
+ReceiverPool::ReceiverPool(const Options& options) : options_(options) {}
 
 ReceiverPool::~ReceiverPool() = default;
 
@@ -151,8 +152,8 @@ void ReceiverPool::add(PolledReader& reader) {
         return one->readers() < other->readers();
       });
   const bool is_needed = least == receivers_.end() || (*least)->readers() > 0;
-  if (is_needed && receivers_.size() < most_threads_) {
-    receivers_.push_back(std::make_unique<Receiver>());
+  if (is_needed && receivers_.size() < std::max<std::size_t>(1, options_.most_threads)) {
+    receivers_.push_back(std::make_unique<Receiver>(options_));
     least = std::prev(receivers_.end());
   }
   (*least)->add(reader);

@@ -5,8 +5,12 @@
 #include <unistd.h>
 
 #include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
 
 #include "capture/source/pcap_source.h"
+#include "daemon/pipeline/shared/receiver_pool.h"
 #include "tests/support/read_to_end.h"
 
 namespace rayloc::recorder_stage_test {
@@ -17,9 +21,9 @@ class RecorderStageTest : public ::testing::Test {
   RecorderStageTest() { std::filesystem::remove_all(folder_); }
   void TearDown() override { std::filesystem::remove_all(folder_); }
 
-  std::unique_ptr<RotatingRecorder> recorder() const {
+  std::unique_ptr<RotatingRecorder> recorder(const std::string& sub_folder = "") const {
     RotatingRecorderOptions options;
-    options.folder = folder_;
+    options.folder = folder_ / sub_folder;
     options.name = "ap1";
     options.free_bytes = [] { return std::uint64_t{1} << 40U; };
     return std::make_unique<RotatingRecorder>(std::move(options));
@@ -65,8 +69,31 @@ TEST_F(RecorderStageTest, WritesEverythingBeforeItEnds) {
   EXPECT_EQ(recorded().delivered, 5000U);
 }
 
+TEST_F(RecorderStageTest, SeveralShareAThread) {
+  ReceiverPool writers({1, RecorderStage::kWriteInterval});
+  std::filesystem::create_directories(folder_);
+  std::vector<std::unique_ptr<RecorderStage>> stages;
+  for (const char* const sub_folder : {"one", "two", "three"}) {
+    stages.push_back(std::make_unique<RecorderStage>(recorder(sub_folder), &writers));
+  }
+  for (int i = 0; i < 50; ++i) {
+    for (const auto& stage : stages) {
+      tap(*stage, 100);
+    }
+  }
+  EXPECT_EQ(writers.threads(), 1U);
+  for (const auto& stage : stages) {
+    stage->finish();
+    const RecorderStageCounters counters = stage->counters();
+    EXPECT_EQ(counters.written, 5000U);
+    EXPECT_EQ(counters.waiting, 0U);
+    EXPECT_EQ(counters.files.files, 1U);
+    EXPECT_TRUE(stage->progress().resting());
+  }
+}
+
 TEST_F(RecorderStageTest, DropsTheNewestCountsAndMarksIt) {
-  RecorderStage stage(recorder(), 10 * payload_.size());
+  RecorderStage stage(recorder(), nullptr, 10 * payload_.size());
   tap(stage, 100);  // one call, which the writing thread cannot get between
   stage.finish();
   const RecorderStageCounters counters = stage.counters();

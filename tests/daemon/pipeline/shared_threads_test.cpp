@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <latch>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -219,7 +220,7 @@ class EventReader final : public PolledReader {
 };
 
 TEST(ReceiverPool, AFloodedReaderTakesOneStepInEachRound) {
-  ReceiverPool pool(1);
+  ReceiverPool pool({.most_threads = 1});
   std::latch all_there(1);
   std::string log;  // of the only thread
   Flood flood(all_there, log, 'F', 2000);
@@ -240,7 +241,7 @@ TEST(ReceiverPool, AFloodedReaderTakesOneStepInEachRound) {
 
 TEST(ReceiverPool, ReadsWhatComesAndStartsNoMoreThreadsThanItMay) {
   constexpr int kEvents = 20;
-  ReceiverPool pool(2);
+  ReceiverPool pool({.most_threads = 2});
   std::vector<std::unique_ptr<EventReader>> readers;
   for (int i = 0; i < 5; ++i) {
     readers.push_back(std::make_unique<EventReader>(kEvents));
@@ -260,6 +261,50 @@ TEST(ReceiverPool, ReadsWhatComesAndStartsNoMoreThreadsThanItMay) {
   EXPECT_EQ(pool.threads(), 2U);
 }
 
+// Is asked to end while its thread waits for the next tick, an hour away.
+class EndingReader final : public PolledReader {
+ public:
+  int descriptor() const override { return -1; }
+  bool read_once() override {
+    ++steps_;
+    return !is_ending_;
+  }
+  bool may_have_more() const override { return false; }
+  void end() { is_ending_ = true; }
+  int steps() const { return steps_; }
+
+ private:
+  std::atomic<bool> is_ending_{false};
+  std::atomic<int> steps_{0};
+};
+
+TEST(ReceiverPool, AReaderThatIsToEndWaitsForNoTick) {
+  ReceiverPool pool({.most_threads = 1, .tick = std::chrono::hours(1)});
+  EndingReader reader;
+  pool.add(reader);
+  ASSERT_TRUE(eventually(kPatience, [&] { return reader.steps() == 1; }));
+  reader.end();
+  pool.wait_for_end(reader);
+  EXPECT_EQ(reader.steps(), 2);
+}
+
+// Does not return before it may, like a disk that does not answer.
+class StuckTap final : public DatagramTap {
+ public:
+  explicit StuckTap(std::latch& may_return) : may_return_(may_return) {}
+  void tap(std::span<const Datagram> datagrams) override {
+    if (!datagrams.empty()) {
+      is_stuck_ = true;
+      may_return_.wait();
+    }
+  }
+  bool is_stuck() const { return is_stuck_; }
+
+ private:
+  std::latch& may_return_;
+  std::atomic<bool> is_stuck_{false};
+};
+
 class NoEstimator : public Estimator {
  public:
   void estimate(const Burst& /*burst*/, Estimates& /*out*/) override {}
@@ -273,7 +318,7 @@ class NoSink : public LocationSink {
 // A site with one access point at a port of loopback.
 class LoneSite {
  public:
-  explicit LoneSite(std::shared_ptr<SharedThreads> threads) {
+  explicit LoneSite(std::shared_ptr<SharedThreads> threads, DatagramTap* tap = nullptr) {
     UdpSourceOptions udp;
     udp.address = "127.0.0.1:0";
     auto source = UdpSource::open(udp).value();
@@ -281,6 +326,9 @@ class LoneSite {
     std::vector<SourceWorker::Input> inputs(1);
     inputs[0].access_point = "ap1";
     inputs[0].source = std::move(source);
+    if (tap != nullptr) {
+      inputs[0].taps.push_back(tap);
+    }
     PipelineOptions options;
     options.threads = std::move(threads);
     pipeline_ = std::make_unique<Pipeline>(options, std::move(inputs), estimator_, sink_);
@@ -298,6 +346,8 @@ class LoneSite {
     return std::all_of(
         stages.begin(), stages.end(), [](const Stage& stage) { return stage.progress->started(); });
   }
+  // The watchdog does not judge a stage that rests.
+  bool source_rests() const { return pipeline_->stages().front().progress->resting(); }
   bool stop() {
     pipeline_->stop();
     return pipeline_->finished();
@@ -357,6 +407,24 @@ TEST(SharedThreads, ServeTheOtherSitesWhenOneEnds) {
     stays.send();
     EXPECT_TRUE(eventually(kPatience, [&] { return stays.received() == round; }));
   }
+}
+
+// The watchdog names the site whose tap does not return, and not those that wait behind it.
+TEST(SharedThreads, AStuckSourceIsTheOnlyOneThatDoesNotRest) {
+  const auto threads = std::make_shared<SharedThreads>(1, 1);
+  std::latch may_return(1);
+  StuckTap tap(may_return);
+  LoneSite stuck(threads, &tap);
+  LoneSite other(threads);
+  other.send();
+  ASSERT_TRUE(eventually(kPatience, [&] { return other.received() == 1; }));
+  stuck.send();
+  ASSERT_TRUE(eventually(kPatience, [&] { return tap.is_stuck(); }));
+  EXPECT_FALSE(stuck.source_rests());
+  EXPECT_TRUE(other.source_rests());
+  may_return.count_down();
+  EXPECT_TRUE(stuck.stop());
+  EXPECT_TRUE(other.stop());
 }
 
 }  // namespace

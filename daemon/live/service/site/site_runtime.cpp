@@ -65,12 +65,14 @@ void make_folders(const SiteSetup& setup) {
 }
 
 std::unique_ptr<RecorderStage> open_recorder(const RecordConfig& config,
-                                             const std::string& access_point) {
+                                             const std::string& access_point,
+                                             SharedThreads& threads) {
   RotatingRecorderOptions options;
   options.folder = config.directory;
   options.name = access_point;
   options.limits = recording_limits(config);
-  return std::make_unique<RecorderStage>(std::make_unique<RotatingRecorder>(std::move(options)));
+  return std::make_unique<RecorderStage>(std::make_unique<RotatingRecorder>(std::move(options)),
+                                         &threads.recorders);
 }
 
 PipelineOptions pipeline_options(const DaemonConfig& config, bool playback) {
@@ -237,7 +239,8 @@ Expected<void> SiteRuntime::open_sources(const Opened& before,
                 : open_source(source, setup_.site, method, socket, recording_clock_);
     RAYLOC_TRY(input);
     if (!config.record.directory.empty()) {
-      recorders_.push_back(open_recorder(config.record, source.access_point));
+      recorders_.push_back(
+          open_recorder(config.record, source.access_point, *surroundings_.threads));
       input->taps.push_back(recorders_.back().get());
       status_.recorders.push_back(recorders_.back().get());
     }
