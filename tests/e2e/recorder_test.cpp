@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <csignal>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
@@ -257,7 +258,7 @@ TEST(Field, ADiskThatIsReadOnlyAtTheStartStopsNoDaemon) {
   if (!small.mounted()) {
     GTEST_SKIP() << "no right to mount a small filesystem here (needs root)";
   }
-  const auto remount = [&](unsigned long flags) {
+  const auto remount = [&](std::uint64_t flags) {
     EXPECT_EQ(mount("tmpfs", disk.c_str(), "tmpfs", MS_REMOUNT | flags, ""), 0);
   };
   remount(MS_RDONLY);
@@ -346,6 +347,10 @@ TEST(Recorder, WritesRecentDatagramsOnRequest) {
   ASSERT_EQ(files.size(), 1U);
   ASSERT_TRUE(eventually(kPatience, [&] { return std::filesystem::exists(files[0]); }))
       << daemon.errors();
+  // Until then the next request is refused.
+  ASSERT_TRUE(eventually(kPatience, [&] {
+    return daemon.log().find("snapshot: " + files[0] + ": 500 datagrams") != std::string::npos;
+  }));
   sender.send(100);
   ASSERT_TRUE(eventually(kPatience, [&] {
     return number(status_of(daemon).at("sources").at(0).at("counters").at("received")) == 600;
@@ -356,9 +361,6 @@ TEST(Recorder, WritesRecentDatagramsOnRequest) {
   const NumberedRecording all = read_numbered(snapshots);
   EXPECT_EQ(all.numbers.size(), 500U + 600U) << "the second holds the first as well";
   EXPECT_EQ(all.numbers.back(), 599U);
-  EXPECT_TRUE(eventually(kPatience, [&] {
-    return daemon.log().find("snapshot: " + files[0] + ": 500 datagrams") != std::string::npos;
-  }));
   EXPECT_EQ(daemon.stop(), 0) << daemon.errors();
   EXPECT_EQ(number(daemon.bodies("heartbeat").back().at("ring_snapshots").at("written")), 2U);
 }
