@@ -52,6 +52,21 @@ KnownRays known_rays(const ObservationModel& model,
   return known;
 }
 
+std::vector<double> unknown_shares(const ObservationModel::RayTerms& terms,
+                                   const KnownRays& known) {
+  std::vector<bool> is_known(terms.parts.size());
+  for (const std::size_t p : known.rays) {
+    is_known[p] = true;
+  }
+  std::vector<double> shares;
+  shares.reserve(terms.parts.size());
+  for (std::size_t p = 0; p < terms.parts.size(); ++p) {
+    const auto& parts = terms.parts[p];
+    shares.push_back(parts.unknown + (is_known[p] ? 0.0 : parts.known * parts.known));
+  }
+  return shares;
+}
+
 PlaceMoments unknown_moments(const ObservationModel& model,
                              const ObservationModel::Place& place,
                              const ModelError& error,
@@ -60,13 +75,11 @@ PlaceMoments unknown_moments(const ObservationModel& model,
   const auto size = static_cast<Index>(model.dimension());
   PlaceMoments moments(size);
   Eigen::MatrixXcd unknown(size, static_cast<Index>(place.rays.size()));
+  const std::vector<double> shares = unknown_shares(terms, known);
   for (std::size_t p = 0; p < place.rays.size(); ++p) {
-    const auto& parts = terms.parts[p];
-    const bool is_known = std::find(known.rays.begin(), known.rays.end(), p) != known.rays.end();
-    const double share = parts.unknown + (is_known ? 0.0 : parts.known * parts.known);
     auto s = unknown.col(static_cast<Index>(p));
     model.put_array(place, terms, p, {s.data(), model.dimension()});
-    s *= std::sqrt(share);
+    s *= std::sqrt(shares[p]);
   }
   moments.add(unknown);
   moments.diffuse = diffuse_share(error, terms.first_length);

@@ -33,8 +33,11 @@ KnownRays known_rays(const ObservationModel& model,
                      std::size_t most,
                      double left_out);
 
-// Second moment about the mean: the unknown part of each ray, and the known part of those that are
-// not in `known`. Sets sigma and diffuse; the mean is zero.
+// Share of the power of each ray that is not in the mean: the unknown part, and the known part of
+// those that are not in `known`.
+std::vector<double> unknown_shares(const ObservationModel::RayTerms& terms, const KnownRays& known);
+
+// Second moment about the mean, with unknown_shares(). Sets sigma and diffuse; the mean is zero.
 PlaceMoments unknown_moments(const ObservationModel& model,
                              const ObservationModel::Place& place,
                              const ModelError& error,

@@ -4,15 +4,16 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
+#include <utility>
 
 #include "engine/base/check.h"
+#include "engine/likelihood/box/box_factor.h"
 #include "engine/likelihood/known_rays.h"
 
 namespace rayloc {
 namespace {
 
 using Value = std::complex<double>;
-using Eigen::Index;
 
 constexpr double kBoxLeftOut = 1e-6;      // share of the known power, chosen: below any noise
 constexpr double kMinClassNoise = 0.2;    // share of the model's noise, chosen: less is no class
@@ -71,31 +72,122 @@ void put_image(const Vec3d& image, double phase, float* to) {
   to[4] = static_cast<float>(phase);
 }
 
-void put_ray(const BoxImages& ray, double wave_number, double phase, bool is_wide, float* to) {
+// exp(-j k (l - first_length)) of rays at all antennas, [ray][antenna].
+struct RayPhasors {
+  std::vector<double> re;
+  std::vector<double> im;
+
+  // lengths: [m], [ray][antenna]
+  RayPhasors(std::vector<double> lengths, double first_length, double turns_per_metre)
+      : re(lengths.size()), im(lengths.size()) {
+    for (double& length : lengths) {
+      length = (length - first_length) * turns_per_metre;
+    }
+    unit_phasors(lengths, re, im);
+  }
+  Value at(std::size_t n) const { return {re[n], im[n]}; }
+};
+
+// From the place to the images, not moved to the middle of the box.
+RayPhasors phasors_of_place(const ObservationModel::Place& place,
+                            double first_length,
+                            double turns_per_metre) {
+  std::vector<double> lengths;
+  for (const Ray& ray : place.rays) {
+    const Vec3d at_array = ray.length * ray.at_array;
+    for (const Vec3d& offset : place.element_offset) {
+      lengths.push_back(norm(at_array - offset));
+    }
+  }
+  return {std::move(lengths), first_length, turns_per_metre};
+}
+RayPhasors phasors_of_box(const std::vector<BoxImages>& rays,
+                          double first_length,
+                          double turns_per_metre) {
+  std::vector<double> lengths;
+  for (const BoxImages& ray : rays) {
+    lengths.insert(lengths.end(), ray.length.begin(), ray.length.end());
+  }
+  return {std::move(lengths), first_length, turns_per_metre};
+}
+
+// a b, without std::complex's test for infinities.
+Value product(const Value& a, const Value& b) {
+  return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
+}
+
+// phasors: of the antennas of this ray.
+void put_ray(const BoxImages& ray,
+             double wave_number,
+             double phase,
+             std::span<const Value> phasors,
+             bool is_wide,
+             float* to) {
   put_image(ray.at[0], phase, to);
   for (std::size_t m = 1; m < ray.at.size(); ++m) {
     to += PlaceBox::kAntennaFloats;
     if (is_wide) {
       put_image(ray.at[m], phase, to);
     } else {
-      put_box_value(std::polar(1.0, -wave_number * (ray.length[m] - ray.length[0])), to);
+      put_box_value(product(phasors[m], std::conj(phasors[0])), to);
       put_box_vector(ray.slope(m, wave_number), to + 2);
     }
   }
 }
 
-void put_gaussian(const PlaceModel& gaussian, PlaceBox& box) {
+// Adds what is not in the mean: shares of the rays, the diffuse tail and noise.
+void add_unknown(const ObservationModel& model,
+                 const ObservationModel::Place& place,
+                 const ModelError& error,
+                 const ObservationModel::RayTerms& terms,
+                 const std::vector<double>& shares,
+                 BoxFactor& factor) {
+  const std::size_t antennas = place.element_offset.size();
+  const std::size_t size = factor.dimension();
+  const std::size_t q = size / antennas;
+  const std::size_t stride = BoxFactor::padded(size);
+  const RayPhasors phasors =
+      phasors_of_place(place, terms.first_length, model.wave_number() / (2.0 * std::numbers::pi));
+  std::vector<double> re(stride * shares.size());
+  std::vector<double> im(re.size());
+  for (std::size_t p = 0; p < shares.size(); ++p) {
+    const double scale = std::sqrt(shares[p]);
+    for (std::size_t m = 0; m < antennas; ++m) {
+      const Value phasor = scale * phasors.at(p * antennas + m);
+      for (std::size_t i = 0; i < q; ++i) {
+        const Value value = product(phasor, terms.tone[p * q + i]);
+        re[p * stride + m * q + i] = value.real();
+        im[p * stride + m * q + i] = value.imag();
+      }
+    }
+  }
+  factor.add(re, im);
+  const double diffuse = diffuse_share(error, terms.first_length) / static_cast<double>(antennas);
+  const std::vector<Value> tail = model.diffuse_covariance(error.diffuse_decay);
+  for (std::size_t at = 0; at < size; at += q) {
+    for (std::size_t i = 0; i < q; ++i) {
+      for (std::size_t j = 0; j <= i; ++j) {
+        factor.add(at + i, at + j, diffuse * tail[i * q + j]);
+      }
+      factor.add(at + i, at + i, error.noise / static_cast<double>(size));
+    }
+  }
+}
+
+// mean: mu of the middle.
+void put_gaussian(const BoxFactor& factor, std::span<const Value> mean, PlaceBox& box) {
   float* to = box.whitener();
-  for (const std::complex<float> value : gaussian.whitener) {
-    *to++ = value.real();
-    *to++ = value.imag();
+  for (std::size_t i = 0; i < factor.dimension(); ++i) {
+    for (std::size_t j = 0; j <= i; ++j, to += 2) {
+      put_box_value(factor.whitener(i, j), to);
+    }
   }
   RAYLOC_CHECK(to == box.middle());
-  for (const std::complex<float> value : gaussian.mean) {
-    *to++ = value.real();
-    *to++ = value.imag();
+  for (const Value& value : factor.whiten(mean)) {
+    put_box_value(value, to);
+    to += 2;
   }
-  box.log_determinant = static_cast<float>(gaussian.log_determinant);
+  box.log_determinant = static_cast<float>(factor.log_determinant());
 }
 
 }  // namespace
@@ -150,22 +242,27 @@ PlaceBox place_box(const ObservationModel& model,
   box.turns_per_metre = static_cast<float>(turns_per_metre);
   box.has_direct = known.has_direct;
   box.has_wide_slopes = has_wide_slope(images, k, shape.half);
-  PlaceMoments moments = unknown_moments(model, place, error, terms, known);
+  const RayPhasors phasors = phasors_of_box(images, terms.first_length, turns_per_metre);
+  std::vector<Value> middle(model.dimension());
+  std::vector<Value> of_ray(antennas);
   for (std::size_t n = 0; n < images.size(); ++n) {
     const std::size_t p = known.rays[n];
-    put_ray(images[n], k, phase, box.has_wide_slopes, box.ray(n));
+    for (std::size_t m = 0; m < antennas; ++m) {
+      of_ray[m] = phasors.at(n * antennas + m);
+    }
+    put_ray(images[n], k, phase, of_ray, box.has_wide_slopes, box.ray(n));
     for (std::size_t i = 0; i < q; ++i) {
       const Value mean = terms.parts[p].known * terms.tone[p * q + i];
       put_box_value(mean, box.mean(n) + 2 * i);
       for (std::size_t m = 0; m < antennas; ++m) {
-        moments.mean.all(static_cast<Index>(m * q + i)) +=
-            mean * std::polar(1.0, -k * (images[n].length[m] - terms.first_length));
+        middle[m * q + i] += product(mean, of_ray[m]);
       }
     }
   }
-  put_gaussian(
-      moments.factorised(antennas, model.diffuse_covariance(error.diffuse_decay), error.noise),
-      box);
+  BoxFactor factor(model.dimension());
+  add_unknown(model, place, error, terms, unknown_shares(terms, known), factor);
+  factor.factorise();
+  put_gaussian(factor, middle, box);
   return box;
 }
 

@@ -4,8 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <vector>
 
+#include "engine/likelihood/known_rays.h"
+#include "engine/likelihood/place_moments.h"
 #include "engine/trace/path_tracer.h"
 #include "tests/support/synthetic_room.h"
 
@@ -69,6 +72,40 @@ TEST_F(PlaceBoxes, MoveTheImagesToTheirMiddle) {
   EXPECT_NEAR(moved.ray(0)[1], there.ray(0)[1] + 0.05F, 1e-6F);
   EXPECT_EQ(moved.ray(0)[2], there.ray(0)[2]);
   EXPECT_EQ(moved.ray(0)[4], there.ray(0)[4]);  // the reference of phases
+}
+
+// Compares with the covariance of Eigen, in double precision.
+TEST_F(PlaceBoxes, WhitenTheMomentsOfTheirRays) {
+  const ObservationModel::Place place{rays_, offsets_, 0.007, 0.0, 0.014};
+  const ModelError error;
+  const auto terms = model_.ray_terms(place, error);
+  const KnownRays known = known_rays(model_, place, terms, kBoxRays, 1e-6);
+  PlaceMoments moments = unknown_moments(model_, place, error, terms, known);
+  std::vector<std::complex<double>> s(model_.dimension());
+  for (const std::size_t p : known.rays) {
+    model_.put_array(place, terms, p, s);
+    for (std::size_t i = 0; i < s.size(); ++i) {
+      moments.mean.all(static_cast<Eigen::Index>(i)) += terms.parts[p].known * s[i];
+    }
+  }
+  const PlaceModel exact =
+      moments.factorised(3, model_.diffuse_covariance(error.diffuse_decay), error.noise);
+  const PlaceBox made = box({{}, {0.05, 0.05, 0.15}});
+  ASSERT_EQ(made.size().rays, known.rays.size());
+  EXPECT_NEAR(made.log_determinant, static_cast<float>(exact.log_determinant), 1e-4F);
+  float largest = 0.0F;
+  for (const std::complex<float>& w : exact.whitener) {
+    largest = std::max(largest, std::abs(w));
+  }
+  for (std::size_t i = 0; i < exact.whitener.size(); ++i) {
+    EXPECT_NEAR(made.whitener()[2 * i], exact.whitener[i].real(), 1e-6F * largest) << i;
+    EXPECT_NEAR(made.whitener()[2 * i + 1], exact.whitener[i].imag(), 1e-6F * largest) << i;
+  }
+  // Images use Ray::mirror, which is in single precision.
+  for (std::size_t i = 0; i < model_.dimension(); ++i) {
+    EXPECT_NEAR(made.middle()[2 * i], exact.mean[i].real(), 1e-4F * largest) << i;
+    EXPECT_NEAR(made.middle()[2 * i + 1], exact.mean[i].imag(), 1e-4F * largest) << i;
+  }
 }
 
 TEST_F(PlaceBoxes, AreUnreachableWithoutRays) {
