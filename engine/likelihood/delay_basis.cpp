@@ -24,6 +24,12 @@ constexpr std::size_t kTableSize =
 
 }  // namespace
 
+DelaySearch first_delay_search(const OfdmGrid& grid) {
+  const double band = grid.spacing_hz * (grid.tone_index.back() - grid.tone_index.front());
+  const auto count = static_cast<std::size_t>(std::ceil(2.0 * band / grid.spacing_hz));
+  return {1.0 / (grid.spacing_hz * static_cast<double>(count)), count};
+}
+
 DelayBasis::DelayBasis(const OfdmGrid& grid) {
   RAYLOC_CHECK(grid.size() >= 2);
   const auto tones = static_cast<Eigen::Index>(grid.size());

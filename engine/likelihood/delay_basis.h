@@ -15,12 +15,25 @@
 
 namespace rayloc {
 
+// Delays 0, step, ... that the search for the first delay of a burst compares.
+struct DelaySearch {
+  double step = 0.0;  // [s], half of the resolution of the band
+  std::size_t count = 0;
+};
+// All resolvable delays. REQUIRES: grid.size() >= 2.
+DelaySearch first_delay_search(const OfdmGrid& grid);
+
 class DelayBasis {
  public:
   // REQUIRES: grid.size() >= 2.
   explicit DelayBasis(const OfdmGrid& grid);
 
   std::size_t size() const { return size_; }
+  // [tone], of unit norm. REQUIRES: coordinate < size().
+  std::span<const std::complex<double>> vector(std::size_t coordinate) const {
+    const std::size_t tones = angular_offset_.size();
+    return std::span(basis_).subspan(coordinate * tones, tones);
+  }
 
   // Coordinates of the unit-norm tone vector with that delay [s]. REQUIRES: out.size() == size().
   void tone(double delay, std::span<std::complex<double>> out) const;

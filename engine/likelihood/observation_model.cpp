@@ -19,9 +19,6 @@ namespace {
 using Value = std::complex<double>;
 using Eigen::Index;
 
-// Earliest and latest delay of the strongest echo after the first ray.
-constexpr double kEarliest = -12e-9;
-constexpr double kDelayStep = 1.5e-9;  // [s], from one delay of ObservedArray to the next
 // Decays between the tabulated ones, which are kDiffuseDecay times powers of 2^(1/4), are mixtures
 // of the two neighbours.
 constexpr int kDecaysBelow = 8;
@@ -297,11 +294,8 @@ PlaceModel ObservationModel::null_model(const ModelError& error) const {
 }
 
 double ObservationModel::first_delay(std::span<const Value> h) const {
-  // Half of the resolution of the band, over all resolvable delays.
   const std::size_t tones = grid_.size();
-  const double band = grid_.spacing_hz * (grid_.tone_index.back() - grid_.tone_index.front());
-  const auto steps = static_cast<std::size_t>(std::ceil(2.0 * band / grid_.spacing_hz));
-  const double step = 1.0 / (grid_.spacing_hz * static_cast<double>(steps));
+  const auto [step, steps] = first_delay_search(grid_);
   std::vector<Value> rotated(h.begin(), h.end());
   std::vector<Value> turn(tones);
   for (std::size_t k = 0; k < tones; ++k) {
@@ -342,12 +336,12 @@ ObservedArray ObservationModel::observe(std::span<const Value> h) const {
   }
   // Shifted to the first delay of the search, then by one step at a time.
   const double scale = 1.0 / std::sqrt(power);
-  const double start = first_delay(h) - kEarliest;
+  const double start = first_delay(h) - ObservedArray::kEarliest;
   std::vector<Value> moved(h.begin(), h.end());
   std::vector<Value> step(tones);
   for (std::size_t k = 0; k < tones; ++k) {
     const double w = 2.0 * std::numbers::pi * grid_.offset_hz(k);
-    step[k] = std::polar(1.0, -w * kDelayStep);
+    step[k] = std::polar(1.0, -w * ObservedArray::kDelayStep);
     const Value turn = std::polar(scale, w * start);
     for (std::size_t m = 0; m < antennas_; ++m) {
       moved[m * tones + k] *= turn;

@@ -139,6 +139,7 @@ class ObservationModel {
   // The expected array at a place, [antenna][tone], without the unknown parts: for correlation.
   std::vector<std::complex<double>> expected(const Place& place, const ModelError& error) const;
 
+  const DelayBasis& basis() const { return basis_; }
   std::size_t dimension() const { return antennas_ * basis_.size(); }
 
  private:

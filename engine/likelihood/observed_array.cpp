@@ -47,6 +47,18 @@ void ObservedArray::set(std::size_t coordinate, std::size_t delay, std::complex<
   }
 }
 
+void ObservedArray::set(std::size_t coordinate,
+                        std::span<const float, kDelays> re,
+                        std::span<const float, kDelays> im) {
+  for (std::size_t w = 0; w < kWindows; ++w) {
+    const std::size_t at = kStride * w + kStride / 2;
+    coarse.re[coordinate][w] = re[at];
+    coarse.im[coordinate][w] = im[at];
+    std::copy_n(re.data() + first_of(w), kLaneCount, windows[w].re[coordinate].begin());
+    std::copy_n(im.data() + first_of(w), kLaneCount, windows[w].im[coordinate].begin());
+  }
+}
+
 std::complex<double> ObservedArray::value(std::size_t coordinate, std::size_t delay) const {
   const std::size_t w = delay / kStride;  // index of the window that contains it
   const std::size_t entry = delay - first_of(w);

@@ -10,6 +10,7 @@
 #include <complex>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "engine/likelihood/lane_kernel.h"
@@ -20,6 +21,8 @@ struct ObservedArray {
   static constexpr std::size_t kStride = 4;            // from one coarse delay to the next
   static constexpr std::size_t kWindows = kLaneCount;  // a count: a coarse delay for each lane
   static constexpr std::size_t kDelays = kStride * kWindows;  // a count
+  static constexpr double kDelayStep = 1.5e-9;                // [s], from one delay to the next
+  static constexpr double kEarliest = -12e-9;  // [s], of the strongest echo after the first ray
   using Row = LaneRow;
   struct Block {
     std::vector<Row> re;  // [coordinate][delay]
@@ -43,6 +46,10 @@ struct ObservedArray {
   // log-likelihoods of the coarse delays.
   static std::uint8_t peak_windows(const Row& values);
   void set(std::size_t coordinate, std::size_t delay, std::complex<double> value);
+  // All delays of a coordinate.
+  void set(std::size_t coordinate,
+           std::span<const float, kDelays> re,
+           std::span<const float, kDelays> im);
   std::complex<double> value(std::size_t coordinate, std::size_t delay) const;
 };
 

@@ -128,6 +128,10 @@ AccessPointMap::AccessPointMap(const Source& source,
       box_lattice_(source.grid),
       place_boxes_(
           std::make_unique<Kept<PlaceBox>>(kept_place_boxes(offsets_.size(), model_.dimension()))) {
+  if (has_place_boxes()) {
+    projection_ = std::make_unique<const MomentProjection>(
+        source.room->grid, model_.basis(), offsets_.size());
+  }
   build_cells();
   for (std::size_t i = 0; i < offsets_.size(); ++i) {
     without_.push_back(std::make_unique<Lazy<AccessPointMap>>());
@@ -209,6 +213,14 @@ double AccessPointMap::log_likelihood_in(std::size_t cell,
 
 ObservedBurst AccessPointMap::observe(std::span<const std::complex<double>> h, double noise) const {
   ObservedBurst observed = likelihood_->observe(h);
+  observed.array.noise = noise;
+  return observed;
+}
+
+ObservedBurst AccessPointMap::observe_single(std::span<const std::complex<double>> h,
+                                             double noise) const {
+  RAYLOC_CHECK(has_place_boxes());
+  ObservedBurst observed{projection_->observe(h), {}, 0.0F};
   observed.array.noise = noise;
   return observed;
 }

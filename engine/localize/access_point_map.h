@@ -18,6 +18,7 @@
 #include "engine/grid/grid.h"
 #include "engine/grid/height_layers.h"
 #include "engine/grid/lattice.h"
+#include "engine/likelihood/box/moment_projection.h"
 #include "engine/likelihood/box/place_box.h"
 #include "engine/likelihood/likelihood.h"
 #include "engine/likelihood/nearby_likelihood.h"
@@ -82,6 +83,9 @@ class AccessPointMap {
 
   // h: [antenna][tone], chain gains removed. noise: of the burst (ObservedArray::noise).
   ObservedBurst observe(std::span<const std::complex<double>> h, double noise) const;
+
+  // The same in single precision (MomentProjection). REQUIRES: has_place_boxes().
+  ObservedBurst observe_single(std::span<const std::complex<double>> h, double noise) const;
 
   // For a cell, up to a constant of the burst; coarse: a cheap lower bound with its windows.
   bool is_reachable(std::size_t cell) const { return cells_[cell].reachable; }
@@ -167,6 +171,7 @@ class AccessPointMap {
   std::unique_ptr<Kept<FieldCovariance>> covariances_;  // of a cell and a band of layers
   std::unique_ptr<Kept<RayField>> fields_;              // of a box
   BoxLattice box_lattice_;
+  std::unique_ptr<const MomentProjection> projection_;          // null without place boxes
   std::unique_ptr<Kept<PlaceBox>> place_boxes_;                 // of a box and a class of noise
   std::vector<double> traced_power_db_;                         // of each cell with a ray
   std::vector<std::unique_ptr<Lazy<AccessPointMap>>> without_;  // [antenna]

@@ -77,7 +77,7 @@ class Localizer::Impl {
     }
   }
 
-  RoomObservation receive(std::span<const CsiFrame> frames) const;
+  RoomObservation receive(std::span<const CsiFrame> frames, Precision precision) const;
   Evidence evidence(const RoomObservation& observation, Scan scan, const SearchFocus& focus) const;
   LocationEstimate locate(std::span<const CsiFrame> frames,
                           double likelihood_exponent,
@@ -95,9 +95,11 @@ class Localizer::Impl {
   std::size_t least_antennas() const { return compares_antennas(options_.likelihood) ? 2 : 1; }
 
   std::vector<ArrayObservation> arrays_of(std::span<const CsiFrame> frames,
+                                          Precision precision,
                                           LocationEstimate& estimate) const;
   std::optional<ArrayObservation> received_by(std::size_t number,
                                               BurstObservation& burst,
+                                              Precision precision,
                                               LocationEstimate& estimate) const;
   AccessPointMaps maps_of(const std::vector<ArrayObservation>& received,
                           double likelihood_exponent,
@@ -134,6 +136,7 @@ class Localizer::Impl {
 // Array of a burst that is a possible channel of this room. Excludes a dead chain.
 std::optional<ArrayObservation> Localizer::Impl::received_by(std::size_t number,
                                                              BurstObservation& burst,
+                                                             Precision precision,
                                                              LocationEstimate& estimate) const {
   const AccessPointMap* map = aps_[number].get();
   const RoomAccessPoint& ap = map->access_point();
@@ -147,7 +150,13 @@ std::optional<ArrayObservation> Localizer::Impl::received_by(std::size_t number,
   }
   const double noise = burst.noise_variance * static_cast<double>(map->dimension()) /
                        static_cast<double>(burst.h.size());
-  ArrayObservation received{number, map, map->observe(burst.h, noise), burst.h, {}};
+  const bool is_single = precision == Precision::kSingle && map->has_place_boxes();
+  ArrayObservation received{
+      number,
+      map,
+      is_single ? map->observe_single(burst.h, noise) : map->observe(burst.h, noise),
+      burst.h,
+      {}};
   if (received.observed.array.captured < kMinCaptured) {
     estimate.warnings.push_back("access point " + ap.id +
                                 ": its CSI does not match any channel this room can produce");
@@ -160,13 +169,15 @@ std::optional<ArrayObservation> Localizer::Impl::received_by(std::size_t number,
 }
 
 std::vector<ArrayObservation> Localizer::Impl::arrays_of(std::span<const CsiFrame> frames,
+                                                         Precision precision,
                                                          LocationEstimate& estimate) const {
   std::vector<ArrayObservation> received;
+  BurstOptions options = options_.burst;
+  options.aligns_single_frame = precision == Precision::kDouble;
   ObservationTally tally;
   for (std::size_t number = 0; number < aps_.size(); ++number) {
-    auto burst =
-        preprocess_burst(*room_, index_[number], frames, options_.burst, estimate.warnings);
-    auto one = burst ? received_by(number, *burst, estimate) : std::nullopt;
+    auto burst = preprocess_burst(*room_, index_[number], frames, options, estimate.warnings);
+    auto one = burst ? received_by(number, *burst, precision, estimate) : std::nullopt;
     if (one) {
       tally.add(aps_[number]->access_point(), *burst);
       received.push_back(*std::move(one));
@@ -259,7 +270,8 @@ double Localizer::Impl::model_residual(const std::vector<ArrayObservation>& rece
   return 10.0 * std::log10(std::max(residual / static_cast<double>(received.size()), kMinResidual));
 }
 
-RoomObservation Localizer::Impl::receive(std::span<const CsiFrame> frames) const {
+RoomObservation Localizer::Impl::receive(std::span<const CsiFrame> frames,
+                                         Precision precision) const {
   RoomObservation observation;
   LocationEstimate& estimate = observation.estimate;
   estimate.warnings = warnings_;
@@ -268,7 +280,7 @@ RoomObservation Localizer::Impl::receive(std::span<const CsiFrame> frames) const
     estimate.reason = "no frames";
     return observation;
   }
-  observation.arrays = arrays_of(frames, estimate);
+  observation.arrays = arrays_of(frames, precision, estimate);
   if (observation.arrays.empty()) {
     estimate.reason = no_usable_csi(*room_, estimate.warnings);
   }
@@ -298,7 +310,7 @@ void Localizer::Impl::keep_explained(std::vector<ArrayObservation>& received,
 LocationEstimate Localizer::Impl::locate(std::span<const CsiFrame> frames,
                                          double likelihood_exponent,
                                          double fault) const {
-  RoomObservation observation = receive(frames);
+  RoomObservation observation = receive(frames, Precision::kDouble);
   LocationEstimate& estimate = observation.estimate;
   if (observation.arrays.empty()) {
     return std::move(estimate);
@@ -455,8 +467,8 @@ LocationEstimate Localizer::locate(std::span<const CsiFrame> frames,
   return impl_->locate(frames, likelihood_exponent, 0.0);
 }
 
-RoomObservation Localizer::receive(std::span<const CsiFrame> frames) const {
-  return impl_->receive(frames);
+RoomObservation Localizer::receive(std::span<const CsiFrame> frames, Precision precision) const {
+  return impl_->receive(frames, precision);
 }
 Localizer::Evidence Localizer::evidence(const RoomObservation& observation,
                                         Scan scan,

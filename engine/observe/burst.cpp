@@ -121,6 +121,9 @@ std::vector<Value> average(std::vector<Reading>& readings,
                            const BurstOptions& options,
                            BurstObservation& result) {
   std::vector<Value> reference = readings.front().values;
+  if (readings.size() == 1 && !options.aligns_single_frame) {
+    return reference;
+  }
   for (int pass = 0; pass < 2; ++pass) {
     scale_to_unit(reference);
     for (Reading& reading : readings) {

@@ -37,6 +37,8 @@ struct BurstOptions {
   // Where no frame has all of the cores, the core that most frames lack is left out: its row is
   // then zero (BurstObservation::absent). Otherwise such a burst is refused.
   bool leaves_out_absent = false;
+  // A single frame is aligned to itself, which changes it by rounding and takes most of the time.
+  bool aligns_single_frame = true;
 };
 
 // A core that is missing from every frame of a burst.

@@ -96,7 +96,9 @@ tl::expected<FilteredEstimate, MomentRefusal> Track::receive(std::span<const Csi
     return move_estimate(frames);
   }
   filter_.wake();
-  RoomObservation observation = localizer_->receive(frames);
+  RoomObservation observation = localizer_->receive(
+      frames,
+      filter_.is_in_cloud() ? Localizer::Precision::kSingle : Localizer::Precision::kDouble);
   const Timestamp time = observation.estimate.time;
   if (state_ && time <= std::max(filter_.time(), received_)) {
     return tl::make_unexpected(MomentRefusal::kOutOfOrder);
