@@ -15,9 +15,9 @@ namespace {
 
 // Height at which walls block a walk and chairs do not, as a share of the body's height.
 constexpr double kWalkHeight = 0.8;
-// Share of the power by which two frames of a room at rest differ beyond noise: the phases of the
-// receive chains jitter by a degree or two.
-constexpr double kStillChange = 1e-3;
+// Share of the power by which 95 % of the pairs of frames of a room at rest differ at most, beyond
+// noise: the phases of the receive chains jitter by two degrees from one another.
+constexpr double kStillChange = 3e-3;
 
 FreeSpace make_space(const RoomModel& room, const WalkableArea& area, const TargetBody& body) {
   const Grid& grid = area.grid;
@@ -81,21 +81,28 @@ PersonTracker::PersonTracker(std::shared_ptr<const PersonLocalizer> localizer,
           localizer_->room(), localizer_->walkable_area(), localizer_->reference().person.body))),
       time_(options_.last_moment) {}
 
-// Change of the person's contribution since the last moment: 0 none, 1 as by a move. Access points
-// are weighted by the power that they receive from the person.
-double PersonTracker::change_of(const PersonObservation& observation) const {
+// Access points are weighted by the power that they receive from the person.
+PersonTracker::Change PersonTracker::change_of(const PersonObservation& observation) const {
   double changed = 0.0;
+  double unmoved = 0.0;
   double added = 0.0;
+  std::size_t compared = 0;
   for (const PersonObservation::Array& now : observation.arrays) {
     for (const PersonObservation::Array& before : life_->last) {
       if (now.link == before.link) {
         const double noise = now.observed.noise + before.observed.noise + kStillChange;
-        changed += 1.0 - correlation(before.observed, now.observed) - noise;
+        changed += 1.0 - correlation(before.observed, now.observed);
+        unmoved += noise;
         added += 2.0 - now.observed.correlation - before.observed.correlation - noise;
+        ++compared;
       }
     }
   }
-  return added > 0.0 ? std::clamp(changed / (options_.moved_change * added), 0.0, 1.0) : 1.0;
+  if (compared == 0 || added <= 0.0) {
+    return {1.0, false};
+  }
+  return {std::clamp((changed - unmoved) / (options_.moved_change * added), 0.0, 1.0),
+          compared == observation.arrays.size() && unmoved < added && changed <= unmoved};
 }
 
 std::uint64_t PersonTracker::number() const {
@@ -183,12 +190,12 @@ PersonTracker::Sight PersonTracker::weigh(const PersonObservation& observation) 
     }
     return sight;
   }
-  const double change = life_->last.empty() ? 1.0 : change_of(observation);
-  const double credit = life_->credit * (1.0 - change);
+  const Change change = change_of(observation);
+  const double credit = life_->credit * (1.0 - change.share);
   const bool is_one_sided = person.front_offset_sigma > 0.0 && observation.arrays.size() == 1;
   const Duration same = is_one_sided ? options_.one_sided_evidence_time : options_.evidence_time;
   const double weight = snapshot_share(time - life_->weighed, same) * (1.0 - credit);
-  life_->filter.weigh_change(change);
+  life_->filter.weigh_change(change.share);
   life_->credit = credit;
   if (weight >= kMinBurstWeight) {
     PersonMap map = evaluate(observation);
@@ -201,7 +208,10 @@ PersonTracker::Sight PersonTracker::weigh(const PersonObservation& observation) 
     life_->is_clear = map.presence >= kPresence;
   }
   life_->weighed = time;
-  life_->last = observation.arrays;
+  // While noise explains the change the remembered arrays stay, so that a slow movement adds up.
+  if (!change.is_rest) {
+    life_->last = observation.arrays;
+  }
   return Sight::kSeen;
 }
 

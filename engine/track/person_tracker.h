@@ -141,7 +141,12 @@ class PersonTracker {
   void coast(Timestamp until, std::vector<PersonUpdate>& updates);
   void begin(Timestamp time);
   void predict(Timestamp time);
-  double change_of(const PersonObservation& observation) const;
+  // Since the remembered arrays.
+  struct Change {
+    double share = 1.0;    // of the person's contribution: 0 none, 1 as by a move
+    bool is_rest = false;  // noise and the radio explain it, and would not hide a move
+  };
+  Change change_of(const PersonObservation& observation) const;
   PersonMap evaluate(const PersonObservation& observation);
   PersonMap map(const PersonObservation& observation, const SearchedCells& searched) const;
   void learn(const PersonMap& map, double weight);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
+#include <random>
 
 #include <gtest/gtest.h>
 
@@ -25,6 +27,25 @@ std::vector<CsiFrame> moment(const RoomModel& room,
     return a.time < b.time;
   });
   return frames;
+}
+
+// The phases of each access point's chains, off by draws of this deviation [rad].
+void jitter(std::vector<CsiFrame>& frames, double sigma, unsigned seed) {
+  for (CsiFrame& frame : frames) {
+    std::mt19937 random(seed * 16 + static_cast<unsigned>(frame.access_point));
+    std::normal_distribution<double> draw(0.0, sigma);
+    for (std::size_t chain = 0; chain < frame.rx_chains.size(); ++chain) {
+      const std::complex<float> factor(std::polar(1.0, draw(random)));
+      for (std::complex<float>& value : frame.csi.row(chain, 0)) {
+        value *= factor;
+      }
+    }
+  }
+}
+
+double width(const std::vector<PersonUpdate>& updates) {
+  const auto& covariance = updates.back().estimate.location.covariance;
+  return covariance[0] + covariance[4];
 }
 
 class PersonTracking : public ::testing::Test {
@@ -294,6 +315,40 @@ TEST_F(PersonTracking, NumbersTracksAsConfigured) {
   EXPECT_EQ(updates.back().track, 5U);
 }
 
+// Chains that jitter are no new evidence, so the region of a standing person does not shrink.
+TEST_F(PersonTracking, CountsARestOnce) {
+  constexpr double kJitter = 0.026;  // [rad], 1.5 degrees
+  PersonReference reference = test::learn_reference(*room());
+  reference.person.likelihood_exponent = 0.1;
+  PersonTracker tracker(std::make_shared<const PersonLocalizer>(
+                            *PersonLocalizer::create(room(), std::move(reference), {})),
+                        {});
+  Updates updates;
+  double after_a_second = 0.0;
+  for (unsigned i = 0; i < 50; ++i) {
+    auto frames = with_person(0.1 * i);
+    jitter(frames, kJitter, i);
+    tracker.receive(frames, updates);
+    if (i == 12) {
+      after_a_second = width(updates);
+    }
+  }
+  EXPECT_EQ(updates.back().estimate.state, kConfirmed);
+  EXPECT_GT(width(updates), 0.7 * after_a_second);
+}
+
+// Each step is hidden by the jitter that a rest has, and the steps add up.
+TEST_F(PersonTracking, FollowsASlowMovement) {
+  auto tracker = PersonTracking::tracker();
+  Updates updates;
+  for (int i = 0; i <= 40; ++i) {
+    tracker.receive(moment(*room(), {{0.2 - 0.005 * i, 0.2}}, 0.1 * i), updates);
+  }
+  const auto& position = updates.back().estimate.location.position;
+  ASSERT_TRUE(position);
+  EXPECT_LT(std::hypot(position->x, position->y - 0.2), 0.1);
+}
+
 // The error of a body that is not round stays while one access point sees one side of it.
 TEST_F(PersonTracking, WidensRegionsAfterOneSidedEvidence) {
   PersonReference reference = test::learn_reference(*room());
@@ -320,10 +375,6 @@ TEST_F(PersonTracking, WidensRegionsAfterOneSidedEvidence) {
   const auto lasting = walk(milliseconds(2000), true);
   ASSERT_FALSE(brief.empty());
   ASSERT_EQ(brief.size(), lasting.size());
-  const auto width = [](const Updates& updates) {
-    const auto& covariance = updates.back().estimate.location.covariance;
-    return covariance[0] + covariance[4];
-  };
   EXPECT_GT(width(lasting), width(brief));
 }
 
