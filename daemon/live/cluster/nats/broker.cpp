@@ -118,6 +118,7 @@ class NatsBroker final : public Broker {
   bool is_ending_ = false;      // guarded by mutex_
   std::string refusal_;         // guarded by mutex_
   std::thread keeper_;
+  std::unique_ptr<Subscription> batch_replies_;
 };
 
 class NatsSubscription final : public Broker::Subscription {
@@ -143,7 +144,8 @@ NatsBroker::~NatsBroker() {
   if (keeper_.joinable()) {
     keeper_.join();
   }
-  link_.reset();  // its end is reported to remaining members
+  batch_replies_.reset();  // no late reply comes any more
+  link_.reset();           // its end is reported to remaining members
 }
 
 Expected<void> NatsBroker::open(const BrokerOptions& options, const std::string& nkey) {
@@ -153,8 +155,9 @@ Expected<void> NatsBroker::open(const BrokerOptions& options, const std::string&
   auto inbox = new_inbox();
   RAYLOC_TRY(inbox);
   batches_.set_inbox(*inbox);
-  slots_.push_back(
-      std::make_shared<Slot>(*inbox + "*", [this](natsMsg* message) { batches_.take(message); }));
+  auto replies = listen(*inbox + "*", [this](natsMsg* message) { batches_.take(message); });
+  RAYLOC_TRY(replies);
+  batch_replies_ = *std::move(replies);
   if (Expected<void> first = connect(); !first && first.error().kind == ErrorKind::kConfiguration) {
     return first;
   }
