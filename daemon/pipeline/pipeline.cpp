@@ -137,9 +137,11 @@ std::vector<MailboxCounters> Pipeline::mailbox_counters() const {
 std::vector<Stage> Pipeline::stages() const {
   std::vector<Stage> stages;
   for (const auto& worker : workers_) {
-    stages.push_back({"source " + worker->report().access_point, &worker->progress()});
+    stages.push_back({"source " + worker->report().access_point,
+                      &worker->progress(),
+                      worker->has_shared_thread()});
   }
-  stages.push_back({"estimation", &loop_->progress()});
+  stages.push_back({"estimation", &loop_->progress(), turns_ != nullptr});
   return stages;
 }
 

@@ -34,6 +34,8 @@ class SourceWorker : private PolledReader {
 
   SourceReport report() const { return lane_.report(); }
   const StageProgress& progress() const { return lane_.progress(); }
+  // REQUIRES: started.
+  bool has_shared_thread() const { return receivers_ != nullptr; }
 
  private:
   void run();

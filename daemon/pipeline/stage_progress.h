@@ -32,6 +32,7 @@ class StageProgress {
 struct Stage {
   std::string name;
   const StageProgress* progress = nullptr;
+  bool has_shared_thread = false;  // on which stages of other sites run as well
 };
 
 }  // namespace rayloc

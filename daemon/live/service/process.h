@@ -83,7 +83,8 @@ class Process {
   // Error if there are no datagrams or no folder. From any thread.
   Expected<std::vector<std::string>> snapshot();
 
-  // Every thread that provides a service; this outlives the returned stages.
+  // Every thread that provides a service, and every shared one that a site which did not end still
+  // holds; this outlives the returned stages.
   std::vector<Stage> stages() const;
   // "3 sources, 3 receiving; 1234 datagrams, 0 lost; 56 fixes; 2 subscriptions"
   std::string status_line() const;

@@ -157,6 +157,7 @@ void Process::end_sites(const std::vector<SiteSet::Site>& sites) {
       let_go(site);
     } else {
       abandoned_.push_back(site);
+      stages_changed_ = true;
     }
   }
 }

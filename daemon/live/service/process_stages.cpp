@@ -1,6 +1,7 @@
 // The part of Process that starts and stops its threads.
 #include <algorithm>
 #include <chrono>
+#include <iterator>
 #include <string>
 #include <thread>
 #include <vector>
@@ -22,6 +23,12 @@ void wait_until_started(const std::vector<Stage>& stages) {
       std::this_thread::sleep_for(kStartPoll);
     }
   }
+}
+
+bool has_runtime_of(const std::vector<SiteSet::Site>& sites, const SiteSet::Site& site) {
+  return std::any_of(sites.begin(), sites.end(), [&](const SiteSet::Site& one) {
+    return one->runtime == site->runtime;
+  });
 }
 
 }  // namespace
@@ -100,9 +107,20 @@ std::vector<Stage> Process::stages() const {
 
 std::vector<Stage> Process::working_stages() const {
   std::vector<Stage> stages;
-  for (const SiteSet::Site& site : sites_.all()) {
+  const std::vector<SiteSet::Site> sites = sites_.all();
+  for (const SiteSet::Site& site : sites) {
     const std::vector<Stage> some = site->runtime->stages();
     stages.insert(stages.end(), some.begin(), some.end());
+  }
+  for (const SiteSet::Site& site : abandoned_) {
+    if (has_runtime_of(sites, site)) {
+      continue;  // its successor could not start
+    }
+    const std::vector<Stage> some = site->runtime->stages();
+    // It still holds a thread that sites share. One of its own stops no other site.
+    std::copy_if(some.begin(), some.end(), std::back_inserter(stages), [](const Stage& stage) {
+      return stage.has_shared_thread;
+    });
   }
   if (claims_) {
     stages.push_back({"claims", &claims_->progress()});
@@ -135,9 +153,7 @@ std::vector<std::string> Process::stop(const std::string& reason,
   }
   std::vector<SiteSet::Site> sites = sites_.all();
   std::erase_if(sites, [&](const SiteSet::Site& site) {  // that one is still being waited for
-    return std::any_of(abandoned_.begin(), abandoned_.end(), [&](const SiteSet::Site& left) {
-      return left->runtime == site->runtime;
-    });
+    return has_runtime_of(abandoned_, site);
   });
   // In parallel: each site drains independently.
   for (const SiteSet::Site& site : sites) {

@@ -61,6 +61,7 @@ class RecorderStage : public DatagramTap, private PolledReader {
   void set_limits(const RecordingLimits& limits);
   RecorderStageCounters counters() const;
   const StageProgress& progress() const { return progress_; }
+  bool has_shared_thread() const { return writers_ != nullptr; }
 
  private:
   // Datagrams with contiguous payloads in `bytes`.

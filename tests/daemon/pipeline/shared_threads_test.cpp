@@ -28,6 +28,7 @@ namespace {
 
 using Turn = WorkerPool::Turn;
 using ::testing::Each;
+using ::testing::ElementsAre;
 using ::testing::Le;
 
 constexpr std::chrono::seconds kPatience{60};
@@ -167,6 +168,7 @@ TEST(WorkerPool, HasNoMoreThreadsThanItsMembersNeed) {
   EXPECT_EQ(pool.threads(), 1U);
   std::latch all(3);
   std::vector<std::unique_ptr<WorkerPool::Member>> members;
+  members.reserve(3);
   for (int i = 0; i < 3; ++i) {
     members.push_back(pool.add([&] {
       all.arrive_and_wait();
@@ -348,6 +350,13 @@ class LoneSite {
   }
   // The watchdog does not judge a stage that rests.
   bool source_rests() const { return pipeline_->stages().front().progress->resting(); }
+  std::vector<bool> shared_stages() const {
+    std::vector<bool> shared;
+    for (const Stage& stage : pipeline_->stages()) {
+      shared.push_back(stage.has_shared_thread);
+    }
+    return shared;
+  }
   bool stop() {
     pipeline_->stop();
     return pipeline_->finished();
@@ -393,6 +402,17 @@ std::size_t threads_for(std::size_t sites) {
 TEST(SharedThreads, AreNoMoreForTwentySitesThanTheirBound) {
   EXPECT_EQ(threads_for(1), 2U);  // a receiver and a worker
   EXPECT_EQ(threads_for(20), 5U);
+}
+
+// The watchdog goes on to check these when their site is abandoned.
+TEST(SharedThreads, AreStatedByTheStagesOnThem) {
+  LoneSite one(std::make_shared<SharedThreads>(1, 1));
+  EXPECT_THAT(one.shared_stages(), ElementsAre(true, true));
+  EXPECT_TRUE(one.stop());
+  EXPECT_THAT(one.shared_stages(), ElementsAre(true, true));
+  LoneSite alone(nullptr);
+  EXPECT_THAT(alone.shared_stages(), ElementsAre(false, false));
+  EXPECT_TRUE(alone.stop());
 }
 
 // A site that starts or ends leaves the threads of the others alone.

@@ -328,8 +328,9 @@ void SiteRuntime::apply(const RecordConfig& record) {
 std::vector<Stage> SiteRuntime::stages() const {
   std::vector<Stage> stages = pipeline_->stages();
   for (std::size_t i = 0; i < recorders_.size(); ++i) {
-    stages.push_back(
-        {"recorder " + setup_.config.sources[i].access_point, &recorders_[i]->progress()});
+    stages.push_back({"recorder " + setup_.config.sources[i].access_point,
+                      &recorders_[i]->progress(),
+                      recorders_[i]->has_shared_thread()});
   }
   if (snapshots_of_rings_) {
     stages.push_back({"ring snapshots", &snapshots_of_rings_->progress()});
@@ -375,7 +376,7 @@ std::string SiteRuntime::stuck_in_pipeline() const {
       names += (names.empty() ? "" : ", ") + stage.name;
     }
   }
-  return names.empty() ? "estimation" : names;
+  return names.empty() ? "pipeline, which waits for a shared thread" : names;
 }
 
 std::vector<std::string> SiteRuntime::source_descriptions() const {
