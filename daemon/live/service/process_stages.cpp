@@ -42,7 +42,8 @@ Expected<void> Process::check_resources(bool estimators_ready) const {
   // Recordings and streams of a cluster have a thread each, live sources share some.
   const auto live =
       is_worker ? 0U : static_cast<std::size_t>(std::count_if(all.begin(), all.end(), is_live));
-  const std::size_t readers = SharedThreads::receivers_for(live) + (sources - live);
+  const std::size_t receivers = SharedThreads::receivers_for(live);
+  const std::size_t readers = receivers + (sources - live);
   const std::size_t estimations = SharedThreads::workers_for(setup_.sites.size());
   const std::size_t recorders = SharedThreads::receivers_for(sources);
   // Three of libzmq; guard, snapshot server, publisher, HTTP, channel, ring, one that stops them.
@@ -51,14 +52,15 @@ Expected<void> Process::check_resources(bool estimators_ready) const {
   const std::size_t tracing =
       estimators_ready ? 0
                        : std::min<std::size_t>(std::thread::hardware_concurrency(), kMaxTracing);
-  // Some 20 of libzmq, two of HTTP; the others are for clients.
+  // Some 20 of libzmq, two of HTTP; the others are for clients. Each shared thread that reads or
+  // records has one with which others wake it.
   constexpr std::size_t kDescriptors = 48;
   std::size_t compared = 0;
   for (const SiteSetup& site : setup_.sites) {
     compared += site.config.engine.compared.size();
   }
   return check_start_resources(kThreads + tracing + readers + recorders + estimations + compared,
-                               kDescriptors + 4 * sources);
+                               kDescriptors + 4 * sources + receivers + recorders);
 }
 
 // At any stage of a start, every thread ends before the objects that it uses. The publisher's

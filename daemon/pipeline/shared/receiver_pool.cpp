@@ -105,7 +105,9 @@ bool ReceiverPool::Receiver::begin_round() {
 // True if every reader is due.
 bool ReceiverPool::Receiver::wait_for_input() {
   using std::chrono::milliseconds;
-  milliseconds wait(-1);  // without readers: until one is added
+  // Without readers: until one is added. If there was no descriptor for wake_, the next tick
+  // notices what has changed; poll() ignores the entry of -1.
+  milliseconds wait = wake_.get() >= 0 ? milliseconds(-1) : options_.tick;
   if (!round_.empty()) {
     const bool has_more = std::any_of(round_.begin(), round_.end(), [](const PolledReader* reader) {
       return reader->may_have_more();
