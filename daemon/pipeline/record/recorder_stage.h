@@ -2,7 +2,9 @@
 // slow disk never delays the receiving thread. The recorders of a process may share threads.
 //
 // Between the two is a bounded buffer; when the disk cannot keep up, the newest datagrams are
-// dropped, counted, and marked in the recording. A batch is written at least every 100 ms.
+// dropped, counted, and marked in the recording. A batch is written every 100 ms, or with a
+// thread of its own as soon as 1 MiB waits; on shared threads later while the disk delays other
+// recorders.
 //
 // Thread safety: tap() from one thread; counters(), set_limits() from any.
 #pragma once

@@ -40,10 +40,7 @@ bool write_all(int fd, std::span<const std::byte> bytes) {
 RingSnapshots::RingSnapshots(std::vector<Source> sources,
                              std::filesystem::path folder,
                              const Limits& limits)
-    : sources_(std::move(sources)), folder_(std::move(folder)), limits_(limits) {
-  progress_.beat();
-  progress_.rest();
-}
+    : sources_(std::move(sources)), folder_(std::move(folder)), limits_(limits) {}
 
 RingSnapshots::~RingSnapshots() { finish(); }
 

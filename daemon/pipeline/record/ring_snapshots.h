@@ -15,7 +15,6 @@
 #include <vector>
 
 #include "daemon/pipeline/record/datagram_ring.h"
-#include "daemon/pipeline/stage_progress.h"
 #include "engine/base/expected.h"
 
 namespace rayloc {
@@ -52,8 +51,6 @@ class RingSnapshots {
   // Apply from the next file on.
   void set_limits(const Limits& limits);
 
-  // It rests even while it writes: a disk that does not answer costs only the snapshot.
-  const StageProgress& progress() const { return progress_; }
   RingSnapshotCounters counters() const;
   // Written and failed files since the last call; one line each, for the log.
   std::vector<std::string> notices();
@@ -69,14 +66,13 @@ class RingSnapshots {
 
   const std::vector<Source> sources_;
   const std::filesystem::path folder_;
-  StageProgress progress_;
   mutable std::mutex mutex_;
   Limits limits_;                     // guarded by mutex_
   bool writing_ = false;              // guarded by mutex_
   bool ending_ = false;               // guarded by mutex_
   RingSnapshotCounters counters_;     // guarded by mutex_
   std::vector<std::string> notices_;  // guarded by mutex_
-  std::thread thread_;                // of the last snapshot
+  std::thread thread_;                // of the last snapshot; guarded by mutex_ until ending_
 };
 
 }  // namespace rayloc

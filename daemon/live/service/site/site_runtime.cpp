@@ -332,9 +332,6 @@ std::vector<Stage> SiteRuntime::stages() const {
                       &recorders_[i]->progress(),
                       recorders_[i]->has_shared_thread()});
   }
-  if (snapshots_of_rings_) {
-    stages.push_back({"ring snapshots", &snapshots_of_rings_->progress()});
-  }
   if (sender_) {
     stages.push_back({"batches", &sender_->progress()});
   }
