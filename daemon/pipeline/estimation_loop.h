@@ -1,11 +1,11 @@
-// EstimationLoop: the work of a Pipeline's estimation thread, in iterations: takes frames from the
-// mailbox, collects and processes bursts, and passes the results on. It has no thread.
+// EstimationLoop: the estimation of a Pipeline, in iterations: takes frames from the mailbox,
+// collects and processes bursts, and passes the results on. It has no thread.
 //
 // After a warm start (PipelineOptions::from) it does not repeat the predecessor's results. At marks
 // of event time, PipelineOptions::carry_every apart, it states the state that its own successor
 // needs. Marks lie between frames, so that the state depends on the frames alone.
 //
-// Thread safety: step() for one thread; the others from any.
+// Thread safety: step() from one thread at a time; the others from any.
 #pragma once
 
 #include <atomic>

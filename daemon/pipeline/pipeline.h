@@ -1,9 +1,9 @@
 // Pipeline: from datagrams to locations; owns every thread between a source and a LocationSink, or
 // shares them with other pipelines (PipelineOptions::threads).
 //
-//   source threads (SourceWorker) -> FrameMailbox
-//     -> estimation thread (EstimationLoop): BurstCollector -> BurstQueue -> Estimator ->
-//     LocationSink
+//   sources (SourceWorker; own or shared threads) -> FrameMailbox
+//     -> estimation (EstimationLoop; own or shared thread): BurstCollector -> BurstQueue ->
+//     Estimator -> LocationSink
 //
 // raylocd and `rayloc replay` run this class; only the sources, the overflow rule and the sink
 // differ. Event time is that of the datagrams; no stage reads a clock, so that the same datagrams
@@ -39,7 +39,7 @@ struct SharedThreads;
 struct TrackEvent;
 struct ZoneEvent;
 
-// Computes locations from bursts. Called by the estimation thread alone.
+// Computes locations from bursts. Called by one thread at a time, not always the same.
 class Estimator {
  public:
   virtual ~Estimator() = default;
@@ -61,7 +61,8 @@ class Estimator {
   virtual Rank rank(const MacAddress& /*transmitter*/) const { return Rank::kOther; }
 };
 
-// Receives the results. Called by the estimation thread alone, and must not block it for long.
+// Receives the results. Called by one thread at a time, not always the same, and must not block it
+// for long: other sites wait for it.
 class LocationSink {
  public:
   virtual ~LocationSink() = default;

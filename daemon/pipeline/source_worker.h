@@ -26,7 +26,7 @@ class SourceWorker : private PolledReader {
 
   // `receivers` (may be null, outlives the worker): read a source that has a descriptor.
   void start(ReceiverPool* receivers);
-  // Asks the thread to end: it decodes the datagrams that have already arrived and ends.
+  // Requests the end: the datagrams that have already arrived are still decoded.
   void stop() { stopping_ = true; }
   void join();
   // The datagram source, with its open port. REQUIRES: joined.

@@ -37,7 +37,8 @@ class StreamReader {
     std::chrono::milliseconds quiet{200};
     // Size of the queue of messages; what exceeds it is requested later.
     std::size_t max_waiting_bytes = std::size_t{32} << 20U;
-    // Most that one request returns: some five seconds of a site with five access points.
+    // Most that one request returns: 8 MiB are some seven seconds of a site with five access
+    // points.
     std::size_t max_requested = 512;
     std::size_t max_requested_bytes = std::size_t{8} << 20U;
   };

@@ -2,7 +2,8 @@
 // has at most one place in the queue and one turn at a time, so the work of one never fills the
 // queue before that of others (fair_queue.h).
 //
-// A turn is not interrupted: a member waits for the longest turn of the others, at most.
+// A turn is not interrupted: a member waits for the rest of the turns that run, and for the members
+// that have used less.
 //
 // Thread safety: any thread. A turn calls no function of the pool.
 #pragma once

@@ -1,4 +1,4 @@
-// Broker over libnats: only this file, link and options use libnats.
+// Broker over libnats: only the files of this folder use libnats.
 #include <nats/nats.h>
 
 #include <algorithm>
