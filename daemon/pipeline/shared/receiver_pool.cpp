@@ -119,7 +119,8 @@ bool ReceiverPool::Receiver::wait_for_input() {
       descriptors_.front().revents != 0) {
     eventfd_t ignored = 0;
     (void)::eventfd_read(wake_.get(), &ignored);
-    next_tick_ = {};
+    next_tick_ = {};  // of the next round, which has the readers that were added
+    return false;
   }
   const auto now = SteadyClock::now();
   if (now < next_tick_) {
