@@ -36,10 +36,8 @@ class ReceiverPool::Receiver {
   Receiver& operator=(const Receiver&) = delete;
 
   void add(PolledReader& reader) {
-    {
-      const std::lock_guard lock(mutex_);
-      readers_.push_back(&reader);
-    }
+    const std::lock_guard lock(mutex_);  // no round has the reader before its wake-up
+    readers_.push_back(&reader);
     wake();
   }
   std::size_t readers() const {

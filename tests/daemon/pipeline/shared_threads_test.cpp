@@ -284,10 +284,11 @@ TEST(ReceiverPool, AReaderThatIsToEndWaitsForNoTick) {
   ReceiverPool pool({.most_threads = 1, .tick = std::chrono::hours(1)});
   EndingReader reader;
   pool.add(reader);
-  const bool has_begun = eventually(kPatience, [&] { return reader.steps() > 0; });
+  const bool has_begun = eventually(kPatience, [&] { return reader.steps() == 1; });
   reader.end();
   pool.wait_for_end(reader);
   EXPECT_TRUE(has_begun);
+  EXPECT_EQ(reader.steps(), 2);
 }
 
 // Does not return before it may, like a disk that does not answer.
