@@ -1,4 +1,4 @@
-// Evidence of the whole room for a filter that has compared the moments before with a window of it.
+// Evidence of the whole room, for a filter that compared earlier moments with a window of it.
 #pragma once
 
 #include <span>
