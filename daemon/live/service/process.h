@@ -33,6 +33,7 @@
 #include "daemon/live/service/http_api.h"
 #include "daemon/live/service/process_health.h"
 #include "daemon/live/service/service_manager.h"
+#include "daemon/live/service/shutdown.h"
 #include "daemon/live/service/site/site_preparation.h"
 #include "daemon/live/service/site/site_runtime.h"
 #include "daemon/live/service/site/site_set.h"
@@ -83,15 +84,17 @@ class Process {
   // Error if there are no datagrams or no folder. From any thread.
   Expected<std::vector<std::string>> snapshot();
 
-  // Every thread that provides a service, and every shared one that a site which did not end still
-  // holds; this outlives the returned stages.
+  // Every thread that provides a service, those of sites for which it is a standby, and every
+  // shared one that a site which did not end still holds. Valid until tend_sites() or
+  // reload_sites().
   std::vector<Stage> stages() const;
   // "3 sources, 3 receiving; 1234 datagrams, 0 lost; 56 fixes; 2 subscriptions"
   std::string status_line() const;
 
   // Drains the received data, closes the recordings, publishes the last counters and the goodbye,
-  // and joins every thread, all within `patience`. Returns the stages that did not return, normally
-  // none: then the process must end without destroying this. No other stage waits for them.
+  // and joins every thread, all within `patience`. Returns the stages that did not return, also of
+  // sites that ended earlier, normally none: otherwise the process must end without destroying
+  // this. No other stage waits for them.
   std::vector<std::string> stop(const std::string& reason, std::chrono::milliseconds patience);
 
   // Address of the HTTP server, "127.0.0.1:8480"; empty without one.
@@ -122,13 +125,31 @@ class Process {
   Expected<void> open_http(PassedSockets& sockets);
   ServiceHealth health_of(const RunningSite& site) const;  // current state
   std::vector<ExtraMetric> extra_metrics() const;
+  // The sites with a pipeline: also those for which it is a standby.
+  std::vector<SiteSet::Site> running_sites() const;
   std::vector<Stage> working_stages() const;
   HttpReply answer_snapshot();
 
   // A site that is about to run: it has no subscribers yet.
   Expected<RunningSite> begin_site(std::unique_ptr<SiteRuntime> runtime, InputFiles files);
   void end_sites(const std::vector<SiteSet::Site>& sites);
+  // The steps that end a site.
+  struct Ending {
+    SiteSet::Site site;
+    std::unique_ptr<Shutdown> steps;
+  };
+  // Deadlines of a pipeline: to drain, and to end without its waiting data. Then those of the rest.
+  struct Deadlines {
+    Shutdown::Time drained;
+    Shutdown::Time ended;
+    Shutdown::Time closed;
+  };
+  std::vector<Ending> end_in_parallel(const std::vector<SiteSet::Site>& sites,
+                                      const Deadlines& until);
+  static std::vector<std::string> stuck_stages(const Ending& ending);
   void let_go(const SiteSet::Site& site);
+  // Destroys the abandoned sites that have ended meanwhile.
+  void release_abandoned();
   void end_for_exchange(const std::vector<SitePreparation::Prepared>& prepared);
   void exchange_sites(std::vector<SitePreparation::Prepared> prepared);
   void listen_to_owner(const std::string& site, std::shared_ptr<SiteOutput> output);
@@ -202,7 +223,7 @@ class Process {
   std::unique_ptr<SitePreparation> preparation_;       // null: no site is being prepared
   HandedSources handed_;                               // of sites that are being exchanged
   std::map<std::string, v1::ReloadCounters> reloads_;  // by site
-  std::vector<SiteSet::Site> abandoned_;  // did not end: their objects outlive the process
+  std::vector<Ending> abandoned_;  // have not ended: their objects are kept until they have
   // Of ended sites: each is kept while a channel of its map is still being traced, or a request
   // uses it.
   std::vector<std::shared_ptr<BackgroundText>> ended_channels_;

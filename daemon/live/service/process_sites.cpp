@@ -12,7 +12,6 @@
 
 #include "daemon/live/log/log.h"
 #include "daemon/live/service/process.h"
-#include "daemon/live/service/shutdown.h"
 #include "daemon/pipeline/record/system_now.h"
 #include "engine/base/printable.h"
 
@@ -23,6 +22,7 @@ constexpr std::size_t kSubjectsShown = 2048;  // on the map of a site
 // Maximum time that the end of one site may block the main thread: to drain, and then to leave.
 constexpr auto kDrain = std::chrono::milliseconds(500);
 constexpr auto kLeave = std::chrono::milliseconds(3000);
+constexpr const char* kPipelineStep = "pipeline";
 
 // Where devices are named by a hash for a limited time, their positions are deleted with it.
 Duration presence_kept(const PrivacyConfig& privacy) {
@@ -126,40 +126,73 @@ Expected<RunningSite> Process::begin_site(std::unique_ptr<SiteRuntime> runtime, 
   return site;
 }
 
-// Ends their threads in parallel; the goodbye is left to the caller. Objects used by a stage that
-// does not return are kept.
+std::vector<Process::Ending> Process::end_in_parallel(const std::vector<SiteSet::Site>& sites,
+                                                      const Deadlines& until) {
+  std::vector<Ending> endings;
+  endings.reserve(sites.size());
+  for (const SiteSet::Site& site : sites) {
+    const Ending& one = endings.emplace_back(Ending{site, std::make_unique<Shutdown>()});
+    one.steps->begin(kPipelineStep, [this, site] { end_pipeline(site); });
+  }
+  for (const Ending& one : endings) {
+    if (!one.steps->wait_for(kPipelineStep, until.drained)) {
+      one.site->runtime->pipeline().cancel_pending();
+    }
+  }
+  for (const Ending& one : endings) {
+    one.steps->wait_for(kPipelineStep, until.ended);
+  }
+  for (const Ending& one : endings) {
+    for (SiteRuntime::Closing& closing : one.site->runtime->closings()) {
+      one.steps->run(closing.stage, until.closed, std::move(closing.finish));
+    }
+  }
+  return endings;
+}
+
+// Names of the stages that have not returned by now, with their site.
+std::vector<std::string> Process::stuck_stages(const Ending& ending) {
+  std::vector<std::string> names;
+  if (ending.steps->all_returned()) {
+    return names;
+  }
+  for (const std::string& step : ending.steps->hung()) {
+    names.push_back(ending.site->label() +
+                    (step == kPipelineStep ? ending.site->runtime->stuck_in_pipeline() : step));
+  }
+  return names;
+}
+
+// Ends their threads; the goodbye is left to the caller. Objects used by a stage that does not
+// return are kept.
 void Process::end_sites(const std::vector<SiteSet::Site>& sites) {
   const Shutdown::Time begin = std::chrono::steady_clock::now();
-  Shutdown shutdown;
-  for (const SiteSet::Site& site : sites) {
-    shutdown.begin(site->label() + "pipeline", [this, site] { end_pipeline(site); });
-  }
-  for (const SiteSet::Site& site : sites) {
-    if (!shutdown.wait_for(site->label() + "pipeline", begin + kDrain)) {
-      site->runtime->pipeline().cancel_pending();
+  for (Ending& ending : end_in_parallel(sites, {begin + kDrain, begin + kLeave, begin + kLeave})) {
+    const std::vector<std::string> stuck = stuck_stages(ending);
+    for (const std::string& stage : stuck) {
+      log_line(LogLevel::kError, stage + " does not come back, and is left behind");
     }
-  }
-  for (const SiteSet::Site& site : sites) {
-    shutdown.wait_for(site->label() + "pipeline", begin + kLeave);
-    for (SiteRuntime::Closing& closing : site->runtime->closings()) {
-      shutdown.run(site->label() + closing.stage, begin + kLeave, std::move(closing.finish));
-    }
-  }
-  const std::vector<std::string> hung = shutdown.hung();
-  for (const std::string& stage : hung) {
-    log_line(LogLevel::kError, stage + " does not come back, and is left behind");
-  }
-  for (const SiteSet::Site& site : sites) {
-    const bool has_ended = std::none_of(hung.begin(), hung.end(), [&](const std::string& stage) {
-      return stage.rfind(site->label(), 0) == 0;
-    });
-    if (has_ended) {
-      let_go(site);
+    if (stuck.empty()) {
+      let_go(ending.site);
     } else {
-      abandoned_.push_back(site);
+      abandoned_.push_back(std::move(ending));
       stages_changed_ = true;
     }
   }
+}
+
+void Process::release_abandoned() {
+  std::erase_if(abandoned_, [&](const Ending& one) {
+    if (!one.steps->all_returned()) {
+      return false;
+    }
+    if (one.site->channel) {
+      ended_channels_.push_back(one.site->channel);
+    }
+    log_line(LogLevel::kInfo, "site '" + one.site->name() + "' that was left behind has ended");
+    stages_changed_ = true;
+    return true;
+  });
 }
 
 // Takes over the remaining objects of a site that has ended.
@@ -342,6 +375,7 @@ bool Process::tend_sites() {
   if (claims_) {
     tend_claims();
   }
+  release_abandoned();
   if (stages_changed_ && http_) {
     http_->set_routes(routes());
   }

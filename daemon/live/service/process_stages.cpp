@@ -9,7 +9,6 @@
 #include "daemon/live/config/source_url.h"
 #include "daemon/live/machine/start_resources.h"
 #include "daemon/live/service/process.h"
-#include "daemon/live/service/shutdown.h"
 #include "daemon/pipeline/shared/shared_threads.h"
 
 namespace rayloc {
@@ -107,18 +106,27 @@ std::vector<Stage> Process::stages() const {
   return stages;
 }
 
+std::vector<SiteSet::Site> Process::running_sites() const {
+  std::vector<SiteSet::Site> sites = sites_.all();
+  sites.reserve(sites.size() + along_.size());
+  for (const auto& [name, site] : along_) {
+    sites.push_back(site);
+  }
+  return sites;
+}
+
 std::vector<Stage> Process::working_stages() const {
   std::vector<Stage> stages;
-  const std::vector<SiteSet::Site> sites = sites_.all();
+  const std::vector<SiteSet::Site> sites = running_sites();
   for (const SiteSet::Site& site : sites) {
     const std::vector<Stage> some = site->runtime->stages();
     stages.insert(stages.end(), some.begin(), some.end());
   }
-  for (const SiteSet::Site& site : abandoned_) {
-    if (has_runtime_of(sites, site)) {
+  for (const Ending& abandoned : abandoned_) {
+    if (has_runtime_of(sites, abandoned.site)) {
       continue;  // its successor could not start
     }
-    const std::vector<Stage> some = site->runtime->stages();
+    const std::vector<Stage> some = abandoned.site->runtime->stages();
     // It still holds a thread that sites share. One of its own stops no other site.
     std::copy_if(some.begin(), some.end(), std::back_inserter(stages), [](const Stage& stage) {
       return stage.has_shared_thread;
@@ -150,33 +158,14 @@ std::vector<std::string> Process::stop(const std::string& reason,
   if (claims_) {
     claims_->leave();
   }
-  for (const auto& [name, along] : along_) {  // they have no subscribers and no pending output
-    shutdown.begin(along->label() + "standby", [one = along->runtime] { one->end(); });
-  }
-  std::vector<SiteSet::Site> sites = sites_.all();
+  std::vector<SiteSet::Site> sites = running_sites();
   std::erase_if(sites, [&](const SiteSet::Site& site) {  // that one is still being waited for
-    return has_runtime_of(abandoned_, site);
+    return std::any_of(abandoned_.begin(), abandoned_.end(), [&](const Ending& one) {
+      return one.site->runtime == site->runtime;
+    });
   });
   // In parallel: each site drains independently.
-  for (const SiteSet::Site& site : sites) {
-    shutdown.begin(site->label() + "pipeline", [this, site] { end_pipeline(site); });
-  }
-  for (const SiteSet::Site& site : sites) {
-    if (!shutdown.wait_for(site->label() + "pipeline", at(75))) {
-      site->runtime->pipeline().cancel_pending();
-    }
-  }
-  for (const SiteSet::Site& site : sites) {
-    shutdown.wait_for(site->label() + "pipeline", at(94));
-  }
-  for (const SiteSet::Site& site : sites) {
-    for (SiteRuntime::Closing& closing : site->runtime->closings()) {
-      shutdown.run(site->label() + closing.stage, at(97), std::move(closing.finish));
-    }
-  }
-  for (const auto& [name, site] : along_) {
-    shutdown.wait_for(site->label() + "standby", at(97));
-  }
+  const std::vector<Ending> endings = end_in_parallel(sites, {at(75), at(94), at(97)});
   if (gateway_) {
     shutdown.begin("replicas", [this] { replicas_->finish(); });
     shutdown.run("gateway", at(97), [this] { gateway_->finish(); });
@@ -189,15 +178,12 @@ std::vector<std::string> Process::stop(const std::string& reason,
   log_losses();  // of the last instant
   limited_log_->finish();
   std::vector<std::string> hung = shutdown.hung();
-  for (const SiteSet::Site& site : sites) {
-    std::replace(hung.begin(),
-                 hung.end(),
-                 site->label() + "pipeline",
-                 site->label() + site->runtime->stuck_in_pipeline());
-  }
-  for (const SiteSet::Site& site : abandoned_) {
-    hung.push_back(site->label() + site->runtime->stuck_in_pipeline());
-  }
+  const auto add_stuck = [&](const Ending& ending) {
+    const std::vector<std::string> stuck = stuck_stages(ending);
+    hung.insert(hung.end(), stuck.begin(), stuck.end());
+  };
+  std::for_each(endings.begin(), endings.end(), add_stuck);
+  std::for_each(abandoned_.begin(), abandoned_.end(), add_stuck);
   return hung;
 }
 

@@ -78,6 +78,7 @@ void Process::begin_standby(const std::string& name) {
     return;
   }
   along_[name] = *std::move(site);
+  stages_changed_ = true;
   sites_.put_absent(name, "another worker owns it; this one computes along, and is next");
   log_line(
       LogLevel::kInfo,
@@ -117,6 +118,7 @@ Expected<void> Process::promote(const std::string& name, std::uint64_t generatio
 // The site is prepared anew, because a fresh runtime must not use the state of the old one.
 void Process::end_standby(const std::string& name, const std::string& why) {
   const SiteSet::Site site = along_.extract(name).mapped();
+  stages_changed_ = true;
   note_audit(*site);
   claims_->withdraw(name);
   end_sites({site});

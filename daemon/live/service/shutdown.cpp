@@ -38,8 +38,16 @@ bool Shutdown::wait_for(const std::string& name, Time deadline) {
   return true;
 }
 
+bool Shutdown::all_returned() {
+  for (const std::string& name : hung()) {
+    (void)wait_for(name, std::chrono::steady_clock::now());
+  }
+  return late_.empty();
+}
+
 std::vector<std::string> Shutdown::hung() const {
   std::vector<std::string> names;
+  names.reserve(late_.size());
   for (const Step& step : late_) {
     names.push_back(step.name);
   }

@@ -38,6 +38,8 @@ class Shutdown {
   bool run(const std::string& name, Time deadline, std::function<void()> step);
   // Waits for a late step until `deadline`; false when it has not returned by then.
   bool wait_for(const std::string& name, Time deadline);
+  // Joins the late steps that have returned meanwhile; true if none is left. Does not wait.
+  bool all_returned();
   // Steps that have not returned so far, in their order.
   std::vector<std::string> hung() const;
 

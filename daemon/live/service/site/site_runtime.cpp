@@ -337,7 +337,9 @@ std::vector<Stage> SiteRuntime::stages() const {
   }
   if (feed_) {
     stages.push_back({"stream", &feed_->progress()});
-    stages.push_back({"results", &results_->progress()});
+    if (!results_->standby()) {  // a standby has no thread that publishes
+      stages.push_back({"results", &results_->progress()});
+    }
   }
   for (Stage& stage : stages) {  // a stuck stage is reported with its site
     stage.name = setup_.label() + stage.name;
@@ -367,9 +369,13 @@ std::vector<SiteRuntime::Closing> SiteRuntime::closings() {
 }
 
 std::string SiteRuntime::stuck_in_pipeline() const {
+  std::vector<Stage> stages = pipeline_->stages();
+  if (results_) {  // before its end, the site is given back
+    stages.push_back({"results", &results_->progress()});
+  }
   std::string names;
-  for (const Stage& stage : pipeline_->stages()) {
-    if (!stage.progress->resting()) {
+  for (const Stage& stage : stages) {
+    if (stage.progress->started() && !stage.progress->resting()) {
       names += (names.empty() ? "" : ", ") + stage.name;
     }
   }

@@ -100,8 +100,8 @@ class SiteRuntime {
     std::function<void()> finish;
   };
   std::vector<Closing> closings();
-  // Names the stages of a pipeline that does not end: those that do not rest. If all of them rest,
-  // it waits for a thread that another site holds.
+  // Names the stages of a pipeline that does not end, or of the results before it: those that do
+  // not rest. If all of them rest, it waits for a thread that another site holds.
   std::string stuck_in_pipeline() const;
 
   // Every thread; this outlives the returned stages.

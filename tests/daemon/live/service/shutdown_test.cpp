@@ -8,6 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/support/eventually.h"
 #include "tests/support/patience.h"
 
 namespace rayloc::shutdown_test {
@@ -56,6 +57,26 @@ TEST(Shutdown, AStepThatIsLateMayStillCome) {
   EXPECT_FALSE(shutdown.run("estimation", in(10ms), [&] { release.get_future().wait(); }));
   release.set_value();
   EXPECT_TRUE(shutdown.wait_for("estimation", in(test::patient(60s))));
+  EXPECT_THAT(shutdown.hung(), IsEmpty());
+}
+
+TEST(Shutdown, OnlyStepsThatHaveNotReturnedAreLeft) {
+  std::promise<void> release;
+  std::promise<void> never;
+  const std::shared_future<void> ends = never.get_future().share();
+  Shutdown shutdown;
+  EXPECT_TRUE(shutdown.all_returned());
+  EXPECT_FALSE(shutdown.run("estimation", in(10ms), [&] { release.get_future().wait(); }));
+  EXPECT_FALSE(shutdown.run("recorder ap1", in(10ms), [ends] { ends.wait(); }));
+  EXPECT_FALSE(shutdown.all_returned());
+  release.set_value();
+  EXPECT_TRUE(eventually(60s, [&] {
+    EXPECT_FALSE(shutdown.all_returned());
+    return shutdown.hung().size() == 1;
+  }));
+  EXPECT_THAT(shutdown.hung(), ElementsAre("recorder ap1"));
+  never.set_value();
+  EXPECT_TRUE(eventually(60s, [&] { return shutdown.all_returned(); }));
   EXPECT_THAT(shutdown.hung(), IsEmpty());
 }
 
