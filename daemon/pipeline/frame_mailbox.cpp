@@ -38,6 +38,20 @@ void FrameMailbox::insert(Queue& queue, CsiFrame&& frame) {
   ++queue.counters.put;
 }
 
+// REQUIRES: the mutex is held. Frames of the same instant can only be taken together, regardless of
+// their number.
+bool FrameMailbox::has_room(const Queue& queue) const {
+  return closed_ || queue.frames.size() < capacity_ || queue.frames.front().time >= queue.safe_time;
+}
+
+bool FrameMailbox::has_room(std::size_t source) const {
+  if (overflow_ == Overflow::kDropOldest) {
+    return true;
+  }
+  const std::lock_guard lock(mutex_);
+  return has_room(queues_[source]);
+}
+
 void FrameMailbox::put(std::size_t source, std::vector<CsiFrame>& frames, Timestamp safe_time) {
   // A partial frame is released after younger complete ones.
   sort_by_time(frames);
@@ -45,19 +59,15 @@ void FrameMailbox::put(std::size_t source, std::vector<CsiFrame>& frames, Timest
   Queue& queue = queues_[source];
   for (CsiFrame& frame : frames) {
     if (queue.frames.size() >= capacity_) {
-      if (overflow_ == Overflow::kWait) {
+      if (overflow_ == Overflow::kDropOldest) {
+        queue.frames.pop_front();
+        ++queue.counters.dropped;
+      } else if (!queue.never_waits) {
         // The source that is behind all others never waits here for long: its frames are taken
         // immediately.
         queue.safe_time = std::max(queue.safe_time, std::min(safe_time, frame.time));
         notify_taker();
-        // Frames of the same instant can only be taken together, regardless of their number.
-        taken_.wait(lock, [&] {
-          return closed_ || queue.frames.size() < capacity_ ||
-                 queue.frames.front().time >= queue.safe_time;
-        });
-      } else {
-        queue.frames.pop_front();
-        ++queue.counters.dropped;
+        taken_.wait(lock, [&] { return has_room(queue); });
       }
     }
     insert(queue, std::move(frame));

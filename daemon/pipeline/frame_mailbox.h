@@ -37,6 +37,13 @@ class FrameMailbox {
  public:
   FrameMailbox(std::size_t sources, std::size_t capacity, Overflow overflow);
 
+  // For a source whose thread serves others as well: its put() waits for no room, and may exceed
+  // the capacity. The source asks has_room() before it reads more. To be called before the first
+  // put().
+  void never_wait(std::size_t source) { queues_[source].never_waits = true; }
+  // False while a put() that waits for room would wait.
+  bool has_room(std::size_t source) const;
+
   // Moves the frames in. `safe_time`: no later frame of this source will be older.
   void put(std::size_t source, std::vector<CsiFrame>& frames, Timestamp safe_time);
 
@@ -76,11 +83,13 @@ class FrameMailbox {
     std::deque<CsiFrame> frames;  // by time
     Timestamp safe_time = Timestamp::min();
     bool ended = false;
+    bool never_waits = false;
     std::uint64_t move = 0;  // number of its last seek
     MailboxCounters counters;
   };
 
   Timestamp safe_time() const;
+  bool has_room(const Queue& queue) const;
   bool all_ended() const;
   bool all_moved() const;
   bool advanced() const;

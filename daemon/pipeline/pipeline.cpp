@@ -30,8 +30,6 @@ Pipeline::Pipeline(const PipelineOptions& options,
                    Estimator& estimator,
                    LocationSink& sink)
     : threads_(options.threads),
-      // A source that waits for room would keep others waiting.
-      may_share_sources_(threads_ && options.overflow == Overflow::kDropOldest),
       mailbox_(sources.size(), options.ring_frames, options.overflow),
       loop_(std::make_unique<EstimationLoop>(options, estimator, sink, mailbox_)) {
   for (SourceWorker::Input& source : sources) {
@@ -53,7 +51,7 @@ void Pipeline::start() {
     estimation_ = std::thread([this] { estimate_all(); });
   }
   for (const auto& worker : workers_) {
-    worker->start(may_share_sources_ ? &threads_->receivers : nullptr);
+    worker->start(threads_ ? &threads_->receivers : nullptr);
   }
 }
 

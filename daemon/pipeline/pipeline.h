@@ -163,7 +163,6 @@ class Pipeline {
   void join();
 
   const std::shared_ptr<SharedThreads> threads_;  // may be null
-  const bool may_share_sources_;
   FrameMailbox mailbox_;
   std::unique_ptr<EstimationLoop> loop_;
   std::vector<std::unique_ptr<SourceWorker>> workers_;

@@ -81,6 +81,10 @@ class SourceLane {
 
   SourceReport report() const;
   const StageProgress& progress() const { return progress_; }
+  // Its thread serves other sources as well, so no step waits for room in the mailbox: has_room()
+  // is to be asked before each. To be called before the first step.
+  void share_thread() { mailbox_.never_wait(slot_); }
+  bool has_room() const { return mailbox_.has_room(slot_); }
   // As DatagramSource::poll_descriptor().
   std::optional<int> poll_descriptor() const { return source_->poll_descriptor(); }
 

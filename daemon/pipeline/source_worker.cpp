@@ -27,6 +27,7 @@ SourceWorker::~SourceWorker() {
 void SourceWorker::start(ReceiverPool* receivers) {
   if (receivers != nullptr && lane_.poll_descriptor()) {
     receivers_ = receivers;
+    lane_.share_thread();
     receivers_->add(*this);
     return;
   }
@@ -57,6 +58,9 @@ bool SourceWorker::drain_once() {
 }
 
 bool SourceWorker::read_once() {
+  if (!lane_.has_room()) {
+    return true;
+  }
   const bool continues = stopping_ ? drain_once() : lane_.step(Duration::zero());
   if (!continues) {
     lane_.finish();

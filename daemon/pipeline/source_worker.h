@@ -39,9 +39,12 @@ class SourceWorker : private PolledReader {
 
  private:
   void run();
-  int descriptor() const override { return lane_.poll_descriptor().value_or(-1); }
+  // While the mailbox has no room, the input stays where it is until a later tick.
+  int descriptor() const override {
+    return lane_.has_room() ? lane_.poll_descriptor().value_or(-1) : -1;
+  }
   bool read_once() override;
-  bool may_have_more() const override { return !lane_.was_idle(); }
+  bool may_have_more() const override { return !lane_.was_idle() && lane_.has_room(); }
   bool drain_once();
 
   SourceLane lane_;

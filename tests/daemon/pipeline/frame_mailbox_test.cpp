@@ -150,6 +150,37 @@ TEST(FrameMailbox, ReplayWaitsAndLosesNothing) {
   EXPECT_TRUE(std::is_sorted(all.begin(), all.end()));
 }
 
+TEST(FrameMailbox, HasNoRoomForASourceThatNeverWaits) {
+  FrameMailbox mailbox(2, 3, Overflow::kWait);
+  mailbox.never_wait(0);
+  EXPECT_TRUE(mailbox.has_room(0));
+  put(mailbox, 0, {1, 2, 3, 4, 5}, 6);
+  EXPECT_EQ(mailbox.counters(0).waiting, 5U);
+  EXPECT_FALSE(mailbox.has_room(0));
+  put(mailbox, 1, {}, 4);
+  EXPECT_EQ(times(mailbox.take()), (std::vector<int>{1, 2, 3}));
+  EXPECT_TRUE(mailbox.has_room(0));
+  put(mailbox, 0, {9, 9, 9}, 9);
+  EXPECT_FALSE(mailbox.has_room(0));
+  mailbox.end(1);
+  EXPECT_EQ(times(mailbox.take()), (std::vector<int>{4, 5}));
+  EXPECT_TRUE(mailbox.has_room(0)) << "no frame of that instant can be taken before its last one";
+  put(mailbox, 0, {9, 10}, 11);
+  EXPECT_FALSE(mailbox.has_room(0));
+  mailbox.close();
+  EXPECT_TRUE(mailbox.has_room(0));
+  EXPECT_EQ(mailbox.counters(0).dropped, 0U);
+}
+
+// A live source drops its oldest frames on a shared thread as well.
+TEST(FrameMailbox, ASourceThatDropsAlwaysHasRoom) {
+  FrameMailbox mailbox(1, 3, Overflow::kDropOldest);
+  mailbox.never_wait(0);
+  put(mailbox, 0, {1, 2, 3, 4, 5}, 6);
+  EXPECT_TRUE(mailbox.has_room(0));
+  EXPECT_EQ(times(mailbox.take()), (std::vector<int>{3, 4, 5}));
+}
+
 TEST(FrameMailbox, ManyFramesOfOneInstantDoNotBlockAReplay) {
   FrameMailbox mailbox(1, 4, Overflow::kWait);
   std::thread source([&] {

@@ -3,12 +3,15 @@
 #include "daemon/pipeline/pipeline.h"
 
 #include <gtest/gtest.h>
+#include <sys/eventfd.h>
 
+#include <algorithm>
 #include <future>
 #include <numeric>
 #include <thread>
 
 #include "capture/source/pcap_source.h"
+#include "capture/transport/file_descriptor.h"
 #include "daemon/messages/location_message.h"
 #include "daemon/pipeline/estimates.h"
 #include "daemon/pipeline/ordered_sink.h"
@@ -42,7 +45,25 @@ class DescribingEstimator : public Estimator {
   }
 };
 
+// A recording that has a descriptor, so that a shared thread reads it like the stream of a cluster.
+class PolledRecording : public DatagramSource {
+ public:
+  explicit PolledRecording(std::unique_ptr<DatagramSource> recording)
+      : recording_(std::move(recording)) {}
+  Expected<void> read(DatagramBatch& batch, Duration timeout) override {
+    return recording_->read(batch, timeout);
+  }
+  SourceCounters counters() const override { return recording_->counters(); }
+  std::string description() const override { return recording_->description(); }
+  std::optional<int> poll_descriptor() const override { return readable_.get(); }
+
+ private:
+  const std::unique_ptr<DatagramSource> recording_;
+  const FileDescriptor readable_{::eventfd(1, EFD_CLOEXEC | EFD_NONBLOCK)};
+};
+
 struct Outcome {
+  std::size_t sharing_stages = 0;
   std::string locations;
   EstimationCounters counters;
   std::vector<SourceReport> sources;
@@ -52,7 +73,8 @@ struct Outcome {
 Outcome replay(std::size_t ring_frames,
                std::shared_ptr<Pace> pace,
                std::size_t sources = 3,
-               std::shared_ptr<SharedThreads> threads = nullptr) {
+               std::shared_ptr<SharedThreads> threads = nullptr,
+               bool polled = false) {
   std::vector<SourceWorker::Input> inputs;
   for (std::size_t index = 0; index < sources; ++index) {
     const std::string id = "ap" + std::to_string(index + 1);
@@ -63,6 +85,9 @@ Outcome replay(std::size_t ring_frames,
     input.source = PcapFileSource::open(recording).value();
     if (pace) {
       input.source = std::make_unique<PacedSource>(std::move(input.source), pace);
+    }
+    if (polled) {
+      input.source = std::make_unique<PolledRecording>(std::move(input.source));
     }
     input.receiver.access_point = index;
     inputs.push_back(std::move(input));
@@ -84,6 +109,9 @@ Outcome replay(std::size_t ring_frames,
   outcome.counters = pipeline.estimation_counters();
   outcome.sources = pipeline.source_reports();
   outcome.mailbox = pipeline.mailbox_counters();
+  const std::vector<Stage> stages = pipeline.stages();
+  outcome.sharing_stages = static_cast<std::size_t>(std::count_if(
+      stages.begin(), stages.end(), [](const Stage& stage) { return stage.has_shared_thread; }));
   return outcome;
 }
 
@@ -129,6 +157,22 @@ TEST(Pipeline, ReplayDoesNotDependOnSharedThreads) {
     EXPECT_EQ(narrow.counters.used, reference.counters.used);
     EXPECT_EQ(narrow.counters.in_flight, 0U);
   }
+}
+
+// One thread reads all sources: if one of them waited for room, no other could make it.
+TEST(Pipeline, SourcesThatWaitForRoomMayShareOneThread) {
+  const Outcome reference = replay(8192, nullptr);
+  const auto threads = std::make_shared<SharedThreads>(1, 2);
+  for (const std::size_t ring_frames : {3U, 8192U}) {
+    const Outcome shared = replay(ring_frames, nullptr, 3, threads, true);
+    EXPECT_EQ(shared.sharing_stages, 4U);
+    EXPECT_EQ(shared.locations, reference.locations);
+    EXPECT_EQ(shared.counters.used, reference.counters.used);
+    for (const MailboxCounters& mailbox : shared.mailbox) {
+      EXPECT_EQ(mailbox.put, mailbox.taken);
+    }
+  }
+  EXPECT_EQ(threads->receivers.threads(), 1U);
 }
 
 // Reports the end of its tracks as an event with the reason.
