@@ -1,10 +1,12 @@
 #include "daemon/live/cluster/site_feed.h"
 
 #include <pthread.h>
+#include <sys/eventfd.h>
 
 #include <algorithm>
 #include <utility>
 
+#include "capture/transport/file_descriptor.h"
 #include "daemon/live/cluster/batch.h"
 #include "daemon/live/cluster/cluster_names.h"
 #include "daemon/live/cluster/sealed_message.h"
@@ -60,6 +62,7 @@ class SiteFeed::Lane {
       if (!piece.entries.empty()) {
         *bytes_ += piece.payloads.size();
         waiting_.push_back({std::move(piece), promised, false});
+        signal();
       }
     }
     wake_.notify_one();
@@ -88,6 +91,7 @@ class SiteFeed::Lane {
       if (!give_what_waits) {
         waiting_.clear();
       }
+      signal();
     }
     wake_.notify_one();
   }
@@ -100,18 +104,27 @@ class SiteFeed::Lane {
     }
     Waiting first = std::move(waiting_.front());
     waiting_.pop_front();
+    if (waiting_.empty() && !ended_) {
+      eventfd_t ignored = 0;
+      (void)::eventfd_read(input_.get(), &ignored);
+    }
     *bytes_ -= first.piece.payloads.size();
     counters_.received += first.piece.entries.size();
     counters_.delivered += first.piece.entries.size();
     counters_.bytes += first.piece.payloads.size();
     return first;
   }
+  // Readable while data wait, and from the end on.
+  int descriptor() const { return input_.get(); }
   SourceCounters counters() const {
     const std::lock_guard lock(mutex_);
     return counters_;
   }
 
  private:
+  void signal() const { (void)::eventfd_write(input_.get(), 1); }
+
+  const FileDescriptor input_{::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)};
   const std::shared_ptr<std::atomic<std::size_t>> bytes_;  // of all lanes
   mutable std::mutex mutex_;
   std::condition_variable wake_;
@@ -137,6 +150,7 @@ class SiteFeed::Source final : public DatagramSource {
   }
   SourceCounters counters() const override { return lane_->counters(); }
   std::string description() const override { return description_; }
+  std::optional<int> poll_descriptor() const override { return lane_->descriptor(); }
   std::string trouble() const override { return broker_->connected() ? "" : "no broker answers"; }
 
  private:

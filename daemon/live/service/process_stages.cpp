@@ -38,9 +38,11 @@ Expected<void> Process::check_resources(bool estimators_ready) const {
   const auto& all = setup_.config.sources;
   const std::size_t sources = all.size();
   const bool is_worker = setup_.config.cluster.role == ClusterRole::kWorker;
-  // Recordings and streams of a cluster have a thread each, live sources share some.
-  const auto live =
-      is_worker ? 0U : static_cast<std::size_t>(std::count_if(all.begin(), all.end(), is_live));
+  // Recordings have a thread each; live sources, and access points in a stream of a cluster, share
+  // some.
+  const std::size_t live =
+      is_worker ? sources
+                : static_cast<std::size_t>(std::count_if(all.begin(), all.end(), is_live));
   const std::size_t receivers = SharedThreads::receivers_for(live);
   const std::size_t readers = receivers + (sources - live);
   const std::size_t estimations = SharedThreads::workers_for(setup_.sites.size());
@@ -58,8 +60,11 @@ Expected<void> Process::check_resources(bool estimators_ready) const {
   for (const SiteSetup& site : setup_.sites) {
     compared += site.config.engine.compared.size();
   }
-  return check_start_resources(kThreads + tracing + readers + recorders + estimations + compared,
-                               kDescriptors + 4 * sources + receivers + recorders);
+  // A worker has two for each site, which wait for the broker: its stream, and its results.
+  const std::size_t streams = is_worker ? 2 * setup_.sites.size() : 0;
+  return check_start_resources(
+      kThreads + tracing + readers + recorders + estimations + compared + streams,
+      kDescriptors + 4 * sources + receivers + recorders);
 }
 
 // At any stage of a start, every thread ends before the objects that it uses. The publisher's

@@ -1,5 +1,7 @@
 #include "daemon/live/cluster/site_feed.h"
 
+#include <poll.h>
+
 #include <algorithm>
 #include <map>
 #include <string>
@@ -95,6 +97,24 @@ TEST_F(Feed, DeliversTheDatagramsOfEachAccessPoint) {
   EXPECT_EQ(received(0).watermark, first.parts[0].watermark);
   EXPECT_EQ(sources_[0]->counters().delivered, 3U);
   feed_->finish();
+}
+
+bool is_readable(const DatagramSource& source) {
+  pollfd one{.fd = source.poll_descriptor().value_or(-1), .events = POLLIN, .revents = 0};
+  return ::poll(&one, 1, 0) == 1;
+}
+
+// A shared thread polls it.
+TEST_F(Feed, ASourceIsReadableWhileDataWait) {
+  open({"ap1", "ap2"});
+  ASSERT_TRUE(sources_[0]->poll_descriptor());
+  EXPECT_FALSE(is_readable(*sources_[0]));
+  store("a", some_batch(1, {{"ap1", 1}}));
+  store("a", some_batch(2, {{"ap1", 1}}));
+  ASSERT_TRUE(eventually(kPatience, [&] { return is_readable(*sources_[0]); }));
+  ASSERT_TRUE(eventually(kPatience, [&] { return received(0).times.size() == 2; }));
+  EXPECT_FALSE(is_readable(*sources_[0]));
+  EXPECT_FALSE(is_readable(*sources_[1]));
 }
 
 TEST_F(Feed, RequestsMissingBatchesAndWaitsForThem) {
