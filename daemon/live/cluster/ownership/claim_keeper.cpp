@@ -17,6 +17,10 @@ namespace {
 
 constexpr int kLeaseReports = 4;  // reports that it is alive: three may be lost
 constexpr int kLeaseChecks = 2 * kLeaseReports;
+constexpr int kHotReports = kLeaseReports - 1;  // a hot standby: two may be lost
+// It judges by that only if it received itself within so many intervals: at least one of its own
+// reports then arrived after the last one of the owner.
+constexpr int kHotOwnReports = kHotReports - 1;
 constexpr int kHotChecks = 50;  // chosen: per lease, 40 ms of the preset; they send no requests
 // Interval between requests for a known claim: the message with a change may be lost.
 constexpr std::chrono::seconds kClaimReadInterval{5};
@@ -182,10 +186,9 @@ void ClaimKeeper::run() {
     {
       std::unique_lock lock(mutex_);
       progress_.rest();
-      // A silent owner is detected soon, and by a standby at once.
-      wake_.wait_for(lock,
-                     options_.lease / (condition_.stands_by().empty() ? kLeaseChecks : kHotChecks),
-                     [&] { return finishing_ || check_now_; });
+      wake_.wait_for(lock, check_period(std::chrono::steady_clock::now()), [&] {
+        return finishing_ || check_now_;
+      });
       check_now_ = false;
       goes_on = !finishing_;
       progress_.beat();
@@ -196,7 +199,7 @@ void ClaimKeeper::run() {
     return_sites();
     if (goes_on && see_to_streams()) {
       restore_claims();
-      see_to_sites(std::chrono::steady_clock::now());
+      see_to_sites();
     }
   }
   progress_.rest();
@@ -225,13 +228,46 @@ bool ClaimKeeper::has_owner(const std::string& site, const Claim& known, Time no
       (claim.worker() == options_.worker && claim.incarnation() == options_.incarnation)) {
     return false;
   }
-  return peers_.has({claim.worker(), claim.incarnation()}, site, known.noted, now);
+  const bool is_hot = stands_by(site) &&
+                      peers_.receives_itself(now, options_.lease * kHotOwnReports / kLeaseReports);
+  return peers_.has({{claim.worker(), claim.incarnation()}, known.noted},
+                    site,
+                    is_hot ? hot_patience() : options_.lease,
+                    now);
 }
 
-void ClaimKeeper::see_to_sites(Time now) {
+// REQUIRES: the mutex is held.
+bool ClaimKeeper::stands_by(const std::string& site) const {
+  const auto& along = condition_.stands_by();
+  return std::any_of(
+      along.begin(), along.end(), [&](const auto& one) { return one.site() == site; });
+}
+
+Duration ClaimKeeper::hot_patience() const { return options_.lease * kHotReports / kLeaseReports; }
+
+// REQUIRES: the mutex is held. A silent owner is detected soon, and by its standby at once.
+Duration ClaimKeeper::check_period(Time now) const {
+  const auto& along = condition_.stands_by();
+  Duration period = options_.lease / (along.empty() ? kLeaseChecks : kHotChecks);
+  for (const v1::StandbyState& one : along) {
+    const auto known = claims_.find(one.site());
+    const auto received =
+        known == claims_.end()
+            ? std::nullopt
+            : peers_.received({known->second.claim.worker(), known->second.claim.incarnation()});
+    if (received && *received + hot_patience() > now) {
+      period = std::min<Duration>(period, *received + hot_patience() - now);
+    }
+  }
+  return period;
+}
+
+// Sites without an owner go before requests that can wait.
+void ClaimKeeper::see_to_sites() {
   std::vector<std::string> to_read;
   std::set<std::string> offered;
   {
+    const Time now = std::chrono::steady_clock::now();
     const std::lock_guard lock(mutex_);
     if (leaving_ || !peers_.may_judge(now)) {
       return;
@@ -247,11 +283,26 @@ void ClaimKeeper::see_to_sites(Time now) {
       }
     }
   }
+  claim_due_sites(offered);
   for (const std::string& site : to_read) {
     progress_.beat();
     read_claim(site);
   }
-  for (const std::string& site : offered) {
+  if (!to_read.empty()) {
+    claim_due_sites(offered);
+  }
+}
+
+// Those for which this worker is a standby come first: they go on at once.
+void ClaimKeeper::claim_due_sites(const std::set<std::string>& offered) {
+  std::vector<std::string> in_order(offered.begin(), offered.end());
+  {
+    const std::lock_guard lock(mutex_);
+    std::stable_partition(
+        in_order.begin(), in_order.end(), [&](const std::string& site) { return stands_by(site); });
+  }
+  const Time now = std::chrono::steady_clock::now();
+  for (const std::string& site : in_order) {
     progress_.beat();
     std::unique_lock lock(mutex_);
     // Includes sites claimed earlier in this loop.
@@ -282,11 +333,11 @@ bool ClaimKeeper::is_due(const std::string& site, Claim& known, Time now) const 
 std::optional<std::size_t> ClaimKeeper::rank_for(const std::string& site,
                                                  const std::string& owner,
                                                  Time now) const {
-  const auto& along = condition_.stands_by();
-  const bool stands_by =
-      std::any_of(along.begin(), along.end(), [&](const auto& one) { return one.site() == site; });
-  const Candidate self{
-      options_.worker, owned_.size(), options_.capacity, stands_by, condition_.shedding() > 0};
+  const Candidate self{options_.worker,
+                       owned_.size(),
+                       options_.capacity,
+                       stands_by(site),
+                       condition_.shedding() > 0};
   return peers_.rank(self, site, owner, options_.all_sites, now);
 }
 

@@ -60,7 +60,8 @@ std::string OwnerLog::output_subject_of(const Options& options) {
 
 Expected<std::unique_ptr<OwnerLog>> OwnerLog::begin(std::shared_ptr<Broker> broker,
                                                     Options options) {
-  RAYLOC_TRY(broker->ensure_stream(options.stream));
+  // A standby has received records of the stream. If it is gone, its owner is not the one followed.
+  RAYLOC_TRY(options.along ? Expected<void>() : broker->ensure_stream(options.stream));
   std::unique_ptr<OwnerLog> log(new OwnerLog(std::move(broker), std::move(options)));
   for (int i = 0; i < kTries; ++i) {
     const auto last = log->broker_->last_of(std::string(kOutputStream), log->subject_);

@@ -57,19 +57,28 @@ bool PeerWatch::may_judge(Time now) const {
          now - receives_itself_since_ >= lease_;
 }
 
-bool PeerWatch::has(const Start& start, const std::string& site, Time since, Time now) const {
+std::optional<PeerWatch::Time> PeerWatch::received(const Start& start) const {
   const auto peer = peers_.find(start);
-  if (peer == peers_.end() || !lives(peer->second, now)) {
-    return false;
-  }
-  const auto named = peer->second.sites.find(site);
-  return now - since < kUnnamed * lease_ ||
-         (named != peer->second.sites.end() && now - named->second < kUnnamed * lease_);
+  return peer == peers_.end() ? std::nullopt : std::optional(peer->second.received);
+}
+
+bool PeerWatch::names(const Peer& peer, const std::string& site, Time now) const {
+  const auto named = peer.sites.find(site);
+  return named != peer.sites.end() && now - named->second < kUnnamed * lease_;
+}
+
+bool PeerWatch::has(const Owner& owner,
+                    const std::string& site,
+                    Duration patience,
+                    Time now) const {
+  const auto peer = peers_.find(owner.start);
+  return peer != peers_.end() && now - peer->second.received < patience &&
+         (now - owner.since < kUnnamed * lease_ || names(peer->second, site, now));
 }
 
 bool PeerWatch::any_peer_has(const std::string& site, Time now) const {
   return std::any_of(peers_.begin(), peers_.end(), [&](const auto& one) {
-    return one.first != self_ && has(one.first, site, Time{}, now);
+    return one.first != self_ && lives(one.second, now) && names(one.second, site, now);
   });
 }
 

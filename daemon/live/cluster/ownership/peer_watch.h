@@ -30,9 +30,20 @@ class PeerWatch {
   void take(const v1::WorkerState& state, std::size_t own_sites, Time now);
 
   bool may_judge(Time now) const;
-  // Returns true if it is alive and has that site: it reported
-  // so in the last few leases, or got it within them (`since`).
-  bool has(const Start& start, const std::string& site, Time since, Time now) const;
+  // Returns true if one of our own messages arrived within that duration.
+  bool receives_itself(Time now, Duration within) const {
+    return received_itself_ != Time{} && now - received_itself_ < within;
+  }
+  // Arrival of the last message of a worker; nothing: it is not remembered.
+  std::optional<Time> received(const Start& start) const;
+  // Its name, and since when it has the claim.
+  struct Owner {
+    Start start;
+    Time since{};
+  };
+  // Returns true if the owner was received within `patience` and has that site:
+  // it reported so in the last few leases, or got it within them.
+  bool has(const Owner& owner, const std::string& site, Duration patience, Time now) const;
   // Returns true if another live worker reports that it has the site.
   bool any_peer_has(const std::string& site, Time now) const;
   // Number of other live workers that precede `self` for that
@@ -60,6 +71,7 @@ class PeerWatch {
   };
 
   bool lives(const Peer& peer, Time now) const { return now - peer.received < lease_; }
+  bool names(const Peer& peer, const std::string& site, Time now) const;
   void forget(Time now);
 
   const Start self_;

@@ -297,6 +297,58 @@ TEST(ClaimKeeper, OneOfTwoNamesakesClaimsNothingAndReportsWhy) {
   EXPECT_EQ(namesake.keeper->trouble(), "");
 }
 
+// The others of the dead owner's sites are due no earlier.
+TEST(ClaimKeeper, AStandbyClaimsItsSitesFirst) {
+  const auto broker = std::make_shared<FakeBroker>();
+  Worker first(broker, "w1", 0);
+  ASSERT_TRUE(eventually(kPatience, [&] { return first.owned() == kSites; }));
+  Worker second(broker, "w2", 0);
+  ASSERT_TRUE(second.judges());
+  v1::WorkerState standby;
+  standby.add_stands_by()->set_site("site 7");
+  second.keeper->set_condition(standby);
+  first.keeper->finish();  // sends nothing any more
+  std::vector<std::string> claimed;
+  EXPECT_TRUE(eventually(kPatience, [&] {
+    for (const ClaimKeeper::Change& change : second.keeper->take_changes()) {
+      claimed.push_back(change.site);
+    }
+    return claimed.size() == kSites;
+  }));
+  ASSERT_FALSE(claimed.empty());
+  EXPECT_EQ(claimed.front(), "site 7");
+}
+
+TEST(PeerWatch, AnOwnerIsSilentAfterThePatienceOfItsJudge) {
+  PeerWatch watch({"w1", 1}, milliseconds(1000));
+  const PeerWatch::Time now = std::chrono::steady_clock::now();
+  v1::WorkerState state;
+  state.set_worker("w2");
+  state.set_incarnation(1);
+  state.add_sites("hall");
+  watch.take(state, 0, now);
+  const PeerWatch::Owner owner{{"w2", 1}, {}};
+  EXPECT_TRUE(watch.has(owner, "hall", milliseconds(750), now + milliseconds(749)));
+  EXPECT_FALSE(watch.has(owner, "hall", milliseconds(750), now + milliseconds(750)));
+  EXPECT_TRUE(watch.has(owner, "hall", milliseconds(1000), now + milliseconds(750)));
+  EXPECT_FALSE(watch.has(owner, "lab", milliseconds(1000), now));
+  EXPECT_TRUE(watch.has({owner.start, now}, "lab", milliseconds(1000), now)) << "it has just come";
+  EXPECT_EQ(watch.received(owner.start), now);
+  EXPECT_FALSE(watch.received({"w2", 2}));
+}
+
+TEST(PeerWatch, ReceivesItselfWhileItsOwnReportsArrive) {
+  PeerWatch watch({"w1", 1}, milliseconds(1000));
+  const PeerWatch::Time now = std::chrono::steady_clock::now();
+  EXPECT_FALSE(watch.receives_itself(now, milliseconds(500)));
+  v1::WorkerState own;
+  own.set_worker("w1");
+  own.set_incarnation(1);
+  watch.take(own, 0, now);
+  EXPECT_TRUE(watch.receives_itself(now + milliseconds(499), milliseconds(500)));
+  EXPECT_FALSE(watch.receives_itself(now + milliseconds(500), milliseconds(500)));
+}
+
 TEST(PeerWatch, ForgetsSilentPeers) {
   PeerWatch watch({"w1", 1}, milliseconds(1000));
   PeerWatch::Time now = std::chrono::steady_clock::now();
