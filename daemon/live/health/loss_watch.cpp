@@ -48,6 +48,21 @@ void LossWatch::check_source(const v1::SourceReport& source) {
   }
 }
 
+void LossWatch::check_stream(const v1::StreamCounters& stream) {
+  compare({"stream_refused",
+           "messages of the site's stream refused: they have changed bytes, or raylocd has another "
+           "version on another machine of the cluster"},
+          stream.refused());
+  compare({"stream_lost",
+           "messages of the site's stream were removed before we read them: raise [cluster] "
+           "retention_s"},
+          stream.lost());
+  compare({"stream_missing", "batches of a capture node that are neither there nor marked"},
+          stream.missing());
+  compare({"stream_unknown", "datagrams of access points that site.toml does not have"},
+          stream.unknown());
+}
+
 void LossWatch::check(const v1::Heartbeat& heartbeat) {
   for (const v1::SourceReport& source : heartbeat.sources()) {
     check_source(source);
@@ -71,6 +86,7 @@ void LossWatch::check(const v1::Heartbeat& heartbeat) {
   compare({"batches_marked",
            "batches did not reach the cluster: the broker is away or too slow; recording goes on"},
           heartbeat.capture().marked());
+  check_stream(heartbeat.stream());
   compare({"snapshot_files_failed", "recent datagrams could not be written"},
           heartbeat.ring_snapshots().failed());
 }

@@ -32,6 +32,7 @@ class LossWatch {
   };
   void compare(const Loss& loss, std::uint64_t count);
   void check_source(const v1::SourceReport& source);
+  void check_stream(const v1::StreamCounters& stream);
 
   const std::shared_ptr<LimitedLog> log_;
   const std::string label_;
