@@ -24,6 +24,9 @@ constexpr int kHotOwnReports = kHotReports - 1;
 constexpr int kHotChecks = 50;  // chosen: per lease, 40 ms of the preset; they send no requests
 // Interval between requests for a known claim: the message with a change may be lost.
 constexpr std::chrono::seconds kClaimReadInterval{5};
+// Generations are milliseconds since 1970 and a number of claims.
+constexpr std::uint64_t kMaxGeneration = std::uint64_t{1} << 53U;
+
 std::uint32_t milliseconds_of(Duration lease) {
   return static_cast<std::uint32_t>(
       std::chrono::duration_cast<std::chrono::milliseconds>(lease).count());
@@ -119,10 +122,12 @@ void ClaimKeeper::take_claim(const BrokerMessage& message) {
   }
 }
 
-// Takes a record of the stream of claims. A replaced owner loses the site here.
+// Takes a record of the stream of claims. A replaced owner loses the site here. A claim that no
+// worker has written counts as an unreadable one.
 void ClaimKeeper::note(const std::string& site,
                        std::uint64_t sequence,
-                       const v1::SiteClaim& claim) {
+                       const v1::SiteClaim& stored) {
+  const v1::SiteClaim claim = stored.generation() > kMaxGeneration ? v1::SiteClaim() : stored;
   const std::lock_guard lock(mutex_);
   Claim& known = claims_[site];
   if (sequence < known.sequence) {
@@ -133,6 +138,7 @@ void ClaimKeeper::note(const std::string& site,
   }
   known.sequence = sequence;
   known.claim = claim;
+  known.highest = std::max(known.highest, claim.generation());
   const auto owned = owned_.find(site);
   const bool is_ours =
       claim.worker() == options_.worker && claim.incarnation() == options_.incarnation;

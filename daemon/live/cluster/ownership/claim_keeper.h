@@ -102,6 +102,7 @@ class ClaimKeeper {
     Time ownerless{};  // start of the period without an owner, by our clock; zero: has one
     Time noted{};      // when we received it
     Time asked{};
+    std::uint64_t highest = 0;  // generation of all its claims that we received
   };
 
   ClaimKeeper(std::shared_ptr<Broker> broker, Options options);

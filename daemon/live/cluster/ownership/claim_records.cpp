@@ -86,7 +86,7 @@ void ClaimKeeper::try_to_claim(const std::string& site) {
   }
   const auto before_all = static_cast<std::uint64_t>(
       std::chrono::floor<std::chrono::milliseconds>(created_.time_since_epoch()).count());
-  const v1::SiteClaim mine = claim_of(std::max(known.claim.generation(), before_all) + 1);
+  const v1::SiteClaim mine = claim_of(std::max(known.highest, before_all) + 1);
   const auto sent = broker_->publish_behind(claim_subject(site), seal(mine), known.sequence);
   if (!sent) {
     return;  // the next check shows the outcome
@@ -99,7 +99,7 @@ void ClaimKeeper::try_to_claim(const std::string& site) {
     const std::lock_guard lock(mutex_);
     const Time now = std::chrono::steady_clock::now();
     owned_[site] = mine.generation();
-    claims_[site] = {sent->sequence, mine, {}, now, now};
+    claims_[site] = {sent->sequence, mine, {}, now, now, mine.generation()};
     changes_.push_back({site, mine.generation(), options_.worker});
     send_now_ = true;
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <limits>
 #include <map>
 #include <memory>
 #include <string>
@@ -296,6 +297,41 @@ TEST(ClaimKeeper, OneOfTwoNamesakesClaimsNothingAndReportsWhy) {
   EXPECT_TRUE(eventually(kPatience, [&] { return namesake.owned() == kSites; }));
   EXPECT_EQ(namesake.keeper->trouble(), "");
 }
+
+// A claim of a worker that does not live, by a client that may write claims.
+class ForgedClaim : public ::testing::TestWithParam<std::uint64_t> {};
+
+TEST_P(ForgedClaim, CostsItsSiteOneChangeOfOwner) {
+  const auto broker = std::make_shared<FakeBroker>();
+  Worker first(broker, "w1", 0);
+  Worker second(broker, "w2", 0);
+  ASSERT_TRUE(eventually(kPatience, [&] { return first.owned() + second.owned() == kSites; }));
+  const auto others = first.sites;
+  ASSERT_FALSE(others.empty());
+  const auto [site, generation] = *others.begin();
+  const auto last = broker->last_of(std::string(kClaimStream), claim_subject(site));
+  ASSERT_TRUE(last && *last);
+  v1::SiteClaim forged;
+  forged.set_worker("nobody");
+  forged.set_incarnation(9);
+  forged.set_generation(GetParam() == 0 ? generation + 5 : GetParam());
+  const std::uint64_t next = (GetParam() == 0 ? forged.generation() : generation) + 1;
+  ASSERT_TRUE(broker->publish_behind(claim_subject(site), seal(forged), (*last)->sequence));
+  const auto has_next = [&, &name = site](Worker& worker) {
+    worker.owned();
+    const auto owned = worker.sites.find(name);
+    return owned != worker.sites.end() && owned->second == next;
+  };
+  EXPECT_TRUE(eventually(kPatience, [&] { return has_next(first) || has_next(second); }));
+  EXPECT_TRUE(eventually(kPatience, [&] { return first.owned() + second.owned() == kSites; }));
+  for (const auto& [other, its] : others) {
+    EXPECT_TRUE(other == site || first.sites.at(other) == its) << other;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Generations,
+                         ForgedClaim,
+                         ::testing::Values(0, std::numeric_limits<std::uint64_t>::max()));
 
 // The others of the dead owner's sites are due no earlier.
 TEST(ClaimKeeper, AStandbyClaimsItsSitesFirst) {
