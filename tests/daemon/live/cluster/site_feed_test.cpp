@@ -3,6 +3,7 @@
 #include <poll.h>
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <string>
 #include <vector>
@@ -51,10 +52,17 @@ class Feed : public ::testing::Test {
     feed_->start();
   }
   // Stores a batch of that node; its time is 20 ms times its number, after a fixed start.
-  void store(const std::string& node, const Batch& batch) {
+  void store(const std::string& node, const Batch& batch) { store(node, encode(batch)); }
+  void store(const std::string& node, const std::string& bytes) {
     ++ids_;
-    ASSERT_TRUE(publisher_->publish(
-        csi_subject("office", node), encode(batch), std::to_string(ids_), ids_));
+    ASSERT_TRUE(
+        publisher_->publish(csi_subject("office", node), bytes, std::to_string(ids_), ids_));
+  }
+  // Stores a record that only the owner of the site may write.
+  void store(const v1::OwnerRecord& record) {
+    ++ids_;
+    ASSERT_TRUE(
+        publisher_->publish(owner_subject("office"), seal(record), std::to_string(ids_), ids_));
   }
   struct Received {
     std::vector<Timestamp> times;
@@ -223,6 +231,117 @@ TEST_F(Feed, CountsUnreadableMessages) {
   EXPECT_TRUE(eventually(kPatience, [&] { return received(0).times.size() == 1; }));
   EXPECT_TRUE(eventually(kPatience, [&] { return feed_->counters().unknown == 5; }));
   EXPECT_EQ(feed_->counters().refused, 2U);
+}
+
+std::string changed(const Batch& batch, std::size_t byte) {
+  std::string bytes = encode(batch);
+  bytes.at(byte) = static_cast<char>(bytes.at(byte) ^ 0x10);
+  return bytes;
+}
+
+// One has another version, one a changed byte. The node sends the first again, and marks the other.
+TEST_F(Feed, ABatchThatIsRefusedIsReadAgainOrMarked) {
+  constexpr std::size_t kVersionByte = 3;
+  open({"ap1"});
+  std::atomic<int> asked{0};
+  const auto requests = broker_->subscribe(resend_subject("a"), [&](BrokerMessage&&) { ++asked; });
+  const Batch second = some_batch(2, {{"ap1", 3}});
+  const Batch third = some_batch(3, {{"ap1", 2}});
+  store("a", some_batch(1, {{"ap1", 1}}));
+  store("a", changed(second, kVersionByte));
+  store("a", changed(third, encode(third).size() - 1));
+  store("a", some_batch(4, {{"ap1", 1}}));
+  ASSERT_TRUE(eventually(kPatience, [&] { return asked > 0; }));
+  EXPECT_TRUE(eventually(kPatience, [&] { return received(0).times.size() == 1; }));
+  store("a", second);
+  Batch fifth = some_batch(5, {{"ap1", 1}});
+  fifth.gaps = {{3, 3, {{"ap1", 2}}, "no longer kept"}};
+  store("a", fifth);
+  EXPECT_TRUE(eventually(kPatience, [&] { return received(0).times.size() == 1 + 3 + 1 + 1; }));
+  EXPECT_TRUE(std::is_sorted(received(0).times.begin(), received(0).times.end()));
+  EXPECT_TRUE(eventually(kPatience, [&] { return feed_->counters().batches.taken == 4; }));
+  const SiteFeed::Counters counters = feed_->counters();
+  EXPECT_EQ(counters.refused, 2U);
+  EXPECT_EQ(counters.batches.marked, 1U);
+  EXPECT_EQ(counters.batches.marked_datagrams.at("ap1"), 2U);
+  EXPECT_EQ(counters.batches.missing, 0U);
+}
+
+TEST_F(Feed, ANodeOfAnotherVersionDelaysNoOther) {
+  constexpr std::size_t kVersionByte = 3;
+  open({"ap1", "ap2"});
+  for (std::uint64_t number = 1; number <= 3; ++number) {
+    store("a", some_batch(number, {{"ap1", 1}}));
+    store("b", changed(some_batch(number, {{"ap2", 1}}), kVersionByte));
+  }
+  EXPECT_TRUE(eventually(kPatience, [&] { return received(0).times.size() == 3; }));
+  EXPECT_TRUE(eventually(kPatience, [&] { return received(1).watermark == time_of(3); }));
+  EXPECT_THAT(received(1).times, IsEmpty());
+  EXPECT_TRUE(eventually(kPatience, [&] { return feed_->counters().refused == 3; }));
+}
+
+// The records name another start or number of the node, or a node that is not there.
+TEST_F(Feed, IgnoresForgedSilence) {
+  open({"ap1", "ap2"});
+  store("a", some_batch(1, {{"ap1", 1}}));
+  store("b", some_batch(1, {{"ap2", 1}}));
+  const auto silent = [](const std::string& node, std::uint64_t epoch, std::uint64_t number) {
+    v1::OwnerRecord record;
+    record.mutable_silent()->set_node(node);
+    record.mutable_silent()->set_epoch(epoch);
+    record.mutable_silent()->set_number(number);
+    return record;
+  };
+  store(silent("b", kSomeEpoch + 1, 1));
+  store(silent("b", kSomeEpoch, 2));
+  store(silent("c", kSomeEpoch, 1));
+  store("a", some_batch(2, {{"ap1", 1}}));
+  ASSERT_TRUE(eventually(kPatience, [&] { return received(0).watermark == time_of(2); }));
+  EXPECT_EQ(received(1).watermark, time_of(1)) << "it is still waited for";
+  store(silent("b", kSomeEpoch, 1));
+  EXPECT_TRUE(eventually(kPatience, [&] { return received(1).watermark == time_of(2); }));
+  EXPECT_TRUE(eventually(kPatience, [&] { return feed_->counters().silences == 1; }));
+}
+
+TEST_F(Feed, ShedsNoMoreThanItMayByAForgedRecord) {
+  open({"ap1"});
+  v1::OwnerRecord record;
+  record.mutable_shed()->set_level(std::numeric_limits<std::uint32_t>::max());
+  store(record);
+  constexpr std::uint64_t kBatches = 400;
+  for (std::uint64_t number = 1; number <= kBatches; ++number) {
+    store("a", some_batch(number, {{"ap1", 1}}));
+  }
+  ASSERT_TRUE(eventually(kPatience, [&] { return received(0).watermark == time_of(kBatches); }));
+  EXPECT_FALSE(received(0).times.empty());
+  EXPECT_EQ(received(0).times.size() + sources_[0]->counters().rejected["shed"], kBatches);
+  EXPECT_LE(feed_->counters().shed_level, kMaxShed);
+}
+
+// Nothing that it sent is used after its silence, and all of that is counted.
+TEST_F(Feed, CountsTheDataOfANodeWhoseClockIsAnHourBehind) {
+  open({"ap1", "ap2"}, milliseconds(300));
+  const auto behind = [](std::uint64_t number, std::size_t datagrams) {
+    Batch batch = some_batch(number, {{"ap2", datagrams}});
+    batch.parts[0].watermark -= std::chrono::hours(1);
+    for (auto& entry : batch.parts[0].datagrams.entries) {
+      entry.time -= std::chrono::hours(1);
+    }
+    return batch;
+  };
+  store("b", behind(1, 2));
+  store("a", some_batch(1, {{"ap1", 1}}));
+  EXPECT_TRUE(eventually(kPatience, [&] { return received(1).times.size() == 2; }));
+  EXPECT_LT(received(1).times.back(), time_of(1) - std::chrono::minutes(59));
+  std::uint64_t number = 1;
+  ASSERT_TRUE(eventually(kPatience, [&] {
+    store("a", some_batch(++number, {{"ap1", 1}}));
+    return received(1).watermark > time_of(1);
+  }));
+  store("b", behind(2, 4));
+  EXPECT_TRUE(
+      eventually(kPatience, [&] { return sources_[1]->counters().rejected["late_node"] == 4; }));
+  EXPECT_EQ(received(1).times.size(), 2U);
 }
 
 TEST_F(Feed, AnAbsentBrokerIsTheTroubleOfEverySource) {
