@@ -93,6 +93,76 @@ TEST_F(SiteFolderTest, ARefusedSiteIsTriedOnceAndAnUnavailableOneAgain) {
   EXPECT_TRUE(fs::is_empty(folder_));
 }
 
+// The messages of its stream have changed since it was stored.
+class ChangedBundle : public SiteFolderTest {
+ protected:
+  ChangedBundle() {
+    // The pieces of a replaced bundle are removed.
+    broker_.answer = [](const std::string& /*subject*/) { return std::string("{}"); };
+  }
+  // The message that replaces the last one of that subject; nothing: it is removed.
+  void replace(const std::string& subject, const std::optional<std::string>& data) {
+    const std::string stream(kBundleStream);
+    const auto last = broker_.last_of(stream, subject);
+    ASSERT_TRUE(last && *last) << subject;
+    if (!data) {
+      broker_.drop(stream, (*last)->sequence);
+    } else {
+      const auto sent = broker_.publish_behind(subject, *data, (*last)->sequence);
+      ASSERT_TRUE(sent && sent->is_last) << subject;
+    }
+  }
+  static std::string subject_of(const std::string& last) { return "rayloc.v1.bundle.hall." + last; }
+  // The next version of the site is refused for `reason`, and the present one stays.
+  void expect_refused(const std::string& hash, const std::string& reason) {
+    const auto refused = settle({{"hall", hash}});
+    ASSERT_TRUE(refused);
+    EXPECT_EQ(refused->kind, Kind::kRefused);
+    EXPECT_FALSE(refused->has_changed());
+    EXPECT_THAT(refused->reason, HasSubstr(reason));
+    EXPECT_EQ(text_of(folder_ / "hall" / "site.toml"), "first");
+    EXPECT_FALSE(fs::exists(folder_ / "hall.new"));
+  }
+  void take_first() {
+    const auto taken = settle({{"hall", store("hall", "first")}});
+    ASSERT_TRUE(taken);
+    ASSERT_EQ(taken->kind, Kind::kReplaced) << taken->reason;
+  }
+};
+
+TEST_F(ChangedBundle, WithOtherBytesIsRefused) {
+  take_first();
+  const std::string hash = store("hall", "second");
+  replace(subject_of(hash + ".0"), "forged");
+  expect_refused(hash, "changed bytes");
+}
+
+TEST_F(ChangedBundle, ThatIsShorterIsRefused) {
+  take_first();
+  const std::string hash = store("hall", "second");
+  replace(subject_of(hash + ".0"), "sec");
+  expect_refused(hash, "shorter");
+}
+
+TEST_F(ChangedBundle, WithoutOneOfItsPiecesIsRefused) {
+  take_first();
+  const std::string hash = store("hall", "second");
+  replace(subject_of(hash + ".0"), std::nullopt);
+  expect_refused(hash, "missing");
+}
+
+TEST_F(ChangedBundle, WithAnInvalidEntryIsRefused) {
+  take_first();
+  const std::string hash = store("hall", "second");
+  for (const std::string entry : {"", "{}", R"({"hash": 1, "pieces": 1, "files": []})"}) {
+    replace(subject_of("_current"), entry);
+    expect_refused(hash, "apply");
+    sites_ = SiteFolder(folder_, [](const fs::path& /*site*/) -> Expected<std::string> {
+      return std::string("good");
+    });  // it has not refused that hash yet
+  }
+}
+
 TEST_F(SiteFolderTest, RefusesANameThatAConfigurationCannotHold) {
   EXPECT_TRUE(is_plain_site_name("the hall"));
   EXPECT_FALSE(is_plain_site_name("the \"hall\""));
