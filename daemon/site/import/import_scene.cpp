@@ -8,7 +8,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "daemon/site/import/drawn_plan.h"
-#include "daemon/site/import/dxf_reader.h"
+#include "daemon/site/import/dxf/dxf_reader.h"
 #include "daemon/site/import/planes.h"
 #include "daemon/site/import/read_model.h"
 #include "daemon/site/import/recognise.h"

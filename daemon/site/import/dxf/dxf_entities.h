@@ -1,0 +1,48 @@
+// DxfEntities: reads the drawn entities of a DXF file into blocks.
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "daemon/site/import/drawing.h"
+#include "daemon/site/import/dxf/dxf_groups.h"
+
+namespace rayloc {
+
+// A block that is drawn within another one.
+struct DxfInsert {
+  std::string block;
+  std::string layer;
+  FloorPoint at{};
+  double scale_x = 1.0;
+  double scale_y = 1.0;
+  double turn = 0.0;  // [rad]
+};
+
+struct DxfBlock {
+  FloorPoint base{};
+  std::vector<DrawnLine> lines;
+  std::vector<DxfInsert> inserts;
+  std::map<std::string, std::size_t> left_out;  // count by kind
+};
+
+class DxfEntities {
+ public:
+  explicit DxfEntities(DxfGroups& groups) : groups_(groups) {}
+
+  // Adds all entities up to the one named `end`, or to the end of the section.
+  void read(std::string_view end, DxfBlock& to);
+
+ private:
+  void read_line(DxfBlock& to);
+  void read_points(DxfBlock& to);
+  void read_polyline(DxfBlock& to);
+  void read_insert(DxfBlock& to);
+
+  DxfGroups& groups_;
+};
+
+}  // namespace rayloc

@@ -1,0 +1,73 @@
+#include "daemon/site/import/dxf/dxf_groups.h"
+
+#include <charconv>
+#include <cmath>
+#include <system_error>
+
+#include <spdlog/fmt/fmt.h>
+
+namespace rayloc {
+namespace {
+
+constexpr double kMaxInteger = 65536.0;
+
+std::string trimmed(const std::string& text) {
+  const std::size_t begin = text.find_first_not_of(" \t\r");
+  return begin == std::string::npos
+             ? ""
+             : text.substr(begin, text.find_last_not_of(" \t\r") + 1 - begin);
+}
+
+}  // namespace
+
+DxfGroups::DxfGroups(const std::filesystem::path& file) : file_(file.string()), in_(file) {
+  next();
+}
+
+void DxfGroups::next() {
+  std::string code;
+  std::string value;
+  now_ = {-1, "", line_ + 1};
+  if (!std::getline(in_, code)) {
+    ended_ = true;
+    return;
+  }
+  ++line_;
+  const std::string digits = trimmed(code);
+  const auto [end, failed] =
+      std::from_chars(digits.data(), digits.data() + digits.size(), now_.code);
+  if (failed != std::errc() || end != digits.data() + digits.size()) {
+    fail(fmt::format("'{}' is no group code of a DXF", digits.substr(0, 40)));
+    return;
+  }
+  if (!std::getline(in_, value)) {
+    fail("the file ends within a group");
+    return;
+  }
+  ++line_;
+  now_.value = trimmed(value);
+}
+
+void DxfGroups::fail(const std::string& what) {
+  if (error_.empty()) {
+    error_ = fmt::format("{}:{}: {}; export it again as DXF (text)", file_, now_.line, what);
+  }
+  ended_ = true;
+}
+
+double DxfGroups::number() {
+  double number = 0.0;
+  const std::string& text = now_.value;
+  const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (failed != std::errc() || end != text.data() + text.size() || !std::isfinite(number)) {
+    fail(fmt::format("'{}' is no number", text.substr(0, 40)));
+  }
+  return number;
+}
+
+int DxfGroups::integer() {
+  const double value = number();
+  return std::abs(value) < kMaxInteger ? static_cast<int>(value) : 0;
+}
+
+}  // namespace rayloc

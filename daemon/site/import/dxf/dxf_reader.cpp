@@ -1,0 +1,179 @@
+#include "daemon/site/import/dxf/dxf_reader.h"
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <spdlog/fmt/fmt.h>
+
+#include "daemon/site/import/dxf/dxf_entities.h"
+#include "daemon/site/import/dxf/dxf_groups.h"
+#include "daemon/site/import/placing.h"
+
+namespace rayloc {
+namespace {
+
+constexpr int kMaxBlockDepth = 16;  // blocks within blocks, chosen
+
+// Metres per $INSUNITS number; 0: not stated here.
+constexpr std::array<double, 8> kDxfUnits = {0.0, 0.0254, 0.3048, 0.0, 0.001, 0.01, 1.0, 1000.0};
+
+class DxfReader {
+ public:
+  explicit DxfReader(const std::filesystem::path& file) : file_(file.string()), groups_(file) {}
+
+  Expected<Drawing> read() {
+    while (!groups_.has_ended() && !groups_.is(0, "EOF")) {
+      const bool begins = groups_.is(0, "SECTION");
+      groups_.next();
+      if (!begins) {
+        continue;
+      }
+      if (groups_.is(2, "HEADER")) {
+        read_header();
+      } else if (groups_.is(2, "BLOCKS")) {
+        read_blocks();
+      } else if (groups_.is(2, "ENTITIES")) {
+        groups_.next();
+        entities_.read("ENDSEC", model_);
+      }
+    }
+    if (!groups_.error().empty()) {
+      return bad_input(groups_.error());
+    }
+    place(model_, {}, "", 0);
+    if (points_ > kMaxDrawnPoints) {
+      return bad_input(file_ + ": has more points than a plan of rooms; export one storey");
+    }
+    if (!is_finite_) {
+      return bad_input(file_ + ": has a coordinate that is not a finite number; export it again");
+    }
+    if (const std::vector<std::string> left_out = counts(); !left_out.empty()) {
+      drawing_.remarks.push_back(fmt::format("left out: {}", fmt::join(left_out, ", ")));
+    }
+    return std::move(drawing_);
+  }
+
+ private:
+  void read_header() {
+    while (!groups_.has_ended() && !groups_.is(0, "ENDSEC")) {
+      if (groups_.is(9, "$INSUNITS")) {
+        groups_.next();
+        const double unit = groups_.number();
+        if (unit >= 0.0 && unit < static_cast<double>(kDxfUnits.size())) {
+          drawing_.metres = kDxfUnits[static_cast<std::size_t>(unit)];
+        }
+      }
+      groups_.next();
+    }
+  }
+
+  void read_blocks() {
+    while (!groups_.has_ended() && !groups_.is(0, "ENDSEC")) {
+      if (!groups_.is(0, "BLOCK")) {
+        groups_.next();
+        continue;
+      }
+      DxfBlock block;
+      std::string name;
+      for (groups_.next(); !groups_.is_end(); groups_.next()) {
+        switch (groups_.now().code) {
+          case 2:
+            name = groups_.now().value;
+            break;
+          case 10:
+            block.base[0] = groups_.number();
+            break;
+          case 20:
+            block.base[1] = groups_.number();
+            break;
+          default:
+            break;
+        }
+      }
+      entities_.read("ENDBLK", block);
+      blocks_[name] = std::move(block);
+    }
+  }
+
+  // Lines of an inserted block; those of its layer "0" are on the layer of the insert.
+  void place(const DxfBlock& block, const Placing& placing, const std::string& layer, int depth) {
+    for (const DrawnLine& line : block.lines) {
+      points_ += line.points.size();
+      if (points_ > kMaxDrawnPoints) {
+        return;
+      }
+      DrawnLine placed{
+          line.layer == "0" && !layer.empty() ? layer : line.layer, {}, line.is_closed};
+      placed.points.reserve(line.points.size());
+      for (const FloorPoint& p : line.points) {
+        placed.points.push_back(placing(p));
+        is_finite_ = is_finite_ && std::isfinite(placed.points.back()[0]) &&
+                     std::isfinite(placed.points.back()[1]);
+      }
+      drawing_.lines.push_back(std::move(placed));
+    }
+    for (const auto& [kind, count] : block.left_out) {
+      left_out_[kind] += count;
+    }
+    for (const DxfInsert& insert : block.inserts) {
+      if (++points_ > kMaxDrawnPoints) {
+        return;
+      }
+      const auto found = blocks_.find(insert.block);
+      if (found == blocks_.end() || depth == kMaxBlockDepth) {
+        ++left_out_["INSERT of a block that is not there"];
+        continue;
+      }
+      const double c = std::cos(insert.turn);
+      const double s = std::sin(insert.turn);
+      const FloorPoint& base = found->second.base;
+      Placing own{c * insert.scale_x, -s * insert.scale_y, s * insert.scale_x, c * insert.scale_y};
+      const FloorPoint moved = own(base);
+      own.x = insert.at[0] - moved[0];
+      own.y = insert.at[1] - moved[1];
+      place(found->second,
+            placing.after(own),
+            insert.layer == "0" && !layer.empty() ? layer : insert.layer,
+            depth + 1);
+    }
+  }
+
+  std::vector<std::string> counts() const {
+    std::vector<std::string> all;
+    for (const auto& [kind, count] : left_out_) {
+      if (count > 0) {
+        all.push_back(fmt::format("{} {}", count, kind));
+      }
+    }
+    return all;
+  }
+
+  std::string file_;
+  DxfGroups groups_;
+  DxfEntities entities_{groups_};
+  Drawing drawing_;
+  DxfBlock model_;
+  std::map<std::string, DxfBlock> blocks_;
+  std::map<std::string, std::size_t> left_out_;
+  std::size_t points_ = 0;
+  bool is_finite_ = true;
+};
+
+}  // namespace
+
+Expected<Drawing> read_dxf(const std::filesystem::path& file) {
+  auto drawing = DxfReader(file).read();
+  if (drawing && drawing->lines.empty()) {
+    return bad_input(
+        file.string() +
+        ": has no LINE and no POLYLINE; export the storey's plan as DXF, with its blocks");
+  }
+  return drawing;
+}
+
+}  // namespace rayloc
