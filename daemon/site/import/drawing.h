@@ -21,8 +21,9 @@ struct DrawnLine {
 struct Drawing {
   std::vector<DrawnLine> lines;
   std::set<std::string> empty_layers;
-  double metres = 0.0;               // per unit, as the file states; 0: not stated
-  std::vector<std::string> remarks;  // omitted content, as messages for a person
+  std::set<std::string> hidden_layers;  // whose lines were left out
+  double metres = 0.0;                  // per unit, as the file states; 0: not stated
+  std::vector<std::string> remarks;     // omitted content, as messages for a person
 };
 
 }  // namespace rayloc

@@ -170,16 +170,7 @@ class PlanMaker {
 
   Expected<Model> finish(const std::set<std::string>& layers, const Drawing& drawing) {
     if (walls_.empty()) {
-      for (const std::string& layer : drawing.empty_layers) {
-        if (table_.layer(layer) == "wall") {
-          return bad_input(fmt::format(
-              "layer '{}' is empty, and no other layer holds walls; draw them there", layer));
-        }
-      }
-      return bad_input(fmt::format(
-          "no layer is known to hold walls; its layers are {}. Name them in a table: rayloc scene "
-          "import --print-materials > materials.toml, [layers] wall = [...]",
-          listed(layers)));
+      return no_walls(layers, drawing);
     }
     const Rectangle whole = around(walls_);
     std::vector<WallLine> walls = wall_lines(walls_);
@@ -205,6 +196,31 @@ class PlanMaker {
   Model& model() { return model_; }
 
  private:
+  // The layers that could have held walls, and the remedy.
+  tl::unexpected<Error> no_walls(const std::set<std::string>& layers,
+                                 const Drawing& drawing) const {
+    for (const std::string& layer : drawing.hidden_layers) {
+      if (table_.layer(layer) == "wall") {
+        return bad_input(fmt::format(
+            "layer '{}' is off or frozen, and no other layer holds walls; show it in the "
+            "drawing, and export it again",
+            layer));
+      }
+    }
+    for (const std::string& layer : drawing.empty_layers) {
+      if (table_.layer(layer) == "wall") {
+        return bad_input(fmt::format(
+            "layer '{}' is empty, and no other layer holds walls; draw them there", layer));
+      }
+    }
+    return bad_input(fmt::format(
+        "no layer is known to hold walls; its layers are {}. Name them in a table: rayloc scene "
+        "import --print-materials > materials.toml, [layers] wall = [...]{}{}",
+        listed(layers),
+        drawing.remarks.empty() ? "" : "; ",
+        fmt::join(drawing.remarks, "; ")));
+  }
+
   // One line per window: the longest of the adjacent lines of panes and frames.
   std::vector<WallLine> panes() const {
     std::vector<WallLine> all = wall_lines(windows_);

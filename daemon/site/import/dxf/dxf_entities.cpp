@@ -9,13 +9,45 @@ namespace {
 
 constexpr const char* kArc = "arcs of polylines, of which the chords were taken";
 
-void keep(DxfBlock& to, DrawnLine&& line) {
-  if (line.points.size() > 1) {
-    to.lines.push_back(std::move(line));
+}  // namespace
+
+// The current group, if it is one of those.
+void DxfEntities::read_common() {
+  switch (groups_.now().code) {
+    case 8:
+      common_.layer = groups_.now().value;
+      break;
+    case 60:
+      common_.is_invisible = groups_.integer() != 0;
+      break;
+    case 67:
+      common_.is_on_sheet = groups_.integer() != 0;
+      break;
+    default:
+      break;
   }
 }
 
-}  // namespace
+void DxfEntities::leave_out(const std::string& kind, DxfBlock& to) const {
+  ++to.left_out[kind];
+  to.left_out_layers.insert(common_.layer);
+}
+
+// False, and counted, for an entity that a person does not see in the plan.
+bool DxfEntities::is_seen(DxfBlock& to) const {
+  if (common_.is_on_sheet || common_.is_invisible) {
+    leave_out(common_.is_on_sheet ? "in the layout of a sheet" : "invisible", to);
+    return false;
+  }
+  return true;
+}
+
+void DxfEntities::keep(DrawnLine&& line, DxfBlock& to) const {
+  if (line.points.size() > 1 && is_seen(to)) {
+    line.layer = common_.layer;
+    to.lines.push_back(std::move(line));
+  }
+}
 
 void DxfEntities::read(std::string_view end, DxfBlock& to) {
   while (!groups_.has_ended() && !groups_.is(0, end) && !groups_.is(0, "ENDSEC")) {
@@ -25,6 +57,7 @@ void DxfEntities::read(std::string_view end, DxfBlock& to) {
     }
     const std::string kind = groups_.now().value;
     groups_.next();
+    common_ = {};
     if (kind == "LINE") {
       read_line(to);
     } else if (kind == "LWPOLYLINE") {
@@ -34,7 +67,10 @@ void DxfEntities::read(std::string_view end, DxfBlock& to) {
     } else if (kind == "INSERT") {
       read_insert(to);
     } else if (kind != "ATTRIB" && kind != "SEQEND") {
-      ++to.left_out[kind];
+      for (; !groups_.is_end(); groups_.next()) {
+        read_common();
+      }
+      leave_out(kind, to);
     }
   }
 }
@@ -44,9 +80,6 @@ void DxfEntities::read_line(DxfBlock& to) {
   line.points.resize(2);
   for (; !groups_.is_end(); groups_.next()) {
     switch (groups_.now().code) {
-      case 8:
-        line.layer = groups_.now().value;
-        break;
       case 10:
         line.points[0][0] = groups_.number();
         break;
@@ -60,10 +93,11 @@ void DxfEntities::read_line(DxfBlock& to) {
         line.points[1][1] = groups_.number();
         break;
       default:
+        read_common();
         break;
     }
   }
-  keep(to, std::move(line));
+  keep(std::move(line), to);
 }
 
 // Consecutive points of an LWPOLYLINE.
@@ -71,9 +105,6 @@ void DxfEntities::read_points(DxfBlock& to) {
   DrawnLine line;
   for (; !groups_.is_end(); groups_.next()) {
     switch (groups_.now().code) {
-      case 8:
-        line.layer = groups_.now().value;
-        break;
       case 42:
         to.left_out[kArc] += groups_.number() != 0.0 ? 1U : 0U;
         break;
@@ -89,21 +120,21 @@ void DxfEntities::read_points(DxfBlock& to) {
         }
         break;
       default:
+        read_common();
         break;
     }
   }
-  keep(to, std::move(line));
+  keep(std::move(line), to);
 }
 
 // Points of a POLYLINE, which are separate entities.
 void DxfEntities::read_polyline(DxfBlock& to) {
   DrawnLine line;
   for (; !groups_.is_end(); groups_.next()) {
-    if (groups_.now().code == 8) {
-      line.layer = groups_.now().value;
-    } else if (groups_.now().code == 70) {
+    if (groups_.now().code == 70) {
       line.is_closed = (groups_.integer() & 1) != 0;
     }
+    read_common();
   }
   while (groups_.is(0, "VERTEX")) {
     FloorPoint point{};
@@ -116,7 +147,7 @@ void DxfEntities::read_polyline(DxfBlock& to) {
     }
     line.points.push_back(point);
   }
-  keep(to, std::move(line));
+  keep(std::move(line), to);
 }
 
 void DxfEntities::read_insert(DxfBlock& to) {
@@ -125,9 +156,6 @@ void DxfEntities::read_insert(DxfBlock& to) {
     switch (groups_.now().code) {
       case 2:
         insert.block = groups_.now().value;
-        break;
-      case 8:
-        insert.layer = groups_.now().value;
         break;
       case 10:
         insert.at[0] = groups_.number();
@@ -145,10 +173,14 @@ void DxfEntities::read_insert(DxfBlock& to) {
         insert.turn = groups_.number() * kDegree;
         break;
       default:
+        read_common();
         break;
     }
   }
-  to.inserts.push_back(std::move(insert));
+  insert.layer = common_.layer;
+  if (is_seen(to)) {
+    to.inserts.push_back(std::move(insert));
+  }
 }
 
 }  // namespace rayloc

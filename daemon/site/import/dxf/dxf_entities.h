@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <map>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -27,6 +28,7 @@ struct DxfBlock {
   std::vector<DrawnLine> lines;
   std::vector<DxfInsert> inserts;
   std::map<std::string, std::size_t> left_out;  // count by kind
+  std::set<std::string> left_out_layers;        // layers of these
 };
 
 class DxfEntities {
@@ -37,12 +39,24 @@ class DxfEntities {
   void read(std::string_view end, DxfBlock& to);
 
  private:
+  // Groups that every entity may have.
+  struct Common {
+    std::string layer;
+    bool is_on_sheet = false;  // in the layout of a sheet of paper
+    bool is_invisible = false;
+  };
+  void read_common();
+  void leave_out(const std::string& kind, DxfBlock& to) const;
+  void keep(DrawnLine&& line, DxfBlock& to) const;
+  bool is_seen(DxfBlock& to) const;
+
   void read_line(DxfBlock& to);
   void read_points(DxfBlock& to);
   void read_polyline(DxfBlock& to);
   void read_insert(DxfBlock& to);
 
   DxfGroups& groups_;
+  Common common_;  // of the entity that is read
 };
 
 }  // namespace rayloc

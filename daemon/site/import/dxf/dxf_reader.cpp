@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <map>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -22,6 +23,11 @@ constexpr int kMaxBlockDepth = 16;  // blocks within blocks, chosen
 // Metres per $INSUNITS number; 0: not stated here.
 constexpr std::array<double, 8> kDxfUnits = {0.0, 0.0254, 0.3048, 0.0, 0.001, 0.01, 1.0, 1000.0};
 
+struct Layer {
+  bool is_frozen = false;  // hides what is inserted on it, too
+  bool is_hidden = false;  // frozen or off
+};
+
 class DxfReader {
  public:
   explicit DxfReader(const std::filesystem::path& file) : file_(file.string()), groups_(file) {}
@@ -35,6 +41,8 @@ class DxfReader {
       }
       if (groups_.is(2, "HEADER")) {
         read_header();
+      } else if (groups_.is(2, "TABLES")) {
+        read_layers();
       } else if (groups_.is(2, "BLOCKS")) {
         read_blocks();
       } else if (groups_.is(2, "ENTITIES")) {
@@ -52,6 +60,7 @@ class DxfReader {
     if (!is_finite_) {
       return bad_input(file_ + ": has a coordinate that is not a finite number; export it again");
     }
+    sort_layers();
     if (const std::vector<std::string> left_out = counts(); !left_out.empty()) {
       drawing_.remarks.push_back(fmt::format("left out: {}", fmt::join(left_out, ", ")));
     }
@@ -70,6 +79,39 @@ class DxfReader {
       }
       groups_.next();
     }
+  }
+
+  void read_layers() {
+    while (!groups_.has_ended() && !groups_.is(0, "ENDSEC")) {
+      if (!groups_.is(0, "LAYER")) {
+        groups_.next();
+        continue;
+      }
+      Layer layer;
+      std::string name;
+      for (groups_.next(); !groups_.is_end(); groups_.next()) {
+        switch (groups_.now().code) {
+          case 2:
+            name = groups_.now().value;
+            break;
+          case 62:  // the colour
+            layer.is_hidden = layer.is_hidden || groups_.integer() < 0;
+            break;
+          case 70:
+            layer.is_frozen = (groups_.integer() & 1) != 0;
+            layer.is_hidden = layer.is_hidden || layer.is_frozen;
+            break;
+          default:
+            break;
+        }
+      }
+      layers_[name] = layer;
+    }
+  }
+
+  Layer layer_of(const std::string& name) const {
+    const auto found = layers_.find(name);
+    return found == layers_.end() ? Layer{} : found->second;
   }
 
   void read_blocks() {
@@ -109,6 +151,12 @@ class DxfReader {
       }
       DrawnLine placed{
           line.layer == "0" && !layer.empty() ? layer : line.layer, {}, line.is_closed};
+      if (layer_of(placed.layer).is_hidden) {
+        drawing_.hidden_layers.insert(placed.layer);
+        ++hidden_;
+        continue;
+      }
+      used_.insert(placed.layer);
       placed.points.reserve(line.points.size());
       for (const FloorPoint& p : line.points) {
         placed.points.push_back(placing(p));
@@ -120,6 +168,7 @@ class DxfReader {
     for (const auto& [kind, count] : block.left_out) {
       left_out_[kind] += count;
     }
+    used_.insert(block.left_out_layers.begin(), block.left_out_layers.end());
     for (const DxfInsert& insert : block.inserts) {
       if (++points_ > kMaxDrawnPoints) {
         return;
@@ -129,6 +178,12 @@ class DxfReader {
         ++left_out_["INSERT of a block that is not there"];
         continue;
       }
+      const std::string& own_layer = insert.layer == "0" && !layer.empty() ? layer : insert.layer;
+      if (layer_of(own_layer).is_frozen) {
+        drawing_.hidden_layers.insert(own_layer);
+        ++hidden_;
+        continue;
+      }
       const double c = std::cos(insert.turn);
       const double s = std::sin(insert.turn);
       const FloorPoint& base = found->second.base;
@@ -136,10 +191,19 @@ class DxfReader {
       const FloorPoint moved = own(base);
       own.x = insert.at[0] - moved[0];
       own.y = insert.at[1] - moved[1];
-      place(found->second,
-            placing.after(own),
-            insert.layer == "0" && !layer.empty() ? layer : insert.layer,
-            depth + 1);
+      place(found->second, placing.after(own), own_layer, depth + 1);
+    }
+  }
+
+  void sort_layers() {
+    for (const auto& [name, layer] : layers_) {
+      if (!layer.is_hidden && !used_.contains(name)) {
+        drawing_.empty_layers.insert(name);
+      }
+    }
+    if (hidden_ > 0) {
+      left_out_[fmt::format("on layers that are off or frozen ({})",
+                            fmt::join(drawing_.hidden_layers, ", "))] = hidden_;
     }
   }
 
@@ -159,6 +223,9 @@ class DxfReader {
   Drawing drawing_;
   DxfBlock model_;
   std::map<std::string, DxfBlock> blocks_;
+  std::map<std::string, Layer> layers_;
+  std::set<std::string> used_;  // layers with a visible entity
+  std::size_t hidden_ = 0;      // lines and blocks on hidden layers
   std::map<std::string, std::size_t> left_out_;
   std::size_t points_ = 0;
   bool is_finite_ = true;
@@ -169,9 +236,11 @@ class DxfReader {
 Expected<Drawing> read_dxf(const std::filesystem::path& file) {
   auto drawing = DxfReader(file).read();
   if (drawing && drawing->lines.empty()) {
-    return bad_input(
-        file.string() +
-        ": has no LINE and no POLYLINE; export the storey's plan as DXF, with its blocks");
+    return bad_input(fmt::format(
+        "{}: has no line that can be seen{}{}; export the storey's plan as DXF, with its blocks",
+        file.string(),
+        drawing->remarks.empty() ? "" : ": ",
+        fmt::join(drawing->remarks, "; ")));
   }
   return drawing;
 }

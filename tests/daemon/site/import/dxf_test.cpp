@@ -56,6 +56,25 @@ class Dxf : public test::ImportFiles {
   static std::string line(const std::string& layer, double x0, double y0, double x1, double y1) {
     return fmt::format("0\nLINE\n8\n{}\n10\n{}\n20\n{}\n11\n{}\n21\n{}\n", layer, x0, y0, x1, y1);
   }
+  // A table of layers: names, flags (1: frozen) and colours (below 0: off).
+  struct Listed {
+    std::string name;
+    int flags = 0;
+    int colour = 7;
+  };
+  static std::string tables(const std::vector<Listed>& layers) {
+    std::string text = "0\nSECTION\n2\nTABLES\n0\nTABLE\n2\nLAYER\n";
+    for (const Listed& layer : layers) {
+      text +=
+          fmt::format("0\nLAYER\n2\n{}\n70\n{}\n62\n{}\n", layer.name, layer.flags, layer.colour);
+    }
+    return text + "0\nENDTAB\n0\nENDSEC\n";
+  }
+  // The walls of a room of 6 x 4 m.
+  static std::string walls(const std::string& layer) {
+    return line(layer, 0, 0, 6, 0) + line(layer, 6, 0, 6, 4) + line(layer, 6, 4, 0, 4) +
+           line(layer, 0, 4, 0, 0);
+  }
 };
 
 const StatedObject* object_of(const ImportedScene& scene, const std::string& name) {
@@ -138,7 +157,8 @@ TEST_F(Dxf, RefusesInvalidPlansWithARemedy) {
                     drawing("0\nINSERT\n2\nb\n41\n1e300\n"))
                 .find("not a finite number"),
             std::string::npos);
-  EXPECT_NE(refusal(drawing("0\nTEXT\n1\nhello\n")).find("has no LINE and no POLYLINE"),
+  EXPECT_NE(refusal(drawing("0\nTEXT\n1\nhello\n"))
+                .find("has no line that can be seen: left out: 1 TEXT"),
             std::string::npos);
   const std::string unknown = refusal(drawing(line("X7", 0, 0, 3, 0) + line("Y", 0, 0, 0, 3)));
   EXPECT_NE(unknown.find("no layer is known to hold walls; its layers are X7, Y."),
@@ -147,6 +167,39 @@ TEST_F(Dxf, RefusesInvalidPlansWithARemedy) {
   const auto large = import(file("plan.dxf", drawing(line("wall", 0, 0, 12000, 0))), {{1.0}, 0.0});
   ASSERT_FALSE(large);
   EXPECT_NE(large.error().message.find("would be 12000 m long"), std::string::npos);
+}
+
+TEST_F(Dxf, PartsThatAPersonDoesNotSeeAreLeftOutAndCounted) {
+  const std::string block = "0\nSECTION\n2\nBLOCKS\n0\nBLOCK\n2\nb\n" + line("WALL", 0, 0, 30, 0) +
+                            "0\nENDBLK\n0\nENDSEC\n";
+  const auto room = import(file(
+      "plan.dxf",
+      tables({{"WALL"}, {"WALL-DEMO", 1}, {"WALL-OLD", 0, -3}, {"GRID", 1}}) + block +
+          drawing(walls("WALL") + line("WALL-DEMO", 0, 0, 40, 0) + line("WALL-OLD", 0, 0, 0, 40) +
+                  "0\nINSERT\n8\nGRID\n2\nb\n" + line("WALL", 0, 0, 50, 0) + "67\n1\n" +
+                  line("WALL", 0, 0, 0, 50) + "60\n1\n")));
+  ASSERT_TRUE(room) << room.error().message;
+  EXPECT_NEAR(room->bounds.size().x, 6.0, 1e-9);
+  EXPECT_NEAR(room->bounds.size().y, 4.0, 1e-9);
+  const std::string text = remarks(*room);
+  EXPECT_NE(text.find("3 on layers that are off or frozen (GRID, WALL-DEMO, WALL-OLD)"),
+            std::string::npos)
+      << text;
+  EXPECT_NE(text.find("1 in the layout of a sheet"), std::string::npos) << text;
+  EXPECT_NE(text.find("1 invisible"), std::string::npos) << text;
+}
+
+TEST_F(Dxf, WallsThatAreEmptyOrHiddenAreNamed) {
+  const std::string empty = refusal(tables({{"WALLS"}, {"X7"}}) + drawing(walls("X7")));
+  EXPECT_NE(empty.find("layer 'WALLS' is empty"), std::string::npos) << empty;
+  const std::string hidden =
+      refusal(tables({{"WALLS", 1}, {"X7"}}) + drawing(walls("X7") + walls("WALLS")));
+  EXPECT_NE(hidden.find("layer 'WALLS' is off or frozen"), std::string::npos) << hidden;
+  // Its walls are of a kind that is not read, so the layer is not empty.
+  const std::string unread =
+      refusal(tables({{"WALLS"}, {"X7"}}) + drawing(walls("X7") + "0\n3DFACE\n8\nWALLS\n10\n1\n"));
+  EXPECT_NE(unread.find("its layers are X7."), std::string::npos) << unread;
+  EXPECT_NE(unread.find("left out: 1 3DFACE"), std::string::npos) << unread;
 }
 
 // Each block holds the next one a hundred times.
