@@ -7,11 +7,6 @@
 #include "daemon/site/import/placing.h"
 
 namespace rayloc {
-namespace {
-
-constexpr int kChordsOfATurn = 32;  // count, chosen: half a percent off, as for curves
-
-}  // namespace
 
 std::vector<FloorPoint> chords_of(const SvgArc& arc) {
   double rx = std::abs(arc.radii[0]);

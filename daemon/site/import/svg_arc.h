@@ -1,4 +1,4 @@
-// The arcs of ellipses in paths of SVG (W3C, SVG 1.1 appendix F.6).
+// The arcs of ellipses in paths of SVG (W3C, SVG 1.1 appendix F.6), and of circles in DXF.
 #pragma once
 
 #include <vector>
@@ -16,8 +16,9 @@ struct SvgArc {
   bool is_clockwise = false;  // "sweep", y pointing down
 };
 
-// Corners of its chords without the first, at most a 32nd of
-// a turn each; the last is `to`. One chord if a radius is 0.
+inline constexpr int kChordsOfATurn = 32;  // count, chosen: half a percent off, as for curves
+
+// Corners of its chords without the first; the last is `to`. One chord if a radius is 0.
 std::vector<FloorPoint> chords_of(const SvgArc& arc);
 
 }  // namespace rayloc

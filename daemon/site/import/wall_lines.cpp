@@ -91,6 +91,38 @@ std::vector<Pair> pairs_of(const std::vector<WallLine>& lines) {
   return pairs;
 }
 
+// Sine, chosen: 24 degrees, above the bend between two chords of a curve.
+constexpr double kMaxBendSine = 0.4;
+constexpr double kSamePlace = 1e-3;  // [m], chosen
+
+// True if one bends into the other, as chords of a curve do.
+bool is_bend(const WallLine& a, const WallLine& b) {
+  const auto bends_at = [](const FloorPoint& at,
+                           const FloorPoint& other_end,
+                           const FloorPoint& own,
+                           const FloorPoint& own_end) {
+    if (std::hypot(at[0] - own[0], at[1] - own[1]) > kSamePlace) {
+      return false;
+    }
+    const FloorPoint u{other_end[0] - at[0], other_end[1] - at[1]};
+    const FloorPoint v{own_end[0] - own[0], own_end[1] - own[1]};
+    return u[0] * v[0] + u[1] * v[1] < 0.0;
+  };
+  const bool is_joined =
+      bends_at(a.to, a.from, b.from, b.to) || bends_at(a.from, a.to, b.to, b.from) ||
+      bends_at(a.to, a.from, b.to, b.from) || bends_at(a.from, a.to, b.from, b.to);
+  const double cross =
+      (a.to[0] - a.from[0]) * (b.to[1] - b.from[1]) - (a.to[1] - a.from[1]) * (b.to[0] - b.from[0]);
+  return is_joined && !is_parallel(a, b) &&
+         std::abs(cross) < kMaxBendSine * length_of(a) * length_of(b);
+}
+
+// True for a chord of a curve. Other short lines close the end of a wall.
+bool is_chord(const std::vector<WallLine>& lines, const WallLine& line) {
+  return std::any_of(
+      lines.begin(), lines.end(), [&](const WallLine& other) { return is_bend(line, other); });
+}
+
 }  // namespace
 
 double length_of(const WallLine& line) {
@@ -135,7 +167,8 @@ std::vector<WallLine> wall_lines(const std::vector<WallLine>& drawn) {
   }
   for (std::size_t i = 0; i < lines.size(); ++i) {
     for (const Interval& one : left[i]) {
-      if (one.end - one.begin > kThickest) {
+      const double length = one.end - one.begin;
+      if (length > kThickest || (length == length_of(lines[i]) && is_chord(lines, lines[i]))) {
         walls.push_back(
             {along(lines[i], one.begin), along(lines[i], one.end), lines[i].layer, 0.0});
       }

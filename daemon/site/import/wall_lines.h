@@ -19,7 +19,7 @@ struct WallLine {
 
 // Pairs of parallel lines within kThickest become one line between them, over their common length;
 // nearer ones first. The rest of a line is kept, except pieces no longer than a wall's thickness:
-// the ends of walls and the excess length outside of a corner.
+// the ends of walls and the excess length outside of a corner. Short chords of a curve are kept.
 inline constexpr double kThinnest = 0.04;  // [m], chosen: for a wall, closer is the same line
 inline constexpr double kThickest = 0.5;   // [m], chosen
 std::vector<WallLine> wall_lines(const std::vector<WallLine>& drawn);

@@ -5,12 +5,6 @@
 #include "engine/base/constants.h"
 
 namespace rayloc {
-namespace {
-
-constexpr const char* kArc = "arcs of polylines, of which the chords were taken";
-
-}  // namespace
-
 // The current group, if it is one of those.
 void DxfEntities::read_common() {
   switch (groups_.now().code) {
@@ -42,10 +36,10 @@ bool DxfEntities::is_seen(DxfBlock& to) const {
   return true;
 }
 
-void DxfEntities::keep(DrawnLine&& line, DxfBlock& to) const {
-  if (line.points.size() > 1 && is_seen(to)) {
-    line.layer = common_.layer;
-    to.lines.push_back(std::move(line));
+void DxfEntities::keep(std::vector<FloorPoint> points, bool is_closed, DxfBlock& to) {
+  points_ += points.size();
+  if (points.size() > 1 && points_ <= kMaxDrawnPoints && is_seen(to)) {
+    to.lines.push_back({common_.layer, std::move(points), is_closed});
   }
 }
 
@@ -64,6 +58,8 @@ void DxfEntities::read(std::string_view end, DxfBlock& to) {
       read_points(to);
     } else if (kind == "POLYLINE") {
       read_polyline(to);
+    } else if (kind == "ARC" || kind == "CIRCLE" || kind == "ELLIPSE") {
+      read_arc(kind, to);
     } else if (kind == "INSERT") {
       read_insert(to);
     } else if (kind != "ATTRIB" && kind != "SEQEND") {
@@ -76,47 +72,49 @@ void DxfEntities::read(std::string_view end, DxfBlock& to) {
 }
 
 void DxfEntities::read_line(DxfBlock& to) {
-  DrawnLine line;
-  line.points.resize(2);
+  std::vector<FloorPoint> points(2);
   for (; !groups_.is_end(); groups_.next()) {
     switch (groups_.now().code) {
       case 10:
-        line.points[0][0] = groups_.number();
+        points[0][0] = groups_.number();
         break;
       case 20:
-        line.points[0][1] = groups_.number();
+        points[0][1] = groups_.number();
         break;
       case 11:
-        line.points[1][0] = groups_.number();
+        points[1][0] = groups_.number();
         break;
       case 21:
-        line.points[1][1] = groups_.number();
+        points[1][1] = groups_.number();
         break;
       default:
         read_common();
         break;
     }
   }
-  keep(std::move(line), to);
+  keep(std::move(points), false, to);
 }
 
 // Consecutive points of an LWPOLYLINE.
 void DxfEntities::read_points(DxfBlock& to) {
-  DrawnLine line;
+  std::vector<DxfVertex> vertices;
+  bool is_closed = false;
   for (; !groups_.is_end(); groups_.next()) {
     switch (groups_.now().code) {
-      case 42:
-        to.left_out[kArc] += groups_.number() != 0.0 ? 1U : 0U;
-        break;
       case 70:
-        line.is_closed = (groups_.integer() & 1) != 0;
+        is_closed = (groups_.integer() & 1) != 0;
         break;
       case 10:
-        line.points.push_back({groups_.number(), 0.0});
+        vertices.push_back({{groups_.number(), 0.0}});
         break;
       case 20:
-        if (!line.points.empty()) {
-          line.points.back()[1] = groups_.number();
+        if (!vertices.empty()) {
+          vertices.back().at[1] = groups_.number();
+        }
+        break;
+      case 42:
+        if (!vertices.empty()) {
+          vertices.back().bulge = groups_.number();
         }
         break;
       default:
@@ -124,30 +122,81 @@ void DxfEntities::read_points(DxfBlock& to) {
         break;
     }
   }
-  keep(std::move(line), to);
+  keep(corners_of(vertices, is_closed), is_closed, to);
+}
+
+DxfVertex DxfEntities::read_vertex() {
+  DxfVertex vertex;
+  for (groups_.next(); !groups_.is_end(); groups_.next()) {
+    switch (groups_.now().code) {
+      case 10:
+        vertex.at[0] = groups_.number();
+        break;
+      case 20:
+        vertex.at[1] = groups_.number();
+        break;
+      case 42:
+        vertex.bulge = groups_.number();
+        break;
+      default:
+        break;
+    }
+  }
+  return vertex;
 }
 
 // Points of a POLYLINE, which are separate entities.
 void DxfEntities::read_polyline(DxfBlock& to) {
-  DrawnLine line;
+  bool is_closed = false;
   for (; !groups_.is_end(); groups_.next()) {
     if (groups_.now().code == 70) {
-      line.is_closed = (groups_.integer() & 1) != 0;
+      is_closed = (groups_.integer() & 1) != 0;
     }
     read_common();
   }
+  std::vector<DxfVertex> vertices;
   while (groups_.is(0, "VERTEX")) {
-    FloorPoint point{};
-    for (groups_.next(); !groups_.is_end(); groups_.next()) {
-      if (groups_.now().code == 10) {
-        point[0] = groups_.number();
-      } else if (groups_.now().code == 20) {
-        point[1] = groups_.number();
-      }
-    }
-    line.points.push_back(point);
+    vertices.push_back(read_vertex());
   }
-  keep(std::move(line), to);
+  keep(corners_of(vertices, is_closed), is_closed, to);
+}
+
+// A CIRCLE and an ARC have a radius and angles in degrees, an ELLIPSE has its major axis and angles
+// in radians.
+void DxfEntities::read_arc(const std::string& kind, DxfBlock& to) {
+  DxfArc arc;
+  const double angle = kind == "ARC" ? kDegree : 1.0;
+  for (; !groups_.is_end(); groups_.next()) {
+    switch (groups_.now().code) {
+      case 10:
+        arc.centre[0] = groups_.number();
+        break;
+      case 20:
+        arc.centre[1] = groups_.number();
+        break;
+      case 11:
+        arc.major[0] = groups_.number();
+        break;
+      case 21:
+        arc.major[1] = groups_.number();
+        break;
+      case 40:
+        (kind == "ELLIPSE" ? arc.ratio : arc.major[0]) = groups_.number();
+        break;
+      case 41:
+      case 50:
+        arc.begin = angle * groups_.number();
+        break;
+      case 42:
+      case 51:
+        arc.end = angle * groups_.number();
+        break;
+      default:
+        read_common();
+        break;
+    }
+  }
+  keep(points_of(arc), is_whole(arc), to);
 }
 
 void DxfEntities::read_insert(DxfBlock& to) {

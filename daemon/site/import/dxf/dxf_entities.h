@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "daemon/site/import/drawing.h"
+#include "daemon/site/import/dxf/dxf_curves.h"
 #include "daemon/site/import/dxf/dxf_groups.h"
 
 namespace rayloc {
@@ -35,6 +36,9 @@ class DxfEntities {
  public:
   explicit DxfEntities(DxfGroups& groups) : groups_(groups) {}
 
+  // Points of all entities that were read. Beyond kMaxDrawnPoints further ones are not kept.
+  std::size_t points() const { return points_; }
+
   // Adds all entities up to the one named `end`, or to the end of the section.
   void read(std::string_view end, DxfBlock& to);
 
@@ -47,15 +51,18 @@ class DxfEntities {
   };
   void read_common();
   void leave_out(const std::string& kind, DxfBlock& to) const;
-  void keep(DrawnLine&& line, DxfBlock& to) const;
+  void keep(std::vector<FloorPoint> points, bool is_closed, DxfBlock& to);
   bool is_seen(DxfBlock& to) const;
 
   void read_line(DxfBlock& to);
   void read_points(DxfBlock& to);
+  DxfVertex read_vertex();
   void read_polyline(DxfBlock& to);
+  void read_arc(const std::string& kind, DxfBlock& to);
   void read_insert(DxfBlock& to);
 
   DxfGroups& groups_;
+  std::size_t points_ = 0;
   Common common_;  // of the entity that is read
 };
 

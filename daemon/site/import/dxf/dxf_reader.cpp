@@ -1,5 +1,6 @@
 #include "daemon/site/import/dxf/dxf_reader.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -54,7 +55,7 @@ class DxfReader {
       return bad_input(groups_.error());
     }
     place(model_, {}, "", 0);
-    if (points_ > kMaxDrawnPoints) {
+    if (std::max(points_, entities_.points()) > kMaxDrawnPoints) {
       return bad_input(file_ + ": has more points than a plan of rooms; export one storey");
     }
     if (!is_finite_) {

@@ -1,5 +1,6 @@
 // Reads flat drawings of the Drawing Exchange Format (DXF, as text; Autodesk's DXF Reference for
-// R12 to 2018): LINE, LWPOLYLINE, POLYLINE and the blocks that contain them, by layer.
+// R12 to 2018): LINE, LWPOLYLINE, POLYLINE, ARC, CIRCLE, ELLIPSE and the blocks that contain them,
+// by layer. Curves become chords. Hidden parts are left out and counted, as are other entities.
 #pragma once
 
 #include <filesystem>

@@ -1,5 +1,6 @@
 // Flat drawings: read, their walls found, and drawn up to a room.
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -230,6 +231,23 @@ TEST(WallLines, TwoFacesAreOneWallAndALineAloneIsOne) {
   EXPECT_NEAR(walls[1].from[0], 3.95, 1e-12);
   EXPECT_EQ(walls[2].thickness, 0.0);
   EXPECT_NEAR(length_of(walls[2]), 2.0, 1e-12);
+}
+
+// The ends of a wall are as short as the chords of a narrow curve.
+TEST(WallLines, ChordsOfACurveAreKeptAndEndsOfAWallAreNot) {
+  std::vector<WallLine> curve;
+  for (int i = 0; i < 8; ++i) {
+    const auto at = [](int k) {
+      return FloorPoint{2.0 * std::cos(0.2 * k), 2.0 * std::sin(0.2 * k)};
+    };
+    curve.push_back({at(i), at(i + 1), "w", 0});
+  }
+  EXPECT_EQ(wall_lines(curve).size(), 8U);
+  const std::vector<WallLine> wall = {{{0, 0}, {4, 0}, "w", 0},
+                                      {{4, 0}, {4, 0.3}, "w", 0},
+                                      {{4, 0.3}, {0, 0.3}, "w", 0},
+                                      {{0, 0.3}, {0, 0}, "w", 0}};
+  EXPECT_EQ(wall_lines(wall).size(), 1U);
 }
 
 TEST(WallLines, AWindowCutsItsWall) {

@@ -1,0 +1,141 @@
+// Curves of a DXF as chords, and in a drawing.
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <spdlog/fmt/fmt.h>
+
+#include "daemon/site/import/dxf/dxf_curves.h"
+#include "daemon/site/import/dxf/dxf_reader.h"
+#include "tests/daemon/site/import/import_files.h"
+
+namespace rayloc::dxf_curves_test {
+namespace {
+
+constexpr double kTight = 1e-9;
+
+double distance(const FloorPoint& a, const FloorPoint& b) {
+  return std::hypot(a[0] - b[0], a[1] - b[1]);
+}
+
+TEST(DxfCurves, ABulgeIsAnArcAboutItsCentre) {
+  // Half a turn, anticlockwise from 0, 0 to 2, 0: below the chord, about 1, 0.
+  const std::vector<FloorPoint> half = corners_of({{{0, 0}, 1.0}, {{2, 0}}}, false);
+  ASSERT_EQ(half.size(), 17U);
+  for (const FloorPoint& p : half) {
+    EXPECT_NEAR(distance(p, {1, 0}), 1.0, kTight);
+    EXPECT_LE(p[1], kTight);
+  }
+  EXPECT_NEAR(half.back()[0], 2.0, kTight);
+  // Clockwise it is above the chord; three quarters of a turn reach beyond it.
+  for (const FloorPoint& p : corners_of({{{0, 0}, -1.0}, {{2, 0}}}, false)) {
+    EXPECT_GE(p[1], -kTight);
+  }
+  const double long_bulge = std::tan(3.0 * std::numbers::pi / 8.0);
+  double lowest = 0.0;
+  for (const FloorPoint& p : corners_of({{{0, 0}, long_bulge}, {{2, 0}}}, false)) {
+    EXPECT_NEAR(distance(p, {1, -1}), std::numbers::sqrt2, kTight);
+    lowest = std::min(lowest, p[1]);
+  }
+  EXPECT_NEAR(lowest, -1.0 - std::numbers::sqrt2, 0.02);
+}
+
+TEST(DxfCurves, TheLastCornerOfAClosedLineHasAnArc) {
+  const std::vector<DxfVertex> circle = {{{0, 0}, 1.0}, {{2, 0}, 1.0}};
+  EXPECT_EQ(corners_of(circle, true).size(), 32U);
+  EXPECT_EQ(corners_of(circle, false).size(), 17U);
+  for (const FloorPoint& p : corners_of(circle, true)) {
+    EXPECT_NEAR(distance(p, {1, 0}), 1.0, kTight);
+  }
+}
+
+TEST(DxfCurves, BulgesOutsideTheirRangeAreChords) {
+  for (const double bulge : {0.0, 1e-300, -1e-300, 1e-7, 1e7, 1e300}) {
+    EXPECT_EQ(corners_of({{{0, 0}, bulge}, {{2, 0}}}, false).size(), 2U) << bulge;
+  }
+  EXPECT_EQ(corners_of({{{-1e308, 0}, 1.0}, {{1e308, 0}}}, false).size(), 2U);
+}
+
+TEST(DxfCurves, ArcsRunAnticlockwiseFromTheirBeginToTheirEnd) {
+  constexpr double kQuarter = std::numbers::pi / 2.0;
+  // From 270 degrees over 0 to 90.
+  const std::vector<FloorPoint> right = points_of({{1, 2}, {3, 0}, 1.0, 3 * kQuarter, kQuarter});
+  ASSERT_EQ(right.size(), 17U);
+  EXPECT_NEAR(right.front()[1], -1.0, kTight);
+  EXPECT_NEAR(right.at(8)[0], 4.0, kTight);
+  EXPECT_NEAR(right.back()[1], 5.0, kTight);
+  // Half as high, and the other side if its axis points down.
+  const std::vector<FloorPoint> flat = points_of({{0, 0}, {2, 0}, -0.5, 0.0, kQuarter});
+  EXPECT_NEAR(flat.back()[0], 0.0, kTight);
+  EXPECT_NEAR(flat.back()[1], -1.0, kTight);
+  EXPECT_TRUE(is_whole({{0, 0}, {1, 0}, 1.0, 0.0, 4 * kQuarter}));
+  EXPECT_FALSE(is_whole({{0, 0}, {1, 0}, 1.0, 0.0, 3 * kQuarter}));
+  EXPECT_EQ(points_of({{0, 0}, {1, 0}}).size(), 32U);
+  // Angles of any size are those of a turn.
+  EXPECT_LE(points_of({{0, 0}, {1, 0}, 1.0, -1e308, 1e308}).size(), 33U);
+}
+
+class DxfDrawing : public test::ImportFiles {
+ protected:
+  Drawing drawn(const std::string& entities) const {
+    const auto drawing =
+        read_dxf(file("plan.dxf", "0\nSECTION\n2\nENTITIES\n" + entities + "0\nENDSEC\n0\nEOF\n"));
+    EXPECT_TRUE(drawing) << drawing.error().message;
+    return drawing ? *drawing : Drawing{};
+  }
+};
+
+TEST_F(DxfDrawing, HasTheCurvesOfEachEntity) {
+  const Drawing drawing = drawn(
+      "0\nCIRCLE\n8\nround\n10\n5\n20\n1\n40\n2\n"
+      "0\nARC\n8\nround\n10\n5\n20\n1\n40\n2\n50\n350\n51\n10\n"
+      "0\nELLIPSE\n8\nlong\n10\n0\n20\n0\n11\n0\n21\n4\n40\n0.5\n41\n0\n42\n3.14159265358979\n"
+      "0\nLWPOLYLINE\n8\nlw\n70\n0\n10\n0\n20\n0\n42\n1\n10\n2\n20\n0\n"
+      "0\nPOLYLINE\n8\nold\n70\n0\n0\nVERTEX\n10\n0\n20\n0\n42\n1\n0\nVERTEX\n10\n2\n20\n0\n0\nSEQE"
+      "ND\n");
+  ASSERT_EQ(drawing.lines.size(), 5U);
+  EXPECT_TRUE(drawing.remarks.empty());
+  EXPECT_TRUE(drawing.lines[0].is_closed);
+  for (const std::size_t i : {0U, 1U}) {
+    EXPECT_EQ(drawing.lines[i].layer, "round");
+    for (const FloorPoint& p : drawing.lines[i].points) {
+      EXPECT_NEAR(distance(p, {5, 1}), 2.0, kTight);
+    }
+  }
+  EXPECT_FALSE(drawing.lines[1].is_closed);
+  EXPECT_NEAR(
+      drawing.lines[1].points.front()[1], 1.0 - 2.0 * std::sin(std::numbers::pi / 18.0), kTight);
+  // Its major axis points up, so that half a turn goes over the left side.
+  EXPECT_NEAR(drawing.lines[2].points.front()[1], 4.0, kTight);
+  EXPECT_NEAR(drawing.lines[2].points.at(8)[0], -2.0, kTight);
+  EXPECT_EQ(drawing.lines[3].points.size(), 17U);
+  EXPECT_EQ(drawing.lines[4].points.size(), 17U);
+  for (std::size_t i = 0; i < drawing.lines[3].points.size(); ++i) {
+    EXPECT_NEAR(distance(drawing.lines[3].points[i], drawing.lines[4].points[i]), 0.0, kTight);
+  }
+}
+
+// The two faces of a wall about one centre, 20 cm apart.
+TEST_F(DxfDrawing, ABentWallHasItsThickness) {
+  std::string entities;
+  for (const double radius : {4.0, 4.2}) {
+    entities += fmt::format("0\nARC\n8\nWALL\n10\n0\n20\n0\n40\n{}\n50\n0\n51\n90\n", radius);
+  }
+  const auto room =
+      import(file("plan.dxf", "0\nSECTION\n2\nENTITIES\n" + entities + "0\nENDSEC\n0\nEOF\n"));
+  ASSERT_TRUE(room) << room.error().message;
+  std::size_t walls = 0;
+  for (const StatedObject& object : room->scene.objects) {
+    walls += object.name.starts_with("WALL") ? 1U : 0U;
+  }
+  EXPECT_EQ(walls, 8U) << "one sheet for each pair of chords";
+  EXPECT_NE(remarks(*room).find("8 pieces of wall, 8 of them with both faces"), std::string::npos)
+      << remarks(*room);
+}
+
+}  // namespace
+}  // namespace rayloc::dxf_curves_test
