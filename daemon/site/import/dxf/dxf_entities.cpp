@@ -1,10 +1,22 @@
 #include "daemon/site/import/dxf/dxf_entities.h"
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "engine/base/constants.h"
 
 namespace rayloc {
+namespace {
+
+constexpr double kLevel = 0.999;  // cosine, chosen: 2.6 degrees
+// Flags of a POLYLINE and of its vertices.
+constexpr int kIsClosed = 1;
+constexpr int kIsMesh = 16 | 64;
+constexpr int kIsSplineFrame = 16;
+
+}  // namespace
+
 // The current group, if it is one of those.
 void DxfEntities::read_common() {
   switch (groups_.now().code) {
@@ -16,6 +28,9 @@ void DxfEntities::read_common() {
       break;
     case 67:
       common_.is_on_sheet = groups_.integer() != 0;
+      break;
+    case 230:
+      common_.normal_z = groups_.number();
       break;
     default:
       break;
@@ -31,6 +46,10 @@ void DxfEntities::leave_out(const std::string& kind, DxfBlock& to) const {
 bool DxfEntities::is_seen(DxfBlock& to) const {
   if (common_.is_on_sheet || common_.is_invisible) {
     leave_out(common_.is_on_sheet ? "in the layout of a sheet" : "invisible", to);
+    return false;
+  }
+  if (std::abs(common_.normal_z) < kLevel) {
+    leave_out("in a plane that is not level", to);
     return false;
   }
   return true;
@@ -92,7 +111,18 @@ void DxfEntities::read_line(DxfBlock& to) {
         break;
     }
   }
+  common_.normal_z = 1.0;  // its ends are those of the drawing, whatever its plane
   keep(std::move(points), false, to);
+}
+
+// For entities whose x axis is that of their own plane, which points back if seen from below.
+void DxfEntities::keep_mirrored(std::vector<FloorPoint> points, bool is_closed, DxfBlock& to) {
+  if (common_.normal_z < 0.0) {
+    for (FloorPoint& p : points) {
+      p[0] = -p[0];
+    }
+  }
+  keep(std::move(points), is_closed, to);
 }
 
 // Consecutive points of an LWPOLYLINE.
@@ -102,7 +132,7 @@ void DxfEntities::read_points(DxfBlock& to) {
   for (; !groups_.is_end(); groups_.next()) {
     switch (groups_.now().code) {
       case 70:
-        is_closed = (groups_.integer() & 1) != 0;
+        is_closed = (groups_.integer() & kIsClosed) != 0;
         break;
       case 10:
         vertices.push_back({{groups_.number(), 0.0}});
@@ -122,11 +152,13 @@ void DxfEntities::read_points(DxfBlock& to) {
         break;
     }
   }
-  keep(corners_of(vertices, is_closed), is_closed, to);
+  keep_mirrored(corners_of(vertices, is_closed), is_closed, to);
 }
 
-DxfVertex DxfEntities::read_vertex() {
+// Empty for a control point of a spline, which is not on the line.
+std::optional<DxfVertex> DxfEntities::read_vertex() {
   DxfVertex vertex;
+  bool is_on_line = true;
   for (groups_.next(); !groups_.is_end(); groups_.next()) {
     switch (groups_.now().code) {
       case 10:
@@ -138,27 +170,37 @@ DxfVertex DxfEntities::read_vertex() {
       case 42:
         vertex.bulge = groups_.number();
         break;
+      case 70:
+        is_on_line = (groups_.integer() & kIsSplineFrame) == 0;
+        break;
       default:
         break;
     }
   }
-  return vertex;
+  return is_on_line ? std::optional(vertex) : std::nullopt;
 }
 
 // Points of a POLYLINE, which are separate entities.
 void DxfEntities::read_polyline(DxfBlock& to) {
-  bool is_closed = false;
+  int flags = 0;
   for (; !groups_.is_end(); groups_.next()) {
     if (groups_.now().code == 70) {
-      is_closed = (groups_.integer() & 1) != 0;
+      flags = groups_.integer();
     }
     read_common();
   }
   std::vector<DxfVertex> vertices;
   while (groups_.is(0, "VERTEX")) {
-    vertices.push_back(read_vertex());
+    if (const auto vertex = read_vertex()) {
+      vertices.push_back(*vertex);
+    }
   }
-  keep(corners_of(vertices, is_closed), is_closed, to);
+  if ((flags & kIsMesh) != 0) {
+    leave_out("POLYLINE that is a mesh", to);
+    return;
+  }
+  const bool is_closed = (flags & kIsClosed) != 0;
+  keep_mirrored(corners_of(vertices, is_closed), is_closed, to);
 }
 
 // A CIRCLE and an ARC have a radius and angles in degrees, an ELLIPSE has its major axis and angles
@@ -196,7 +238,13 @@ void DxfEntities::read_arc(const std::string& kind, DxfBlock& to) {
         break;
     }
   }
-  keep(points_of(arc), is_whole(arc), to);
+  if (kind == "ELLIPSE") {
+    // Its centre and axis are those of the drawing.
+    arc.ratio = common_.normal_z < 0.0 ? -arc.ratio : arc.ratio;
+    keep(points_of(arc), is_whole(arc), to);
+  } else {
+    keep_mirrored(points_of(arc), is_whole(arc), to);
+  }
 }
 
 void DxfEntities::read_insert(DxfBlock& to) {
@@ -218,8 +266,20 @@ void DxfEntities::read_insert(DxfBlock& to) {
       case 42:
         insert.scale_y = groups_.number();
         break;
+      case 44:
+        insert.column_step = groups_.number();
+        break;
+      case 45:
+        insert.row_step = groups_.number();
+        break;
       case 50:
         insert.turn = groups_.number() * kDegree;
+        break;
+      case 70:
+        insert.columns = std::max(1, groups_.integer());
+        break;
+      case 71:
+        insert.rows = std::max(1, groups_.integer());
         break;
       default:
         read_common();
@@ -227,6 +287,7 @@ void DxfEntities::read_insert(DxfBlock& to) {
     }
   }
   insert.layer = common_.layer;
+  insert.is_mirrored = common_.normal_z < 0.0;
   if (is_seen(to)) {
     to.inserts.push_back(std::move(insert));
   }

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -21,7 +22,12 @@ struct DxfInsert {
   FloorPoint at{};
   double scale_x = 1.0;
   double scale_y = 1.0;
-  double turn = 0.0;  // [rad]
+  double turn = 0.0;         // [rad]
+  bool is_mirrored = false;  // at the y axis, after all others
+  int columns = 1;           // of an array of the same block, rotated and not scaled
+  int rows = 1;
+  double column_step = 0.0;
+  double row_step = 0.0;
 };
 
 struct DxfBlock {
@@ -48,15 +54,17 @@ class DxfEntities {
     std::string layer;
     bool is_on_sheet = false;  // in the layout of a sheet of paper
     bool is_invisible = false;
+    double normal_z = 1.0;  // of the plane in which it is drawn; -1: seen from below
   };
   void read_common();
   void leave_out(const std::string& kind, DxfBlock& to) const;
   void keep(std::vector<FloorPoint> points, bool is_closed, DxfBlock& to);
   bool is_seen(DxfBlock& to) const;
+  void keep_mirrored(std::vector<FloorPoint> points, bool is_closed, DxfBlock& to);
 
   void read_line(DxfBlock& to);
   void read_points(DxfBlock& to);
-  DxfVertex read_vertex();
+  std::optional<DxfVertex> read_vertex();
   void read_polyline(DxfBlock& to);
   void read_arc(const std::string& kind, DxfBlock& to);
   void read_insert(DxfBlock& to);

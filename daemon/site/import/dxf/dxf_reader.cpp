@@ -21,8 +21,24 @@ namespace {
 
 constexpr int kMaxBlockDepth = 16;  // blocks within blocks, chosen
 
-// Metres per $INSUNITS number; 0: not stated here.
-constexpr std::array<double, 8> kDxfUnits = {0.0, 0.0254, 0.3048, 0.0, 0.001, 0.01, 1.0, 1000.0};
+// Metres per $INSUNITS number, for units of buildings; 0: not stated, or a unit of maps and stars.
+constexpr std::array<double, 17> kDxfUnits = {0.0,
+                                              0.0254,  // inch
+                                              0.3048,  // foot
+                                              0.0,
+                                              0.001,
+                                              0.01,
+                                              1.0,
+                                              1000.0,
+                                              2.54e-8,  // microinch
+                                              2.54e-5,  // mil
+                                              0.9144,   // yard
+                                              0.0,
+                                              0.0,
+                                              1e-6,
+                                              0.1,
+                                              10.0,
+                                              100.0};
 
 struct Layer {
   bool is_frozen = false;  // hides what is inserted on it, too
@@ -185,14 +201,29 @@ class DxfReader {
         ++hidden_;
         continue;
       }
-      const double c = std::cos(insert.turn);
-      const double s = std::sin(insert.turn);
-      const FloorPoint& base = found->second.base;
-      Placing own{c * insert.scale_x, -s * insert.scale_y, s * insert.scale_x, c * insert.scale_y};
-      const FloorPoint moved = own(base);
-      own.x = insert.at[0] - moved[0];
-      own.y = insert.at[1] - moved[1];
-      place(found->second, placing.after(own), own_layer, depth + 1);
+      place_array(insert, found->second, placing, own_layer, depth + 1);
+    }
+  }
+
+  void place_array(const DxfInsert& insert,
+                   const DxfBlock& block,
+                   const Placing& placing,
+                   const std::string& layer,
+                   int depth) {
+    const Placing rotated = rotated_by(insert.turn);
+    const Placing mirrored{insert.is_mirrored ? -1.0 : 1.0};
+    for (int row = 0; row < insert.rows; ++row) {
+      for (int column = 0; column < insert.columns; ++column) {
+        if (++points_ > kMaxDrawnPoints) {
+          return;
+        }
+        Placing own = rotated.after({insert.scale_x, 0.0, 0.0, insert.scale_y});
+        const FloorPoint base = own(block.base);
+        const FloorPoint step = rotated({insert.column_step * column, insert.row_step * row});
+        own.x = insert.at[0] + step[0] - base[0];
+        own.y = insert.at[1] + step[1] - base[1];
+        place(block, placing.after(mirrored.after(own)), layer, depth);
+      }
     }
   }
 

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <numbers>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -116,6 +117,97 @@ TEST_F(DxfDrawing, HasTheCurvesOfEachEntity) {
   EXPECT_EQ(drawing.lines[4].points.size(), 17U);
   for (std::size_t i = 0; i < drawing.lines[3].points.size(); ++i) {
     EXPECT_NEAR(distance(drawing.lines[3].points[i], drawing.lines[4].points[i]), 0.0, kTight);
+  }
+}
+
+std::string in_block(const std::string& entities) {
+  return "0\nSECTION\n2\nBLOCKS\n0\nBLOCK\n2\nb\n10\n1\n20\n0\n" + entities +
+         "0\nENDBLK\n0\nENDSEC\n";
+}
+
+// Three columns and two rows, rotated by a quarter: columns go up, rows to the left.
+TEST_F(DxfDrawing, AnArrayOfABlockIsDrawnAsOftenAsItIsStated) {
+  const auto drawing =
+      read_dxf(file("plan.dxf",
+                    in_block("0\nLINE\n8\ndesk\n10\n1\n20\n0\n11\n2\n21\n0\n") +
+                        "0\nSECTION\n2\nENTITIES\n0\nINSERT\n2\nb\n10\n10\n20\n20\n41\n2\n50\n90\n"
+                        "70\n3\n71\n2\n44\n5\n45\n7\n0\nENDSEC\n0\nEOF\n"));
+  ASSERT_TRUE(drawing) << drawing.error().message;
+  ASSERT_EQ(drawing->lines.size(), 6U);
+  for (std::size_t i = 0; i < 6; ++i) {
+    const std::size_t row = i / 3;
+    const FloorPoint first{10.0 - 7.0 * static_cast<double>(row),
+                           20.0 + 5.0 * static_cast<double>(i % 3)};
+    EXPECT_NEAR(distance(drawing->lines[i].points[0], first), 0.0, kTight) << i;
+    EXPECT_NEAR(distance(drawing->lines[i].points[1], {first[0], first[1] + 2.0}), 0.0, kTight);
+  }
+}
+
+TEST_F(DxfDrawing, AnArrayOfTooManyBlocksIsRefused) {
+  const auto drawing = read_dxf(file("plan.dxf",
+                                     in_block("0\nLINE\n8\ndesk\n10\n1\n11\n2\n") +
+                                         "0\nSECTION\n2\nENTITIES\n0\nINSERT\n2\nb\n70\n30000\n71\n"
+                                         "30000\n0\nENDSEC\n0\nEOF\n"));
+  ASSERT_FALSE(drawing);
+  EXPECT_NE(drawing.error().message.find("more points than"), std::string::npos);
+}
+
+// Seen from below, the x axis of the entity's own plane points to the left.
+TEST_F(DxfDrawing, EntitiesOfAPlaneThatPointsDownAreMirrored) {
+  const std::string down = "210\n0\n220\n0\n230\n-1\n";
+  const std::string upright = "210\n0\n220\n1\n230\n0\n";
+  const std::string polyline = "0\nLWPOLYLINE\n8\na\n10\n1\n20\n2\n10\n3\n20\n2\n";
+  const std::string line = "0\nLINE\n8\na\n10\n1\n20\n2\n11\n3\n21\n2\n";
+  const std::string arc = "0\nARC\n8\na\n10\n5\n20\n0\n40\n1\n50\n0\n51\n90\n";
+  const Drawing drawing =
+      drawn(polyline + down + line + down + arc + down + polyline + upright + line + upright);
+  ASSERT_EQ(drawing.lines.size(), 4U);
+  EXPECT_EQ(drawing.lines[0].points[0], (FloorPoint{-1.0, 2.0}));
+  EXPECT_EQ(drawing.lines[1].points[0], (FloorPoint{1.0, 2.0})) << "its ends are in the drawing";
+  EXPECT_NEAR(distance(drawing.lines[2].points.front(), {-6, 0}), 0.0, kTight);
+  EXPECT_NEAR(distance(drawing.lines[2].points.back(), {-5, 1}), 0.0, kTight);
+  ASSERT_EQ(drawing.remarks.size(), 1U);
+  EXPECT_NE(drawing.remarks[0].find("1 in a plane that is not level"), std::string::npos);
+
+  const auto inserted =
+      read_dxf(file("plan.dxf",
+                    in_block("0\nLINE\n8\na\n10\n1\n20\n0\n11\n2\n21\n0\n") +
+                        "0\nSECTION\n2\nENTITIES\n0\nINSERT\n2\nb\n10\n4\n20\n0\n" + down +
+                        "0\nENDSEC\n0\nEOF\n"));
+  ASSERT_TRUE(inserted) << inserted.error().message;
+  EXPECT_NEAR(distance(inserted->lines.at(0).points[0], {-4, 0}), 0.0, kTight);
+  EXPECT_NEAR(distance(inserted->lines.at(0).points[1], {-5, 0}), 0.0, kTight);
+}
+
+TEST_F(DxfDrawing, MeshesAndControlPointsAreNoLines) {
+  const auto at = [](int x, int flags) {
+    return fmt::format("0\nVERTEX\n10\n{}\n20\n0\n70\n{}\n", x, flags);
+  };
+  const Drawing drawing =
+      drawn("0\nPOLYLINE\n8\na\n70\n64\n" + at(0, 192) + at(1, 192) + "0\nSEQEND\n" +
+            "0\nPOLYLINE\n8\na\n70\n4\n" + at(0, 8) + at(9, 16) + at(1, 8) + "0\nSEQEND\n");
+  ASSERT_EQ(drawing.lines.size(), 1U);
+  EXPECT_EQ(drawing.lines[0].points, (std::vector<FloorPoint>{{0, 0}, {1, 0}}));
+  ASSERT_EQ(drawing.remarks.size(), 1U);
+  EXPECT_NE(drawing.remarks[0].find("1 POLYLINE that is a mesh"), std::string::npos);
+}
+
+TEST_F(DxfDrawing, UnitsOfBuildingsAreThoseOfTheHeader) {
+  for (const auto& [number, metres] : {std::pair{1, 0.0254},
+                                       {2, 0.3048},
+                                       {4, 0.001},
+                                       {6, 1.0},
+                                       {10, 0.9144},
+                                       {14, 0.1},
+                                       {3, 0.0},
+                                       {99, 0.0}}) {
+    const auto drawing = read_dxf(
+        file("plan.dxf",
+             fmt::format("0\nSECTION\n2\nHEADER\n9\n$INSUNITS\n70\n{}\n0\nENDSEC\n0\nSECTION\n2\n"
+                         "ENTITIES\n0\nLINE\n8\na\n11\n1\n0\nENDSEC\n0\nEOF\n",
+                         number)));
+    ASSERT_TRUE(drawing) << drawing.error().message;
+    EXPECT_EQ(drawing->metres, metres) << number;
   }
 }
 
