@@ -215,8 +215,9 @@ class PlanMaker {
     }
     return bad_input(fmt::format(
         "no layer is known to hold walls; its layers are {}. Name them in a table: rayloc scene "
-        "import --print-materials > materials.toml, [layers] wall = [...]{}{}",
+        "import --print-materials > materials.toml, [layers] wall = [\"{}\"]{}{}",
         listed(layers),
+        layers.empty() ? "*" : *layers.begin(),
         drawing.remarks.empty() ? "" : "; ",
         fmt::join(drawing.remarks, "; ")));
   }

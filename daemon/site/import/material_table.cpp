@@ -6,6 +6,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "daemon/site/import/utf8_text.h"
 #include "daemon/site/model/toml_reader.h"
 #include "engine/em/radio_material.h"
 
@@ -16,7 +17,8 @@ const char* const kDefaultMaterialTable =
     R"(# Names of layers, materials and objects, and their radio materials.
 # The first row one of whose words is in a name counts; letters of any case. A name's words end where
 # letters do, and before a capital letter: "Door_2", "oakDoor". With an "s" they are the same;
-# "gips*" is any word that begins so.
+# "gips*" is any word that begins so, "*" any name. A name without a letter, such as the layer "0",
+# is written whole.
 [[material]]
 match = ["glass", "glas", "window*", "fenster*", "verre", "glazing"]
 itu = "glass"
@@ -57,10 +59,10 @@ wall = "plasterboard"
 other = "wood"
 
 [layers]  # kinds of the lines in a layer of a flat drawing (DXF, SVG); other layers are left out
-window = ["window*", "fenster*", "glaz*", "fenetre*", "glas"]
-door = ["door*", "tuer*", "tür*", "porte*"]
-wall = ["wall*", "wand*", "waende*", "wänd*", "mauer*", "mur", "muro*", "partition"]
-furniture = ["furn*", "desk", "table", "moebel*", "möbel*", "mobilier", "equip*"]
+window = ["window*", "fenster*", "glaz*", "fenetre*", "fenêtre*", "glas", "ventana*", "finestr*", "raam", "ramen"]
+door = ["door*", "tuer*", "tür*", "porte*", "puerta*", "porta", "deur*"]
+wall = ["wall*", "wand*", "waende*", "wänd*", "mauer*", "mur", "muro*", "muri", "pared*", "muur", "muren", "partition"]
+furniture = ["furn*", "desk", "table", "moebel*", "möbel*", "mobilier", "muebles", "mobili", "meubel*", "equip*"]
 )";
 
 namespace {
@@ -71,22 +73,29 @@ constexpr double kCheckedAt = 5.19e9;  // [Hz]: in the band of the measurements
 constexpr std::array<std::string_view, 4> kLayers = {"window", "door", "wall", "furniture"};
 constexpr std::array<std::string_view, 4> kParts = {"floor", "ceiling", "wall", "other"};
 
-// Its words in lower case, with a space before and after each.
+// Its words in lower case, with a space before and after each. A name without a letter is one word.
 std::string split_words(std::string_view name) {
+  const std::string lower = lower_case(name);
   std::string words = " ";
   bool was_small = false;
-  for (const char c : name) {
-    const auto letter = static_cast<unsigned char>(c);
+  for (std::size_t i = 0; i < name.size(); ++i) {
+    const auto letter = static_cast<unsigned char>(name[i]);
     // A non-ASCII byte may belong to a letter of another alphabet.
     const bool is_letter = std::isalpha(letter) != 0 || letter >= 0x80;
-    const bool is_capital = std::isupper(letter) != 0;
-    if ((!is_letter || (is_capital && was_small)) && words.back() != ' ') {
+    const bool is_rest = (letter & 0xc0U) == 0x80U;
+    const bool is_wide_capital = letter == 0xc3 && lower.substr(i, 2) != name.substr(i, 2);
+    const bool is_capital = lower[i] != name[i] || is_wide_capital;
+    if ((!is_letter || (is_capital && was_small && !is_rest)) && words.back() != ' ') {
       words += ' ';
     }
     if (is_letter) {
-      words += static_cast<char>(std::tolower(letter));
+      words += lower[i];
     }
     was_small = is_letter && !is_capital;
+  }
+  const std::size_t begin = lower.find_first_not_of(" \t");
+  if (words == " " && begin != std::string::npos) {
+    words += lower.substr(begin, lower.find_last_not_of(" \t") + 1 - begin);
   }
   return words.back() == ' ' ? words : words + ' ';
 }
@@ -103,12 +112,13 @@ std::vector<std::string> read_words(const TomlTable& table, std::string_view key
   std::vector<std::string> found;
   for (const std::string& word : table.strings(key)) {
     const bool is_prefix = word.ends_with('*');
-    const std::string words = split_words(word);
-    if (words == " ") {
-      table.error_at(key, fmt::format("'{}' holds '{}', which has no letter", key, word));
+    const std::string words = split_words(is_prefix ? word.substr(0, word.size() - 1) : word);
+    if (words == " " && !is_prefix) {
+      table.error_at(key, fmt::format("'{}' holds an empty word", key));
       continue;
     }
-    found.push_back(words.substr(1, words.size() - 2) + (is_prefix ? "*" : ""));
+    found.push_back((words == " " ? "" : words.substr(1, words.size() - 2)) +
+                    (is_prefix ? "*" : ""));
   }
   return found;
 }

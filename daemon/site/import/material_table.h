@@ -1,7 +1,9 @@
 // MaterialTable: maps names of layers, materials and objects of a drawing to radio materials.
 //
 //   [[material]]                      # the first match is used
-//   match = ["glass", "window*"]      # words of a name, in any case; `*`: any ending
+//   match = ["glass", "window*"]      # words of a name, in any case; `*`: any ending; a name
+//   without
+//                                     # a letter is one word ("0")
 //   itu = "glass"                     # or relative_permittivity and conductivity
 //   thickness_m = 0.004
 //

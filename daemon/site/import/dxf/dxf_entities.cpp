@@ -21,7 +21,7 @@ constexpr int kIsSplineFrame = 16;
 void DxfEntities::read_common() {
   switch (groups_.now().code) {
     case 8:
-      common_.layer = groups_.now().value;
+      common_.layer = groups_.text();
       break;
     case 60:
       common_.is_invisible = groups_.integer() != 0;
@@ -252,7 +252,7 @@ void DxfEntities::read_insert(DxfBlock& to) {
   for (; !groups_.is_end(); groups_.next()) {
     switch (groups_.now().code) {
       case 2:
-        insert.block = groups_.now().value;
+        insert.block = groups_.text();
         break;
       case 10:
         insert.at[0] = groups_.number();

@@ -1,15 +1,20 @@
 #include "daemon/site/import/dxf/dxf_groups.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <system_error>
 
 #include <spdlog/fmt/fmt.h>
+
+#include "daemon/site/import/utf8_text.h"
 
 namespace rayloc {
 namespace {
 
 constexpr double kMaxInteger = 65536.0;
+constexpr std::string_view kEscape = "\\U+";  // before the four digits of a character
 
 std::string trimmed(const std::string& text) {
   const std::size_t begin = text.find_first_not_of(" \t\r");
@@ -53,6 +58,26 @@ void DxfGroups::fail(const std::string& what) {
     error_ = fmt::format("{}:{}: {}; export it again as DXF (text)", file_, now_.line, what);
   }
   ended_ = true;
+}
+
+std::string DxfGroups::text() {
+  const bool is_windows = !is_utf8(now_.value);
+  has_windows_text_ = has_windows_text_ || is_windows;
+  const std::string text = is_windows ? from_windows_1252(now_.value) : now_.value;
+  std::string decoded;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::string_view escape = std::string_view(text).substr(at, kEscape.size() + 4);
+    const std::string_view digits = escape.substr(std::min(kEscape.size(), escape.size()));
+    std::uint32_t code = 0;
+    if (escape.starts_with(kEscape) && digits.size() == 4 &&
+        std::from_chars(digits.data(), digits.data() + 4, code, 16).ptr == digits.data() + 4) {
+      append_utf8(code, decoded);
+      at += escape.size();
+    } else {
+      decoded += text[at++];
+    }
+  }
+  return decoded;
 }
 
 double DxfGroups::number() {

@@ -31,6 +31,11 @@ class DxfGroups {
   // With file and line; empty: none.
   const std::string& error() const { return error_; }
   void next();
+  // The value as UTF-8, for names: "\U+00C4" is a letter, and bytes that are no UTF-8 are those of
+  // Windows-1252.
+  std::string text();
+  // True if text() read such bytes.
+  bool has_windows_text() const { return has_windows_text_; }
   // The value as a number. Notes an error if it is none.
   double number();
   // The same of a whole number; 0 beyond 16 bits.
@@ -44,6 +49,7 @@ class DxfGroups {
   DxfGroup now_;
   std::size_t line_ = 0;
   bool ended_ = false;
+  bool has_windows_text_ = false;
   std::string error_;
 };
 

@@ -78,6 +78,10 @@ class DxfReader {
       return bad_input(file_ + ": has a coordinate that is not a finite number; export it again");
     }
     sort_layers();
+    if (groups_.has_windows_text()) {
+      drawing_.remarks.emplace_back(
+          "names of layers are not in UTF-8, and are read as Windows-1252 (Western Europe)");
+    }
     if (const std::vector<std::string> left_out = counts(); !left_out.empty()) {
       drawing_.remarks.push_back(fmt::format("left out: {}", fmt::join(left_out, ", ")));
     }
@@ -109,7 +113,7 @@ class DxfReader {
       for (groups_.next(); !groups_.is_end(); groups_.next()) {
         switch (groups_.now().code) {
           case 2:
-            name = groups_.now().value;
+            name = groups_.text();
             break;
           case 62:  // the colour
             layer.is_hidden = layer.is_hidden || groups_.integer() < 0;
@@ -142,7 +146,7 @@ class DxfReader {
       for (groups_.next(); !groups_.is_end(); groups_.next()) {
         switch (groups_.now().code) {
           case 2:
-            name = groups_.now().value;
+            name = groups_.text();
             break;
           case 10:
             block.base[0] = groups_.number();

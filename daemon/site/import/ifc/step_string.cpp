@@ -8,33 +8,11 @@
 #include <utility>
 
 #include "daemon/site/import/ifc/step_text.h"
+#include "daemon/site/import/utf8_text.h"
 #include "engine/base/printable.h"
 
 namespace rayloc {
 namespace {
-
-void append_utf8(std::uint32_t code, std::string& text) {
-  const auto byte = [&](std::uint32_t bits) { text += static_cast<char>(bits); };
-  const auto rest = [&](unsigned shift) { byte(0x80U | ((code >> shift) & 0x3fU)); };
-  const bool is_surrogate = code >= 0xd800U && code < 0xe000U;
-  if (is_surrogate || code > 0x10ffffU) {
-    text += '?';
-  } else if (code < 0x80U) {
-    byte(code);
-  } else if (code < 0x800U) {
-    byte(0xc0U | (code >> 6U));
-    rest(0);
-  } else if (code < 0x10000U) {
-    byte(0xe0U | (code >> 12U));
-    rest(6);
-    rest(0);
-  } else {
-    byte(0xf0U | (code >> 18U));
-    rest(12);
-    rest(6);
-    rest(0);
-  }
-}
 
 // The number that `digits` are in hexadecimal; 0xffffffff if they are no number.
 std::uint32_t code_of(std::string_view digits) {

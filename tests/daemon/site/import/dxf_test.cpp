@@ -203,6 +203,29 @@ TEST_F(Dxf, WallsThatAreEmptyOrHiddenAreNamed) {
   EXPECT_NE(unread.find("left out: 1 3DFACE"), std::string::npos) << unread;
 }
 
+// As AutoCAD writes them in three versions of the format.
+TEST_F(Dxf, NamesOfLayersMayHaveLettersWithAccents) {
+  for (const char* name : {"W\xc4NDE", "W\\U+00C4NDE", "W\xc3\x84NDE"}) {
+    const auto room = import(file("plan.dxf", drawing(walls(name))));
+    ASSERT_TRUE(room) << room.error().message;
+    EXPECT_NEAR(room->bounds.size().x, 6.0, 1e-9) << name;
+    EXPECT_EQ(remarks(*room).find("Windows-1252") != std::string::npos,
+              std::string(name) == "W\xc4NDE");
+  }
+  const std::string hidden =
+      refusal(tables({{"T\xdcR WAND", 1}}) + drawing(walls("T\\U+00DCR WAND")));
+  EXPECT_NE(hidden.find("has no line that can be seen"), std::string::npos) << hidden;
+}
+
+TEST_F(Dxf, ADrawingWithoutLayersIsReadWithATable) {
+  const std::string plan = drawing(walls("0"));
+  EXPECT_NE(refusal(plan).find("[layers] wall = [\"0\"]"), std::string::npos) << refusal(plan);
+  const auto room = import_scene(
+      file("plan.dxf", plan), *MaterialTable::parse("[layers]\nwall = [\"0\"]\n", "table"), {});
+  ASSERT_TRUE(room) << room.error().message;
+  EXPECT_NEAR(room->bounds.size().y, 4.0, 1e-9);
+}
+
 // Each block holds the next one a hundred times.
 TEST_F(Dxf, RefusesBlocksNestedTooDeeply) {
   std::string blocks = "0\nSECTION\n2\nBLOCKS\n";

@@ -218,8 +218,39 @@ TEST(MaterialTable, TheNameOfTheMaterialCountsBeforeThatOfTheObject) {
   EXPECT_EQ(table->find("", "oakDoors2")->itu, "wood");
   EXPECT_EQ(table->find("Stahlbeton C30/37", "")->itu, "concrete");
   EXPECT_EQ(table->find("Gipskartonplatte", "")->itu, "plasterboard");
-  EXPECT_FALSE(MaterialTable::parse("[[material]]\nmatch = [\"12\"]\nitu = \"glass\"\n", "t"));
+  EXPECT_FALSE(MaterialTable::parse("[[material]]\nmatch = [\" \"]\nitu = \"glass\"\n", "t"));
   EXPECT_EQ(table->otherwise("wall").itu, "plasterboard");
+}
+
+TEST(MaterialTable, LayersHaveNamesOfAnyLanguageAndCase) {
+  const auto table = MaterialTable::parse(kDefaultMaterialTable, "materials");
+  ASSERT_TRUE(table) << table.error().message;
+  for (const auto& [name, kind] : {std::pair{"WÄNDE", "wall"},
+                                   {"A-Wände", "wall"},
+                                   {"eg_TÜREN", "door"},
+                                   {"Fenêtres", "window"},
+                                   {"MÖBEL", "furniture"},
+                                   {"paredes", "wall"},
+                                   {"0", ""}}) {
+    EXPECT_EQ(table->layer(name), kind) << name;
+  }
+}
+
+// The layer of a drawing without layers is "0".
+TEST(MaterialTable, NamesWithoutALetterAreWrittenWhole) {
+  const auto table = MaterialTable::parse(
+      "[layers]\nwindow = [\"1-2\"]\ndoor = [\"3*\"]\nwall = [\"0\"]\n", "materials");
+  ASSERT_TRUE(table) << table.error().message;
+  EXPECT_EQ(table->layer("0"), "wall");
+  EXPECT_EQ(table->layer("1-2"), "window");
+  EXPECT_EQ(table->layer("34"), "door");
+  for (const char* other : {"00", "1", "2", "1-20", "x0", ""}) {
+    EXPECT_EQ(table->layer(other), "") << other;
+  }
+  const auto all = MaterialTable::parse("[layers]\nwall = [\"*\"]\n", "materials");
+  ASSERT_TRUE(all) << all.error().message;
+  EXPECT_EQ(all->layer("0"), "wall");
+  EXPECT_EQ(all->layer("Level 1"), "wall");
 }
 
 }  // namespace
