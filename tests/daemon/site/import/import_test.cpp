@@ -146,6 +146,15 @@ TEST_F(Import, OnlyFilesBesideTheModelAreOpened) {
   EXPECT_FALSE(import(file("models/link.gltf", triangle("link.bin"))));
 }
 
+// The begin of a ZIP archive whose first file has that name.
+std::string archive(const std::string& name) {
+  std::string bytes("PK\x03\x04", 4);
+  bytes.resize(26, '\0');
+  bytes += static_cast<char>(name.size());
+  bytes.append(3, '\0');
+  return bytes + name + "content";
+}
+
 TEST_F(Import, RefusesInvalidModelsWithARemedy) {
   const std::vector<std::pair<std::string, std::string>> cases = {
       {"AC1032 and so on", "a DWG drawing; export its plan as DXF or SVG"},
@@ -153,7 +162,25 @@ TEST_F(Import, RefusesInvalidModelsWithARemedy) {
        "a STEP model; export it as GLB, OBJ or IFC, or its plan as DXF or SVG"},
       {"%PDF-1.7", "a PDF; open it in Inkscape"},
       {"PXR-USDC", "a USD scene; export"},
-      {std::string("PK\x03\x04", 4), "an archive (USDZ, SKP or ZIP); export"},
+      {std::string("PK\x03\x04", 4), "an archive (ZIP); unpack it"},
+      {archive("0/scan.usdc"), "a USDZ scan; export it as GLB or OBJ, of RoomPlan as JSON"},
+      {archive("Home"), "a home of Sweet Home 3D; export it as OBJ"},
+      {archive("Document.xml"), "a document of FreeCAD; export"},
+      {archive("office.ifc"), "an archive (ZIP); unpack it"},
+      {"\x89PNG\r\n", "a picture; lay it under a drawing in rayloc studio"},
+      {std::string("II*\0\x08", 5), "a picture (TIFF); lay it"},
+      {std::string("\0\0\0\x18"
+                   "ftypheic",
+                   12),
+       "a picture or film of a phone; lay it"},
+      {"LASF", "a cloud of points (LAS); make a mesh of it"},
+      {std::string(80, ' ') + std::string("\1\0\0\0", 4) + std::string(50, '\0'),
+       "an STL model, which has neither names nor units; export"},
+      {"<?xml version=\"1.0\"?>\n<COLLADA version=\"1.4.1\">", "a COLLADA model; export it as GLB"},
+      {"<?xml version=\"1.0\"?>\n<scene/>", "XML, but no SVG; a scene of Mitsuba needs no import"},
+      {"\n<!DOCTYPE HTML>\n<body><svg/></body>", "a web page and no drawing; download the file"},
+      {"name = \"office\"\nsize = [5, 3, 2.7]\n",
+       "a plan of a room; make a scene of it with rayloc"},
       {"", "is empty"},
       {"hello, world", "of no format that can be imported; there are:"},
       {"{\"a\": 1}", "is JSON, but neither glTF, which has \"asset\", nor the scan of a room"},
