@@ -6,6 +6,7 @@
 
 #include "daemon/cli/command/file_error.h"
 #include "daemon/cli/verbs/scene/scene_verbs.h"
+#include "daemon/site/import/recognise.h"
 #include "daemon/site/model/site_copy.h"
 #include "daemon/site/scene/access_point_presets.h"
 #include "daemon/site/scene/build_room.h"
@@ -77,6 +78,11 @@ struct SceneRoomArguments {
 };
 
 Expected<void> run_scene_room(const SceneRoomArguments& arguments) {
+  if (const auto format = recognise(arguments.plan)) {
+    return report_file_error({ErrorKind::kBadInput,
+                              arguments.plan + ": is a drawing or scan (" + name_of(*format) +
+                                  ") and no plan; make a scene of it with rayloc scene import"});
+  }
   const Expected<RoomPlan> plan = load_room_plan(arguments.plan);
   if (!plan) {
     return report_file_error(plan.error());

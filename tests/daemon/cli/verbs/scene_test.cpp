@@ -240,6 +240,18 @@ TEST_F(SceneVerb, MistakesInThePlanAreLinesWithTheirPlace) {
   EXPECT_FALSE(fs::exists(out()));
 }
 
+TEST_F(SceneVerb, RoomAndImportNameEachOtherForTheFileOfTheOther) {
+  const std::string drawing = file("office.dxf", dxf_office());
+  const Finished room = RaylocProcess({"scene", "room", drawing, "--out", out()}).wait();
+  EXPECT_EQ(room.status, 65);
+  EXPECT_NE(room.err.find("rayloc scene import"), std::string::npos) << room.err;
+  const std::string plan = file("office.toml", kPlan);
+  const Finished imported = RaylocProcess({"scene", "import", plan, "--out", out()}).wait();
+  EXPECT_EQ(imported.status, 65);
+  EXPECT_NE(imported.err.find("rayloc scene room"), std::string::npos) << imported.err;
+  EXPECT_FALSE(fs::exists(out()));
+}
+
 TEST_F(SceneVerb, CheckWarnsAndStillSucceeds) {
   ASSERT_EQ(make_room(kPlan).status, 0);
   const std::string site = content(out() + "/site.toml") +
