@@ -23,6 +23,7 @@ constexpr double kUprightCosine = 0.3;  // chosen: 17 degrees, for a wall
 constexpr double kNearEnd = 0.4;        // [m], chosen: to the lowest or highest point
 constexpr double kWallHeight = 1.5;     // [m], chosen: lower objects are furniture
 constexpr double kLargestRead = 250.0;  // [m], chosen: scenes are rooms and storeys
+constexpr double kSmallestRead = 1.0;   // [m], chosen: smaller than any room
 constexpr double kPoorShare = 0.7;      // of a scan's area, chosen: less has holes or is no room
 
 // The letters, digits, '-' and '_' of a name, made unique.
@@ -230,14 +231,26 @@ Expected<ImportedScene> import_scene(const std::filesystem::path& file,
                : *format == ModelFormat::kRoomScan ? read_room_scan(file)
                                                    : read_model(file, *format, options.units);
   RAYLOC_TRY(model);
+  // The height of a flat drawing is stated, and not drawn.
   const Vec3d size = bounds_of(*model).size();
-  if (const double largest = std::max({size.x, size.y, size.z}); !(largest <= kLargestRead)) {
+  const double longest = std::max({size.x, size.y, is_flat ? 0.0 : size.z});
+  if (!(longest <= kLargestRead)) {
     return bad_input(fmt::format(
         "{}: would be {:.0f} m long, and scenes are rooms and storeys of {:.0f} m at most; state "
         "its unit (--unit mm), or export a part of it",
         file.string(),
-        largest,
+        longest,
         kLargestRead));
+  }
+  if (longest < kSmallestRead) {
+    return bad_input(
+        fmt::format("{}: would be {:.2g} m long, and rooms are larger; state its unit (--unit m)",
+                    file.string(),
+                    longest));
+  }
+  if (longest > kLargestStorey) {
+    model->remarks.push_back(fmt::format(
+        "warning: it is {:.0f} m long; if that is too much, state its unit (--unit mm)", longest));
   }
   model->remarks.insert(model->remarks.begin(), name_of(*format));
   auto made = scene_of(*model, table, options);

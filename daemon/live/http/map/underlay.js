@@ -42,7 +42,7 @@ export class Underlay {
   async take(file) {
     const {say} = this.editor;
     if (await file.slice(0, PDF.length).text() === PDF) {
-      say(`${file.name}: browsers give no picture of a PDF: export the page as PNG, of 150 dpi or more, and take that`, 'bad');
+      say(`${file.name}: browsers give no picture of a PDF: export the page as PNG (pdftoppm -r 150 -png does), and take that`, 'bad');
       return;
     }
     const url = URL.createObjectURL(file);

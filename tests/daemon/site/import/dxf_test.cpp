@@ -226,6 +226,24 @@ TEST_F(Dxf, ADrawingWithoutLayersIsReadWithATable) {
   EXPECT_NEAR(room->bounds.size().y, 4.0, 1e-9);
 }
 
+// A drawing begun from a template states its millimetres or inches, whatever it is drawn in.
+TEST_F(Dxf, AnImplausibleUnitOfTheHeaderIsReported) {
+  const auto stated = [&](int unit, double side) {
+    return fmt::format("0\nSECTION\n2\nHEADER\n9\n$INSUNITS\n70\n{}\n0\nENDSEC\n", unit) +
+           drawing(line("WALL", 0, 0, side, 0) + line("WALL", 0, 0, 0, side));
+  };
+  const std::string small = refusal(stated(4, 6));
+  EXPECT_NE(small.find("would be 0.006 m long"), std::string::npos) << small;
+  EXPECT_NE(small.find("--unit m"), std::string::npos) << small;
+  EXPECT_TRUE(import(file("plan.dxf", stated(4, 6)), {{1.0}, 0.0}));
+  const auto large = import(file("plan.dxf", stated(1, 6000)));
+  ASSERT_TRUE(large) << large.error().message;
+  EXPECT_NE(remarks(*large).find("warning: it is 152 m long"), std::string::npos);
+  const auto usual = import(file("plan.dxf", stated(4, 6000)));
+  ASSERT_TRUE(usual) << usual.error().message;
+  EXPECT_EQ(remarks(*usual).find("warning"), std::string::npos) << remarks(*usual);
+}
+
 // Each block holds the next one a hundred times.
 TEST_F(Dxf, RefusesBlocksNestedTooDeeply) {
   std::string blocks = "0\nSECTION\n2\nBLOCKS\n";
