@@ -76,6 +76,10 @@ Expected<void> run_scene_import(const SceneImportArguments& arguments) {
     for (const std::string& remark : imported->remarks) {
       std::fprintf(stderr, "  %s\n", printable(remark).c_str());
     }
+    std::fprintf(stderr,
+                 arguments.model.empty()
+                     ? "to make it a site, name an access point in its site.toml\n"
+                     : "a site; state the position of the access point in its site.toml\n");
   }
   return {};
 }

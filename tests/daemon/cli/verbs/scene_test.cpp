@@ -169,6 +169,7 @@ TEST_F(SceneVerb, ImportWritesAValidSceneOrLeavesNoTrace) {
   EXPECT_NE(made.err.find(": 3 objects of 3 materials, 4.00 x 3.00 x 2.50 m\n  OBJ\n"),
             std::string::npos)
       << made.err;
+  EXPECT_NE(made.err.find("name an access point in its site.toml"), std::string::npos) << made.err;
   std::ofstream(out() + "/site.toml", std::ios::app) << kAccessPoint;
   const Finished checked = RaylocProcess({"scene", "check", out()}).wait();
   EXPECT_EQ(checked.status, 0) << checked.err;
