@@ -214,8 +214,9 @@ class PlanMaker {
       }
     }
     return bad_input(fmt::format(
-        "no layer is known to hold walls; its layers are {}. Name them in a table: rayloc scene "
-        "import --print-materials > materials.toml, [layers] wall = [\"{}\"]{}{}",
+        "no layer is known to hold walls; its layers are {}. Name those of walls (--walls \"{}\"), "
+        "or all kinds in a table: rayloc scene import --print-materials > materials.toml, "
+        "[layers]{}{}",
         listed(layers),
         layers.empty() ? "*" : *layers.begin(),
         drawing.remarks.empty() ? "" : "; ",
@@ -330,6 +331,12 @@ Expected<Model> drawn_plan(const Drawing& drawing,
       p = {metres * p[0], metres * p[1]};
     }
     RAYLOC_TRY(maker.add(line));
+  }
+  for (const std::string& named : table.named_walls()) {
+    if (!layers.contains(named)) {
+      return bad_input(fmt::format(
+          "--walls: no line is on a layer '{}'; its layers are {}", named, listed(layers)));
+    }
   }
   return maker.finish(layers, drawing);
 }

@@ -227,6 +227,10 @@ Expected<ImportedScene> import_scene(const std::filesystem::path& file,
                      ", which is as large as it was drawn; --scale is of SVG, --unit of this");
   }
   const bool is_flat = *format == ModelFormat::kDxf || *format == ModelFormat::kSvg;
+  if (!table.named_walls().empty() && !is_flat) {
+    return bad_input(file.string() + ": is " + name_of(*format) +
+                     ", whose walls are objects; --walls is of the layers of DXF and SVG");
+  }
   auto model = is_flat ? model_of_drawing(file, *format, table, options.units)
                : *format == ModelFormat::kRoomScan ? read_room_scan(file)
                                                    : read_model(file, *format, options.units);

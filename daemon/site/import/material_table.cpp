@@ -220,6 +220,9 @@ std::optional<StatedMaterial> MaterialTable::find(std::string_view material,
 }
 
 std::string MaterialTable::layer(std::string_view name) const {
+  if (std::find(named_walls_.begin(), named_walls_.end(), name) != named_walls_.end()) {
+    return "wall";
+  }
   const std::string words = split_words(name);
   for (const auto& [kind, of] : layers_) {
     if (holds_one(words, of)) {

@@ -50,6 +50,9 @@ class MaterialTable {
   StatedMaterial otherwise(std::string_view part) const;
   // "wall", "window", "door" or "furniture"; empty: none of these.
   std::string layer(std::string_view name) const;
+  // Layers that hold walls, by their whole names, whatever [layers] has of them.
+  void name_walls(std::vector<std::string> layers) { named_walls_ = std::move(layers); }
+  const std::vector<std::string>& named_walls() const { return named_walls_; }
 
  private:
   static Expected<MaterialTable> of(TomlDocument& document);
@@ -57,6 +60,7 @@ class MaterialTable {
   std::vector<Row> rows_;
   std::vector<std::pair<std::string, StatedMaterial>> otherwise_;
   std::vector<std::pair<std::string, std::vector<std::string>>> layers_;  // words by kind
+  std::vector<std::string> named_walls_;
 };
 
 }  // namespace rayloc

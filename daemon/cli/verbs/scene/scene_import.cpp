@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "daemon/cli/command/file_error.h"
 #include "daemon/cli/verbs/scene/scene_verbs.h"
@@ -24,6 +25,7 @@ struct SceneImportArguments {
   std::string out;
   std::string name;
   std::string materials;
+  std::vector<std::string> walls;
   std::string model;
   ImportRequest request;
   bool print_materials = false;
@@ -52,12 +54,13 @@ Expected<void> run_scene_import(const SceneImportArguments& arguments) {
   }
   const auto options = import_options(arguments.request);
   RAYLOC_TRY(options);
-  const auto table = arguments.materials.empty()
-                         ? MaterialTable::parse(kDefaultMaterialTable, "materials")
-                         : MaterialTable::read(arguments.materials);
+  auto table = arguments.materials.empty()
+                   ? MaterialTable::parse(kDefaultMaterialTable, "materials")
+                   : MaterialTable::read(arguments.materials);
   if (!table) {
     return report_file_error(table.error());
   }
+  table->name_walls(arguments.walls);
   const auto imported = import_scene(arguments.file, *table, *options);
   if (!imported) {
     return report_file_error(imported.error());
@@ -92,6 +95,8 @@ RunVerb declare_scene_import(OptionParser& app) {
   app.add_option("--out", arguments->out, "Directory for scene.xml, meshes/ and site.toml");
   app.add_option("--name", arguments->name, "Name of the site; default: room");
   app.add_option("--materials", arguments->materials, "Table of names and radio materials, TOML");
+  app.add_option(
+      "--walls", arguments->walls, "Layers of a flat drawing that hold walls, by whole names");
   app.add_flag("--print-materials", arguments->print_materials, "Print the default table");
   app.add_option("--unit", arguments->request.unit, "Unit of the file: mm, cm, m, in or ft");
   app.add_option(
@@ -111,6 +116,7 @@ RunVerb declare_scene_import(OptionParser& app) {
       "Example:\n  rayloc scene import scan.glb --out office\n"
       "  rayloc scene import storey.dxf --height 2.8 --out office\n"
       "  rayloc scene import plan.svg --scale 50 --out office\n"
+      "  rayloc scene import sketch.dxf --walls 0 --unit m --out office\n"
       "  rayloc scene import room.json --out office\n"
       "  rayloc scene import --print-materials > materials.toml\n"
       "  rayloc scene import house.obj --unit cm --up z --materials materials.toml --out house");

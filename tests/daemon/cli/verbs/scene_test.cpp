@@ -119,6 +119,19 @@ TEST_F(SceneVerb, ImportedOfficesPassTheCheck) {
   }
 }
 
+TEST_F(SceneVerb, ImportTakesTheLayersOfWallsByName) {
+  std::string plan = dxf_office();
+  for (std::size_t at = 0; (at = plan.find("WALLS", at)) != std::string::npos;) {
+    plan.replace(at, 5, "0");
+  }
+  const std::string drawing = file("office.dxf", plan);
+  EXPECT_EQ(RaylocProcess({"scene", "import", drawing, "--out", out()}).wait().status, 65);
+  const Finished made =
+      RaylocProcess({"scene", "import", drawing, "--walls", "0", "--out", out()}).wait();
+  EXPECT_EQ(made.status, 0) << made.err;
+  EXPECT_NE(made.err.find(" x 2.70 m"), std::string::npos) << made.err;
+}
+
 TEST_F(SceneVerb, RoomWithAnAccessPointOfAKnownModelIsASite) {
   const std::string plan = file("office.toml", kPlan);
   const Finished made =

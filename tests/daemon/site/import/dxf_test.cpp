@@ -217,13 +217,28 @@ TEST_F(Dxf, NamesOfLayersMayHaveLettersWithAccents) {
   EXPECT_NE(hidden.find("has no line that can be seen"), std::string::npos) << hidden;
 }
 
-TEST_F(Dxf, ADrawingWithoutLayersIsReadWithATable) {
+TEST_F(Dxf, ADrawingWithoutLayersIsReadIfItsWallsAreNamed) {
   const std::string plan = drawing(walls("0"));
-  EXPECT_NE(refusal(plan).find("[layers] wall = [\"0\"]"), std::string::npos) << refusal(plan);
-  const auto room = import_scene(
-      file("plan.dxf", plan), *MaterialTable::parse("[layers]\nwall = [\"0\"]\n", "table"), {});
-  ASSERT_TRUE(room) << room.error().message;
-  EXPECT_NEAR(room->bounds.size().y, 4.0, 1e-9);
+  EXPECT_NE(refusal(plan).find("--walls \"0\""), std::string::npos) << refusal(plan);
+  auto in_table = MaterialTable::parse("[layers]\nwall = [\"0\"]\n", "table");
+  auto named = MaterialTable::parse(kDefaultMaterialTable, "materials");
+  ASSERT_TRUE(in_table && named);
+  named->name_walls({"0"});
+  for (const MaterialTable& table : {*in_table, *named}) {
+    const auto room = import_scene(file("plan.dxf", plan), table, {});
+    ASSERT_TRUE(room) << room.error().message;
+    EXPECT_NEAR(room->bounds.size().y, 4.0, 1e-9);
+  }
+  named->name_walls({"0", "O"});
+  const auto mistyped = import_scene(file("plan.dxf", plan), *named, {});
+  ASSERT_FALSE(mistyped);
+  EXPECT_NE(mistyped.error().message.find("no line is on a layer 'O'; its layers are 0"),
+            std::string::npos)
+      << mistyped.error().message;
+  const auto model = import_scene(file("room.obj", "o floor\nv 0 0 0\nf 1 1 1\n"), *named, {});
+  ASSERT_FALSE(model);
+  EXPECT_NE(model.error().message.find("--walls is of the layers of DXF and SVG"),
+            std::string::npos);
 }
 
 // A drawing begun from a template states its millimetres or inches, whatever it is drawn in.
