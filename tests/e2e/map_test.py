@@ -937,6 +937,10 @@ class EditorTest(MapTest):
 
     def draw(self, page, person, drawing):
         page.wait(f"{self.SAID} === 'Nothing is here yet'")
+        person.fill("#import-scale", "5000")  # reaches the import, which refuses it
+        person.choose_file("#import", drawing)
+        page.wait(f"{self.SAID}.includes('--scale')")
+        page.ask("document.querySelector('#import-scale').value = ''")
         person.choose_file("#import", drawing)
         page.wait(f"{self.SAID}.startsWith('office is begun')")
         page.wait("document.querySelectorAll('#plan polygon').length > 5")

@@ -1,12 +1,17 @@
 // Creates the first files of a site from a plan or from a drawing of another program.
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <filesystem>
 #include <functional>
 #include <map>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <utility>
+#include <vector>
 
+#include <spdlog/fmt/fmt.h>
 #include <nlohmann/json.hpp>
 
 #include "daemon/live/studio/child_process.h"
@@ -27,6 +32,8 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kMaxPlanBytes = std::size_t{1} << 20U;  // [bytes]
 constexpr std::chrono::minutes kMaxImportTime{10};            // chosen, for the largest scans
+// Parameters of an upload that are options of `rayloc scene import`, which checks their values.
+constexpr std::array<std::string_view, 4> kStated = {"unit", "scale", "height", "walls"};
 
 Expected<void> write_all(const SiteEditor& editor,
                          const std::map<std::string, std::string>& files) {
@@ -63,19 +70,34 @@ std::string kind_of(const HttpParameters& parameters) {
   return kind.size() > 1 && kind.size() <= 6 && is_object_name(kind.substr(1)) ? kind : "";
 }
 
+std::vector<std::string> options_of(const HttpParameters& parameters) {
+  std::vector<std::string> options;
+  for (const auto& [name, value] : parameters) {
+    if (std::find(kStated.begin(), kStated.end(), name) != kStated.end() && !value.empty()) {
+      options.push_back(fmt::format("--{}={}", name, value));
+    }
+  }
+  return options;
+}
+
 Expected<ImportedFiles> import_apart(const fs::path& file,
                                      const SiteEditor& editor,
+                                     std::vector<std::string> options,
                                      const std::function<bool()>& is_stopping) {
   const auto program = rayloc_program();
   RAYLOC_TRY(program);
   const std::string name = fs::weakly_canonical(editor.directory()).filename().string();
-  return run_import(*program, file, name, kMaxImportTime, is_stopping);
+  if (!name.empty()) {
+    options.push_back("--name=" + name);
+  }
+  return run_import(*program, file, options, kMaxImportTime, is_stopping);
 }
 
 Expected<Json> begin_import(const SiteEditor& editor,
-                            const std::string& kind,
+                            const HttpParameters& parameters,
                             const std::string& bytes,
                             const std::function<bool()>& is_stopping) {
+  const std::string kind = kind_of(parameters);
   if (kind.empty()) {
     return bad_input(std::string("which kind of file is it? Name it as its format is called: ") +
                      kFormats);
@@ -85,7 +107,7 @@ Expected<Json> begin_import(const SiteEditor& editor,
   }
   const fs::path file = editor.directory() / ("import" + kind);
   RAYLOC_TRY(write_file(file, bytes));
-  auto imported = import_apart(file, editor, is_stopping);
+  auto imported = import_apart(file, editor, options_of(parameters), is_stopping);
   if (!imported) {
     std::error_code ignored;
     fs::remove(file, ignored);
@@ -114,7 +136,7 @@ std::map<std::string, HttpRoute> beginning_routes(const std::shared_ptr<const Si
   upload.method = "POST";
   upload.receive = [editor, is_stopping](const HttpParameters& parameters,
                                          const std::string& body) {
-    return editor_reply(begin_import(*editor, kind_of(parameters), body, is_stopping));
+    return editor_reply(begin_import(*editor, parameters, body, is_stopping));
   };
   upload.content_type = "application/octet-stream";
   upload.most_bytes = kLargestImport;

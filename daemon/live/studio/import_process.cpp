@@ -107,7 +107,7 @@ Expected<std::map<std::string, std::string>> files_below(const fs::path& folder)
 
 Expected<ImportedFiles> run_import(const fs::path& program,
                                    const fs::path& file,
-                                   const std::string& name,
+                                   const std::vector<std::string>& options,
                                    std::chrono::seconds limit,
                                    const std::function<bool()>& is_stopping) {
   const ImportFolder out(file);
@@ -118,9 +118,7 @@ Expected<ImportedFiles> run_import(const fs::path& program,
   }
   std::vector<std::string> arguments{
       "scene", "import", fs::absolute(file).string(), "--out", out.path()};
-  if (!name.empty()) {
-    arguments.push_back("--name=" + name);
-  }
+  arguments.insert(arguments.end(), options.begin(), options.end());
   const auto process = ChildProcess::start(program, arguments);
   RAYLOC_TRY(process);
   const auto status = import_status(**process, limit, is_stopping);

@@ -18,14 +18,14 @@ struct ImportedFiles {
   std::vector<std::string> remarks;          // recognised, assumed and omitted content
 };
 
-// Runs `PROGRAM scene import FILE` and waits for it; `name` is the name of the site. A new folder
-// beside FILE holds the result meanwhile. Errors (kBadInput): the message of the program; a message
+// Runs `PROGRAM scene import FILE` with these options and waits for it. A new folder beside FILE
+// holds the result meanwhile. Errors (kBadInput): the message of the program; a message
 // if a signal ended the program, or if it was ended after `limit`. kUnavailable: it cannot be
 // started, or it was ended because `is_stopping` returned true, which is called several times per
 // second by this thread. Thread-safe for files in different folders.
 Expected<ImportedFiles> run_import(const std::filesystem::path& program,
                                    const std::filesystem::path& file,
-                                   const std::string& name,
+                                   const std::vector<std::string>& options,
                                    std::chrono::seconds limit,
                                    const std::function<bool()>& is_stopping);
 

@@ -227,9 +227,16 @@ byId('redo').addEventListener('click', () => editor.draft.redo());
 byId('delete').addEventListener('click', erase);
 byId('save').addEventListener('click', save);
 byId('make-room').addEventListener('click', makeRoom);
+// Statements on the file, for the options of `rayloc scene import` of the same names.
+const statedOfImport = () => ['unit', 'scale', 'walls', 'height']
+  .map((key) => [key, byId(`import-${key}`).value.trim()]).filter(([, value]) => value);
+
 byId('import').addEventListener('change', async ({target}) => {
   const [file] = target.files;
-  if (file) await begin(`api/v1/edit/import?name=${encodeURIComponent(file.name)}`, 'application/octet-stream', file);
+  if (file) {
+    const query = new URLSearchParams([['name', file.name], ...statedOfImport()]);
+    await begin(`api/v1/edit/import?${query}`, 'application/octet-stream', file);
+  }
   target.value = '';
 });
 byId('add-device').addEventListener('click', () => {

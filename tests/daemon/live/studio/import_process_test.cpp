@@ -28,14 +28,15 @@ class ImportProcess : public ::testing::Test {
   }
   void TearDown() override { fs::remove_all(folder_); }
 
-  // Arguments of the script: scene import FILE --out FOLDER --name=NAME.
+  // Arguments of the script: scene import FILE --out FOLDER --unit=mm --name=NAME.
   Expected<ImportedFiles> run(const std::string& script,
                               std::chrono::seconds limit = std::chrono::seconds(60),
                               const std::function<bool()>& is_stopping = never) const {
     const fs::path program = folder_ / "program";
     std::ofstream(program) << "#!/bin/sh\n" << script << "\n";
     fs::permissions(program, fs::perms::owner_all);
-    auto result = run_import(program, folder_ / "import.ifc", "my room", limit, is_stopping);
+    auto result = run_import(
+        program, folder_ / "import.ifc", {"--unit=mm", "--name=my room"}, limit, is_stopping);
     fs::remove(program);
     return result;
   }
@@ -49,7 +50,7 @@ class ImportProcess : public ::testing::Test {
 
 TEST_F(ImportProcess, ReturnsTheFilesAndTheRemarks) {
   const auto imported =
-      run("[ \"$1 $2 $4 $6\" = \"scene import --out --name=my room\" ] || exit 1\n"
+      run("[ \"$1 $2 $4 $6 $7\" = \"scene import --out --unit=mm --name=my room\" ] || exit 1\n"
           "mkdir \"$5/meshes\"; cp \"$3\" \"$5/scene.xml\"; echo mesh > \"$5/meshes/a.ply\"\n"
           "echo \"$5: 1 object\" >&2; echo '  IFC' >&2; echo '  a second remark' >&2");
   ASSERT_TRUE(imported) << imported.error().message;
@@ -86,8 +87,8 @@ TEST_F(ImportProcess, ReturnsTheMessageOfARefusal) {
 }
 
 TEST_F(ImportProcess, AMissingProgramIsReported) {
-  const auto imported = run_import(
-      "/nowhere/rayloc", folder_ / "import.ifc", "room", std::chrono::seconds(60), never);
+  const auto imported =
+      run_import("/nowhere/rayloc", folder_ / "import.ifc", {}, std::chrono::seconds(60), never);
   ASSERT_FALSE(imported);
   EXPECT_EQ(imported.error().kind, ErrorKind::kUnavailable);
 }
@@ -115,8 +116,8 @@ TEST_F(ImportProcess, OnlyFilesAreReturned) {
 }
 
 TEST_F(ImportProcess, AMissingFolderIsReported) {
-  const auto imported = run_import(
-      "/bin/true", folder_ / "missing" / "a.ifc", "room", std::chrono::seconds(60), never);
+  const auto imported =
+      run_import("/bin/true", folder_ / "missing" / "a.ifc", {}, std::chrono::seconds(60), never);
   ASSERT_FALSE(imported);
   EXPECT_EQ(imported.error().kind, ErrorKind::kUnavailable);
   EXPECT_NE(imported.error().message.find("No such file"), std::string::npos)
