@@ -25,6 +25,27 @@ void ChainBelief::suspect(double probability) {
   }
 }
 
+std::vector<double> ChainBelief::suspect_for_now(double probability) {
+  std::vector<double> undoing = probability_;
+  suspect(probability);
+  for (std::size_t s = 0; s < undoing.size(); ++s) {
+    undoing[s] /= probability_[s];
+  }
+  return undoing;
+}
+
+void ChainBelief::multiply(std::span<const double> factor) {
+  RAYLOC_CHECK(factor.size() == probability_.size());
+  double sum = 0.0;
+  for (std::size_t s = 0; s < probability_.size(); ++s) {
+    probability_[s] *= factor[s];
+    sum += probability_[s];
+  }
+  for (double& value : probability_) {
+    value /= sum;
+  }
+}
+
 void ChainBelief::settle() {
   std::fill(probability_.begin(), probability_.end(), 0.0);
   probability_[0] = 1.0;

@@ -27,6 +27,10 @@ class ChainBelief {
   void receive(std::span<const double> log_evidence);
   // The chains may have changed, with this probability: a power cycle is likely.
   void suspect(double probability);
+  // As suspect(). Returns what undoes it, also after further evidence: a factor of each state.
+  std::vector<double> suspect_for_now(double probability);
+  // Multiplies the probability of each state by a factor, [state].
+  void multiply(std::span<const double> factor);
   // The accepted state has changed: state 0 now denotes the new one.
   void settle();
   // Continues from the probabilities of an earlier run, [state]. REQUIRES: grid().size() values.

@@ -19,7 +19,6 @@ using Value = std::complex<double>;
 
 constexpr double kRotatedAtStart = 0.1;      // a probability: the age of the calibration is unknown
 constexpr double kRotatedAfterCycle = 0.98;  // a probability: each chip starts in a new state
-constexpr double kRotatedAfterSilence = 0.3;  // a probability: it may have been off, or only silent
 constexpr auto kSilence = std::chrono::seconds(20);  // chosen: access points start in a minute
 constexpr double kUncertain = 0.2;  // probability of the accepted state; below: states are compared
 constexpr double kShaken = 0.9;     // the same; below: no refinement
@@ -28,8 +27,6 @@ constexpr double kWithdrawnLead = 5.0;     // [nat], required lead of another st
 constexpr double kUnsuspectedLead = 12.0;  // the same, while the belief indicates no change
 constexpr double kOthersWrong = 0.1;       // least probability that other access points are wrong
 constexpr double kMinEvidence = 3.0;       // [nat], of a burst that the room explains in a state
-constexpr double kSameCorrelation = 0.9;   // correlation of bursts with the same information
-constexpr double kMaxNoise = 2e-3;  // of a burst, as share of its power, like ModelError::noise
 // Counts of bursts, chosen.
 constexpr std::size_t kCompareAfter = 3;       // new bursts before states are compared again
 constexpr std::size_t kRefineAfterBursts = 8;  // new bursts before the learned state is refined
@@ -150,7 +147,10 @@ ChainLearner::NewArrays ChainLearner::new_of(std::span<const CsiFrame> frames,
     ChainMemory& ap = of(a);
     ap.*last = fresh.time;
     evaluate_waiting(*received.map, localizer_->room().likelihood_exponent, ap);
-    if (is_new(received, ap)) {
+    const RememberedBurst* before = repeated(received, ap);
+    if (before != nullptr) {
+      changes_ += ap.confirm_since(before->time) ? 1U : 0U;
+    } else if (is_new(received, ap)) {
       ap.last_new = fresh.time;
       ap.before_new = ap.belief.probability();
       fresh.arrays.push_back(&received);
@@ -190,18 +190,6 @@ RoomObservation ChainLearner::known_of(const RoomObservation& observation) const
     }
   }
   return known;
-}
-
-bool ChainLearner::is_new(const ArrayObservation& received, const ChainMemory& ap) const {
-  const auto is_similar = [&](const auto& before) {
-    return aligner_.align(before.h, received.h).correlation > kSameCorrelation;
-  };
-  return received.observed.array.noise <= kMaxNoise &&
-         std::none_of(ap.received.begin(), ap.received.end(), is_similar) &&
-         (ap.waiting == nullptr ||
-          std::none_of(ap.waiting->received.begin(),
-                       ap.waiting->received.begin() + static_cast<std::ptrdiff_t>(ap.unevaluated),
-                       is_similar));
 }
 
 ChainLearner::CellsOfEach ChainLearner::for_any_rotation(const NewArrays& fresh) {
@@ -343,7 +331,7 @@ void ChainLearner::decide(const AccessPointMap& map, Timestamp time, ChainMemory
         accept(best, ap);
       }
     } else if (accepted == states.begin() && lead >= kWithdrawnLead) {
-      ap.belief.settle();
+      ap.settle();
     }
     const bool is_suspect = ap.belief.as_accepted() <= kUncertain;
     const double needed = is_suspect ? kWithdrawnLead : kUnsuspectedLead;
@@ -419,7 +407,7 @@ void ChainLearner::notice_silence(const CsiFrame& frame) {
   const auto [last, is_first] = received_.emplace(a, frame.time);
   if (!is_first && frame.time - last->second > kSilence) {
     if (const auto found = aps_.find(a); found != aps_.end()) {
-      found->second.belief.suspect(kRotatedAfterSilence);
+      found->second.suspect_after_silence(last->second);
     }
   }
   last->second = frame.time;
@@ -467,6 +455,7 @@ void ChainLearner::restore(const ChainState& state) {
 void ChainLearner::power_cycled(std::size_t access_point, Timestamp time) {
   ChainMemory& ap = of(access_point);
   ++changes_;
+  ap.silences.clear();
   ap.belief.suspect(kRotatedAfterCycle);
   ap.received.clear();
   ap.last_new.reset();

@@ -89,6 +89,9 @@ class ChainLearner {
   ChainMemory& of(std::size_t access_point);
   void notice_silence(const CsiFrame& frame);
   bool is_due(std::size_t access_point, Timestamp time, Timestamp ChainMemory::*last) const;
+  // The oldest remembered burst that contains the same information, or null.
+  const RememberedBurst* repeated(const ArrayObservation& received, const ChainMemory& ap) const;
+  // True if a burst that repeats none is accurate enough, and no waiting one contains the same.
   bool is_new(const ArrayObservation& received, const ChainMemory& ap) const;
   // The arrays of access points with known chains, each with all of its antennas.
   RoomObservation known_of(const RoomObservation& observation) const;

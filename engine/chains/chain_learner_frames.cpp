@@ -1,11 +1,44 @@
-// ChainLearner: frames with the factors of their chains removed, and its state for others.
+// ChainLearner: frames with the factors of their chains removed, bursts with the same information,
+// and its state for others.
 #include <algorithm>
+#include <span>
 #include <vector>
 
 #include "engine/chains/chain_frames.h"
 #include "engine/chains/chain_learner.h"
+#include "engine/chains/chain_record.h"
 
 namespace rayloc {
+namespace {
+
+constexpr double kSameCorrelation = 0.9;  // correlation of bursts with the same information
+constexpr double kMaxNoise = 2e-3;  // of a burst, as share of its power, like ModelError::noise
+
+// Element of `bursts` with the same information, or their end.
+auto same_as(const ArrayObservation& received, const Aligner& aligner, const auto& bursts) {
+  return std::find_if(bursts.begin(), bursts.end(), [&](const auto& one) {
+    return aligner.align(one.h, received.h).correlation > kSameCorrelation;
+  });
+}
+
+}  // namespace
+
+const RememberedBurst* ChainLearner::repeated(const ArrayObservation& received,
+                                              const ChainMemory& ap) const {
+  const auto found = same_as(received, aligner_, ap.received);
+  return found == ap.received.end() ? nullptr : &*found;
+}
+
+bool ChainLearner::is_new(const ArrayObservation& received, const ChainMemory& ap) const {
+  if (received.observed.array.noise > kMaxNoise) {
+    return false;
+  }
+  if (ap.waiting == nullptr) {
+    return true;
+  }
+  const auto waiting = std::span(ap.waiting->received).first(ap.unevaluated);
+  return same_as(received, aligner_, waiting) == waiting.end();
+}
 
 std::vector<CsiFrame> ChainLearner::undone(std::span<const CsiFrame> frames) const {
   std::vector<CsiFrame> result(frames.begin(), frames.end());

@@ -8,6 +8,8 @@ namespace {
 
 using Value = std::complex<double>;
 
+constexpr double kRotatedAfterSilence = 0.3;  // a probability: it may have been off, or only silent
+constexpr std::size_t kMaxSilences = 8;       // a count, chosen: 2 kB each
 constexpr double kFineSigma = 0.035;  // [rad], 2 degrees: accurate enough for infrequent evaluation
 
 }  // namespace
@@ -37,6 +39,29 @@ void ChainMemory::set_knowledge(ChainKnowledge knowledge, Timestamp time) {
   state.bursts_needed = 0;
   state.evidence = 0.0;
   state.phase_sigma = 0.0;
+}
+
+void ChainMemory::suspect_after_silence(Timestamp begin) {
+  if (silences.size() == kMaxSilences) {
+    silences.erase(silences.begin());
+  }
+  silences.push_back({begin, belief.suspect_for_now(kRotatedAfterSilence)});
+}
+
+bool ChainMemory::confirm_since(Timestamp time) {
+  const auto first = std::find_if(
+      silences.begin(), silences.end(), [&](const Silence& one) { return one.begin >= time; });
+  const bool is_any = first != silences.end();
+  for (auto one = first; one != silences.end(); ++one) {
+    belief.multiply(one->undoing);
+  }
+  silences.erase(first, silences.end());
+  return is_any;
+}
+
+void ChainMemory::settle() {
+  belief.settle();
+  silences.clear();
 }
 
 void ChainMemory::remember(RememberedBurst burst) {
@@ -75,7 +100,7 @@ void ChainMemory::correct(const ChainFactors& refined) {
 void ChainMemory::accept(const ChainFactors& refined) {
   correct(refined);
   unrefined = 0;
-  belief.settle();
+  settle();
 }
 
 }  // namespace rayloc

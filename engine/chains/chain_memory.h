@@ -40,6 +40,12 @@ struct ChainMemory {
   Timestamp last;        // last evaluation for a device ...
   Timestamp last_fixed;  // ... and for a transmitter at a known place
   Timestamp last_sure;   // last time the accepted state was certain
+  // Silences after which the chains may have changed, oldest first.
+  struct Silence {
+    Timestamp begin;
+    std::vector<double> undoing;  // of the suspicion, as ChainBelief::suspect_for_now()
+  };
+  std::vector<Silence> silences;
 
   // True if the chains are known well enough to locate devices that others receive.
   bool is_known() const;
@@ -47,6 +53,13 @@ struct ChainMemory {
   bool is_settled() const;
 
   void set_knowledge(ChainKnowledge knowledge, Timestamp time);
+  // No frame was received for a while from `begin` on: the access point may have been off.
+  void suspect_after_silence(Timestamp begin);
+  // A burst repeats one of this time, so the silences since then left the chains as they were.
+  // Returns true if there were any.
+  bool confirm_since(Timestamp time);
+  // The accepted state has changed: state 0 now denotes the new one.
+  void settle();
   // Drops the oldest burst when full.
   void remember(RememberedBurst burst);
   // Drops bursts from before last_sure: they contain no evidence on the present state.

@@ -150,6 +150,32 @@ TEST(ChainLearner, RepeatedBurstsAddNoEvidence) {
   EXPECT_LE(learner.states().at(0).bursts, 2U);
 }
 
+// A device at rest that transmits every 30 s, and nothing else: silences are no power cycles while
+// its channel remains the same. With rotated chains it changes.
+TEST(ChainLearner, ARepeatedBurstAfterASilenceConfirmsTheChains) {
+  ChainLearner learner(localizer());
+  const auto burst_at = [](int place, int second) {
+    auto frames = burst(place, static_cast<unsigned>(1000 + second));
+    for (CsiFrame& frame : frames) {
+      frame.time += std::chrono::seconds(second - 2 * place);
+    }
+    return frames;
+  };
+  for (int i = 0; i < 8; ++i) {
+    learner.receive(burst_at(i, 2 * i));
+  }
+  const double before = learner.fault_of(burst_at(3, 14)).probability;
+  EXPECT_LT(before, 0.05);
+  for (int i = 1; i <= 12; ++i) {
+    learner.receive(burst_at(3, 14 + 30 * i));
+    EXPECT_NEAR(learner.fault_of(burst_at(3, 14 + 30 * i)).probability, before, 0.01) << i;
+  }
+  EXPECT_EQ(learner.states().at(0).knowledge, ChainKnowledge::kAsCalibrated);
+  const std::vector<Value> factors = {1.0, std::polar(1.0, 2.0), std::polar(1.0, -1.2)};
+  learner.receive(through(burst_at(3, 600), factors));
+  EXPECT_GT(learner.fault_of(burst_at(3, 600)).probability, 0.2);
+}
+
 // After a reported power cycle, no burst is used until the chains are learned, and the next program
 // uses the learned chains.
 TEST(ChainLearner, LearnsAfterAReportedPowerCycleAndKeepsTheResult) {
