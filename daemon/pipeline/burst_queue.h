@@ -4,9 +4,9 @@
 // and a crowd of unlisted transmitters must not delay the wanted ones. Live,
 // - a transmitter has one place in the queue, and a burst that is still there when its next one
 //   ends is replaced by that one;
-// - listed transmitters have the highest priority, then those with a track, each of both
-//   round-robin, so that all rates fall alike; of the others the newest has priority;
-// - each rank leaves every fourth place to those below it, and among the others these places go
+// - bursts are processed by rank, and within a rank round-robin, so that the rates of its
+//   transmitters fall alike; of the last rank the newest has priority;
+// - each rank leaves every fourth place to those below it, and in the last rank these places go
 //   to the transmitter that has waited longest, so that none waits for ever;
 // - a burst that has waited too long is dropped, and so is the last in order when too many wait.
 // The load then reduces the number of estimates and does not delay them. A replay waits instead:
@@ -28,8 +28,15 @@
 
 namespace rayloc {
 
-// Priority of a transmitter's bursts when not all can be processed.
-enum class Rank { kListed, kTracked, kOther };
+// Priority of a transmitter's bursts when not all can be processed: listed transmitters before
+// others, and of both those with a track before acquisitions, which take longer.
+enum class Rank {
+  kListed,             // a listed device with a track, or a fixed transmitter
+  kListedAcquisition,  // a listed device without a track
+  kTracked,            // an unlisted device with a track
+  kOther
+};
+inline constexpr std::size_t kRanks = 4;  // number of values of Rank
 using RankOf = std::function<Rank(const MacAddress& transmitter)>;
 
 struct BurstQueueOptions {
@@ -68,7 +75,6 @@ class BurstQueue {
   Timestamp earliest(Timestamp time) const;
 
  private:
-  static constexpr std::size_t kRanks = 3;  // number of values of Rank
   // Bursts of one rank, by the turn since which their transmitters wait.
   using Waiting = std::map<std::uint64_t, Burst>;
   struct Place {

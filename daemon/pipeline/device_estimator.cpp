@@ -131,10 +131,12 @@ void DeviceEstimator::advance(Timestamp time, Estimates& out) {
 }
 
 Rank DeviceEstimator::rank(const MacAddress& transmitter) const {
-  if (find_transmitter(site_, transmitter) != nullptr) {
-    return Rank::kListed;
+  const bool has_track = rooms_.has_track(transmitter);
+  if (const SiteTransmitter* stated = find_transmitter(site_, transmitter)) {
+    return has_track || stated->role != TransmitterRole::kDevice ? Rank::kListed
+                                                                 : Rank::kListedAcquisition;
   }
-  return rooms_.has_track(transmitter) ? Rank::kTracked : Rank::kOther;
+  return has_track ? Rank::kTracked : Rank::kOther;
 }
 
 void DeviceEstimator::restart(const std::string& reason, Estimates& out) {

@@ -37,7 +37,8 @@ CollectorOptions EstimationLoop::collector_options() const {
   CollectorOptions options = options_.burst;
   options.wanted = [this, live = is_live()](const MacAddress& transmitter) {
     const Rank rank = estimator_.rank(transmitter);
-    return rank == Rank::kListed || (live && rank == Rank::kTracked);
+    return rank == Rank::kListed || rank == Rank::kListedAcquisition ||
+           (live && rank == Rank::kTracked);
   };
   return options;
 }

@@ -37,12 +37,15 @@ std::vector<int> pop_all(BurstQueue& queue) {
   return order;
 }
 
-// The first nine are listed, those up to 19 have tracks.
+// The first nine are listed, of these the last five have no track; those from 10 to 19 have tracks.
 BurstQueueOptions ranked() {
   BurstQueueOptions options;
   options.rank = [](const MacAddress& transmitter) {
     const int number = transmitter.octets[5];
-    return number < 10 ? Rank::kListed : number < 20 ? Rank::kTracked : Rank::kOther;
+    return number < 5    ? Rank::kListed
+           : number < 10 ? Rank::kListedAcquisition
+           : number < 20 ? Rank::kTracked
+                         : Rank::kOther;
   };
   return options;
 }
@@ -135,6 +138,17 @@ TEST(BurstQueue, UnderLoadEveryDeviceIsServed) {
   for (const int stranger : {20, 21, 22}) {
     EXPECT_GE(explained.at(stranger), 13) << stranger;
   }
+}
+
+TEST(BurstQueue, ListedDevicesWithATrackPrecedeListedAcquisitions) {
+  BurstQueue queue(ranked());
+  push(queue, {burst(5, 0), burst(20, 10), burst(10, 20), burst(1, 30), burst(2, 40)});
+  EXPECT_EQ(pop_all(queue), (std::vector{1, 2, 5, 10, 20}));
+}
+
+TEST(BurstQueue, EachRankLeavesEveryFourthPlaceToTheNext) {
+  const auto explained = explained_under_load({1, 5, 10, 20}, 640);
+  EXPECT_EQ(explained, (std::map<int, int>{{1, 480}, {5, 120}, {10, 30}, {20, 10}}));
 }
 
 TEST(BurstQueue, ListedDevicesAreTakenTogetherAndUnlistedAlone) {
