@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 #include "engine/base/check.h"
@@ -9,7 +10,8 @@
 namespace rayloc {
 namespace {
 
-// A rank leaves one in this many bursts to the ranks below it.
+// A rank leaves one in this many bursts, and one in this many frames that wait, to the ranks below
+// it.
 constexpr std::size_t kOneOf = 4;
 constexpr auto kOther = static_cast<std::size_t>(Rank::kOther);
 
@@ -30,52 +32,72 @@ std::size_t BurstQueue::size() const {
       });
 }
 
+std::uint64_t BurstQueue::frames() const {
+  return std::accumulate(frames_of_rank_.begin(), frames_of_rank_.end(), std::uint64_t{0});
+}
+
 void BurstQueue::add(Burst&& burst, std::uint64_t turn) {
-  frames_ += frames_of(burst);
   const MacAddress transmitter = burst.transmitter;
   const bool live = options_.overflow == Overflow::kDropOldest;
   const auto rank = live ? static_cast<std::size_t>(options_.rank(transmitter)) : 0;
+  frames_of_rank_[rank] += frames_of(burst);
   const auto added = waiting_[rank].emplace(turn, std::move(burst)).first;
   if (live) {
     place_.insert_or_assign(transmitter, Place{rank, added});
   }
 }
 
+// REQUIRES: the transmitter has no place.
+void BurstQueue::add_anew(Burst&& burst) {
+  std::uint64_t turn = ++turns_;
+  if (const auto before = given_up_.find(burst.transmitter); before != given_up_.end()) {
+    turn = before->second.turn;
+    burst.received_since = before->second.received_since;
+    given_up_.erase(before);
+  }
+  add(std::move(burst), turn);
+}
+
+Burst BurstQueue::remove(const Place& place) {
+  Burst burst = std::move(place.burst->second);
+  place_.erase(burst.transmitter);
+  waiting_[place.rank].erase(place.burst);
+  frames_of_rank_[place.rank] -= frames_of(burst);
+  return burst;
+}
+
 // The newer burst keeps the turn of the older.
 void BurstQueue::replace(const Place& older, Burst&& burst) {
-  const auto& [turn, before] = *older.burst;
-  const std::uint64_t kept_turn = turn;
-  const std::uint64_t given_up = frames_of(before);
-  frames_ -= given_up;
-  merged_frames_ += given_up;
+  const std::uint64_t turn = older.burst->first;
+  const Burst before = remove(older);
+  merged_frames_ += frames_of(before);
   ++merged_bursts_;
   burst.received_since = before.received_since;
-  waiting_[older.rank].erase(older.burst);
-  add(std::move(burst), kept_turn);
+  add(std::move(burst), turn);
 }
 
 void BurstQueue::drop(const Place& place) {
-  const std::uint64_t frames = frames_of(place.burst->second);
-  frames_ -= frames;
-  dropped_frames_ += frames;
+  dropped_frames_ += frames_of(remove(place));
   ++dropped_bursts_;
-  place_.erase(place.burst->second.transmitter);
-  waiting_[place.rank].erase(place.burst);
 }
 
 void BurstQueue::push(std::vector<Burst>& ended, Timestamp now) {
   for (Burst& burst : ended) {
     const auto place = place_.find(burst.transmitter);
     if (place == place_.end()) {
-      add(std::move(burst), ++turns_);
+      add_anew(std::move(burst));
     } else {
       replace(Place(place->second), std::move(burst));
     }
   }
   ended.clear();
-  if (options_.overflow == Overflow::kWait) {
-    return;
+  if (options_.overflow == Overflow::kDropOldest) {
+    drop_old(now);
+    drop_surplus();
   }
+}
+
+void BurstQueue::drop_old(Timestamp now) {
   for (std::size_t rank = 0; rank < kRanks; ++rank) {
     for (auto burst = waiting_[rank].begin(); burst != waiting_[rank].end();) {
       const auto next = std::next(burst);
@@ -85,8 +107,18 @@ void BurstQueue::push(std::vector<Burst>& ended, Timestamp now) {
       burst = next;
     }
   }
-  while (frames_ > options_.max_frames && size() > 1) {
-    drop(last());
+  std::erase_if(given_up_,
+                [&](const auto& one) { return now - one.second.last > options_.max_age; });
+}
+
+// The transmitters keep their turns: otherwise those whose bursts end just after a place has become
+// free would take it every time, and others would never be served.
+void BurstQueue::drop_surplus() {
+  while (frames() > options_.max_frames && size() > 1) {
+    const Place place = last();
+    const auto& [turn, burst] = *place.burst;
+    given_up_.insert_or_assign(burst.transmitter, GivenUp{turn, burst.received_since, burst.last});
+    drop(place);
   }
 }
 
@@ -112,31 +144,37 @@ BurstQueue::Place BurstQueue::next() {
   return {};
 }
 
+// The lowest of the ranks that have several bursts and more frames than they may; if there is none,
+// the lowest with a burst. REQUIRES: not empty.
+std::size_t BurstQueue::widest_rank() const {
+  std::uint64_t free = options_.max_frames;
+  std::uint64_t below = frames();
+  std::size_t lowest = 0;
+  std::optional<std::size_t> widest;
+  for (std::size_t rank = 0; rank < kRanks; ++rank) {
+    below -= frames_of_rank_[rank];
+    const std::uint64_t allowed = free - std::min(below, free / kOneOf);
+    if (frames_of_rank_[rank] > allowed && waiting_[rank].size() > 1) {
+      widest = rank;
+    }
+    lowest = waiting_[rank].empty() ? lowest : rank;
+    free -= std::min(frames_of_rank_[rank], allowed);
+  }
+  return widest.value_or(lowest);
+}
+
 // REQUIRES: not empty.
 BurstQueue::Place BurstQueue::last() {
-  for (std::size_t rank = kRanks; rank-- > 0;) {
-    Waiting& some = waiting_[rank];
-    if (!some.empty()) {
-      return {rank,
-              rank == kOther ? std::min_element(some.begin(), some.end(), is_older)
-                             : std::prev(some.end())};
-    }
-  }
-  RAYLOC_CHECK(false);
-  return {};
+  const std::size_t rank = widest_rank();
+  Waiting& some = waiting_[rank];
+  return {rank,
+          rank == kOther ? std::min_element(some.begin(), some.end(), is_older)
+                         : std::prev(some.end())};
 }
 
 Burst BurstQueue::pop() {
   RAYLOC_CHECK(!empty());
-  return take(next());
-}
-
-Burst BurstQueue::take(const Place& place) {
-  Burst burst = std::move(place.burst->second);
-  place_.erase(burst.transmitter);
-  waiting_[place.rank].erase(place.burst);
-  frames_ -= frames_of(burst);
-  return burst;
+  return remove(next());
 }
 
 std::vector<Burst> BurstQueue::pop(std::size_t most) {
@@ -144,7 +182,7 @@ std::vector<Burst> BurstQueue::pop(std::size_t most) {
   bool goes_on = true;
   while (goes_on && bursts.size() < most) {
     const Place place = next();
-    bursts.push_back(take(place));
+    bursts.push_back(remove(place));
     goes_on = place.rank != kOther && size() > waiting_[kOther].size();
   }
   return bursts;

@@ -8,7 +8,9 @@
 //   transmitters fall alike; of the last rank the newest has priority;
 // - each rank leaves every fourth place to those below it, and in the last rank these places go
 //   to the transmitter that has waited longest, so that none waits for ever;
-// - a burst that has waited too long is dropped, and so is the last in order when too many wait.
+// - a burst that has waited too long is dropped, and so is the last in order when too many wait:
+//   of the ranks that leave less than a quarter of the frames to those below them, the lowest. Its
+//   transmitter keeps its turn: the next burst counts as one that replaces the dropped one.
 // The load then reduces the number of estimates and does not delay them. A replay waits instead:
 // every burst keeps its own place, and the oldest is processed first.
 //
@@ -63,7 +65,7 @@ class BurstQueue {
   std::vector<Burst> pop(std::size_t most);
 
   // Frames of the bursts that wait, surplus ones included.
-  std::uint64_t frames() const { return frames_; }
+  std::uint64_t frames() const;
   // Bursts that were replaced by a newer one since the start, and their frames, surplus ones
   // included.
   std::uint64_t merged_bursts() const { return merged_bursts_; }
@@ -77,25 +79,36 @@ class BurstQueue {
  private:
   // Bursts of one rank, by the turn since which their transmitters wait.
   using Waiting = std::map<std::uint64_t, Burst>;
+  // A transmitter whose burst was dropped because too many waited.
+  struct GivenUp {
+    std::uint64_t turn = 0;
+    Timestamp received_since;
+    Timestamp last;
+  };
   struct Place {
     std::size_t rank = 0;
     Waiting::iterator burst;
   };
 
   void add(Burst&& burst, std::uint64_t turn);
+  void add_anew(Burst&& burst);
   void replace(const Place& older, Burst&& burst);
+  Burst remove(const Place& place);
   void drop(const Place& place);
+  void drop_old(Timestamp now);
+  void drop_surplus();
   Place next();
-  Burst take(const Place& place);
+  std::size_t widest_rank() const;
   Place last();
 
   const BurstQueueOptions options_;
   std::array<Waiting, kRanks> waiting_;
-  std::map<MacAddress, Place> place_;  // live: the place of each transmitter
+  std::array<std::uint64_t, kRanks> frames_of_rank_{};
+  std::map<MacAddress, Place> place_;       // live: the place of each transmitter
+  std::map<MacAddress, GivenUp> given_up_;  // their last frames are not older than max_age
   std::uint64_t turns_ = 0;
   // Bursts taken from a rank while lower ranks waited; for the last rank, taken as the newest.
   std::array<std::size_t, kRanks> before_others_{};
-  std::uint64_t frames_ = 0;
   std::uint64_t merged_bursts_ = 0;
   std::uint64_t merged_frames_ = 0;
   std::uint64_t dropped_bursts_ = 0;

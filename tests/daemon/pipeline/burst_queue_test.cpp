@@ -1,6 +1,9 @@
 #include "daemon/pipeline/burst_queue.h"
 
+#include <array>
+#include <cstdint>
 #include <map>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -201,6 +204,82 @@ TEST(Field, BurstQueueHoldsABoundedNumberOfFrames) {
   EXPECT_EQ(queue.dropped_bursts(), 2U);
   EXPECT_EQ(queue.dropped_frames(), 8U);
   EXPECT_EQ(pop_all(queue), (std::vector{1, 10, 22}));
+}
+
+TEST(BurstQueue, ADroppedBurstLeavesItsTurnToTheNext) {
+  BurstQueueOptions options = ranked();
+  options.max_frames = 8;  // of two bursts
+  BurstQueue queue(options);
+  push(queue, {burst(10, 0), burst(11, 0), burst(12, 0)});
+  EXPECT_EQ(queue.dropped_bursts(), 1U);
+  EXPECT_EQ(queue.pop().transmitter.octets[5], 10);
+  push(queue, {burst(10, 200), burst(11, 200), burst(12, 200)}, at(350));
+  EXPECT_EQ(queue.dropped_bursts(), 2U) << "the one that was served last";
+  EXPECT_EQ(queue.pop().transmitter.octets[5], 11);
+  const Burst kept = queue.pop();
+  EXPECT_EQ(kept.transmitter.octets[5], 12);
+  EXPECT_EQ(kept.received_since, at(0)) << "it has been received since its dropped burst";
+  // A transmitter that falls silent loses its turn.
+  push(queue, {burst(1, 10'000)}, at(10'000));
+  push(queue, {burst(11, 10'000), burst(10, 10'000)}, at(10'000));
+  EXPECT_EQ(pop_all(queue), (std::vector{1, 11}));
+}
+
+TEST(BurstQueue, AStrangerDoesNotDisplaceTheOnlyListedDevice) {
+  BurstQueueOptions options = ranked();
+  options.max_frames = 4;  // of one burst
+  BurstQueue queue(options);
+  push(queue, {burst(20, 0), burst(1, 10)});
+  EXPECT_EQ(pop_all(queue), (std::vector{1}));
+}
+
+// Four ranks of 250 transmitters each, or 1,000 of one rank, all of which have a new burst in each
+// step. More frames wait than may. Returns the number of bursts that each got.
+std::map<std::uint64_t, int> explained_of_thousand(const RankOf& rank, int steps) {
+  BurstQueueOptions options;
+  options.rank = rank;
+  options.max_frames = 2048;
+  BurstQueue queue(options);
+  std::map<std::uint64_t, int> explained;
+  for (int step = 0; step < steps; ++step) {
+    std::vector<Burst> ended;
+    for (int i = 0; i < 1000; ++i) {
+      ended.push_back(burst(static_cast<std::uint8_t>(i % 250), 200 * step));
+      ended.back().transmitter.octets[4] = static_cast<std::uint8_t>(i / 250);
+    }
+    queue.push(ended, at(200 * step + 150));
+    for (int i = 0; i < 7; ++i) {
+      const Burst burst = queue.pop();
+      ++explained[burst.transmitter.octets[4] * 250U + burst.transmitter.octets[5]];
+    }
+  }
+  return explained;
+}
+
+TEST(Field, BurstQueueServesAThousandTransmittersOfOneRankAlike) {
+  const auto explained =
+      explained_of_thousand([](const MacAddress&) { return Rank::kTracked; }, 300);
+  ASSERT_EQ(explained.size(), 1000U);
+  for (const auto& [transmitter, bursts] : explained) {
+    EXPECT_GE(bursts, 2) << transmitter;
+    EXPECT_LE(bursts, 3) << transmitter;
+  }
+}
+
+TEST(Field, BurstQueueServesEveryRankOfAThousandTransmitters) {
+  constexpr int kSteps = 320;
+  const auto explained = explained_of_thousand(
+      [](const MacAddress& transmitter) { return static_cast<Rank>(transmitter.octets[4]); },
+      kSteps);
+  std::array<int, kRanks> of_rank{};
+  for (const auto& [transmitter, bursts] : explained) {
+    of_rank.at(transmitter / 250) += bursts;
+  }
+  EXPECT_EQ(of_rank[0], 7 * kSteps * 3 / 4);
+  for (std::size_t rank = 0; rank + 1 < kRanks; ++rank) {
+    EXPECT_GT(of_rank.at(rank + 1), of_rank.at(rank) / 5) << rank;
+    EXPECT_LT(of_rank.at(rank + 1), of_rank.at(rank)) << rank;
+  }
 }
 
 }  // namespace
