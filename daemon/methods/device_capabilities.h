@@ -44,7 +44,9 @@ class TrackCapability {
 
   // As in DeviceTracker: [burst]. REQUIRES: every burst is from another device.
   virtual std::vector<std::vector<DeviceUpdate>> track(std::span<const ReceivedBurst> bursts) = 0;
-  virtual void advance(Timestamp now, std::vector<DeviceUpdate>& updates) = 0;
+  virtual void advance(Timestamp now,
+                       std::vector<DeviceUpdate>& updates,
+                       const DeviceTracker::IsWaiting& is_waiting) = 0;
   virtual void restart(const std::string& reason, std::vector<DeviceUpdate>& updates) = 0;
   // True if the device has a track; follows(): if the track is confirmed.
   virtual bool has_track(const MacAddress& device) const = 0;

@@ -51,9 +51,11 @@ class RaylocTracks : public TrackCapability {
     finish();
     return updates;
   }
-  void advance(Timestamp now, std::vector<DeviceUpdate>& updates) override {
+  void advance(Timestamp now,
+               std::vector<DeviceUpdate>& updates,
+               const DeviceTracker::IsWaiting& is_waiting) override {
     forget_what_was_wrong(chains_.withdrawals());
-    tracker_.advance(now, updates);
+    tracker_.advance(now, updates, is_waiting);
   }
   void restart(const std::string& reason, std::vector<DeviceUpdate>& updates) override {
     tracker_.restart(reason, updates);

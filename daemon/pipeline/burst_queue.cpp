@@ -188,6 +188,10 @@ std::vector<Burst> BurstQueue::pop(std::size_t most) {
   return bursts;
 }
 
+bool BurstQueue::is_waiting(const MacAddress& transmitter) const {
+  return place_.count(transmitter) > 0 || given_up_.count(transmitter) > 0;
+}
+
 Timestamp BurstQueue::earliest(Timestamp time) const {
   for (const Waiting& some : waiting_) {
     for (const auto& [turn, burst] : some) {

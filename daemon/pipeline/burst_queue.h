@@ -40,6 +40,7 @@ enum class Rank {
 };
 inline constexpr std::size_t kRanks = 4;  // number of values of Rank
 using RankOf = std::function<Rank(const MacAddress& transmitter)>;
+using IsWaiting = std::function<bool(const MacAddress& transmitter)>;
 
 struct BurstQueueOptions {
   Overflow overflow = Overflow::kDropOldest;
@@ -73,6 +74,9 @@ class BurstQueue {
   // Bursts that were dropped, and their frames, surplus ones included.
   std::uint64_t dropped_bursts() const { return dropped_bursts_; }
   std::uint64_t dropped_frames() const { return dropped_frames_; }
+  // Live: true if a burst of the transmitter waits, or has been dropped because too many waited and
+  // the next may follow: it is not silent.
+  bool is_waiting(const MacAddress& transmitter) const;
   // The minimum of the first frames of the waiting bursts and of `time`.
   Timestamp earliest(Timestamp time) const;
 

@@ -118,11 +118,11 @@ void DeviceEstimator::estimate_each(std::span<const Burst> bursts, std::span<Est
   }
 }
 
-void DeviceEstimator::advance(Timestamp time, Estimates& out) {
+void DeviceEstimator::advance(Timestamp time, const IsWaiting& is_waiting, Estimates& out) {
   for (const DeviceRoom& room : rooms_.all()) {
     if (TrackCapability* tracks = room.method->tracks()) {
       std::vector<DeviceUpdate> updates;
-      tracks->advance(time, updates);
+      tracks->advance(time, updates, is_waiting);
       results_.append(updates, room.room(), out);
     }
   }

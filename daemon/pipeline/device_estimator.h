@@ -59,7 +59,7 @@ class DeviceEstimator : public Estimator {
   }
   void estimate_each(std::span<const Burst> bursts, std::span<Estimates> out) override;
 
-  void advance(Timestamp time, Estimates& out) override;
+  void advance(Timestamp time, const IsWaiting& is_waiting, Estimates& out) override;
 
   void restart(const std::string& reason, Estimates& out) override;
 

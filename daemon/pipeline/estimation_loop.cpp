@@ -146,7 +146,10 @@ void EstimationLoop::advance_output() {
   const Timestamp open = std::min(known_, waiting_.earliest(collector_.earliest_open(safe_time_)));
   if (!is_cancelled_ && open != Timestamp::min()) {
     Estimates estimates;
-    estimator_.advance(open, estimates);
+    estimator_.advance(
+        open,
+        [this](const MacAddress& transmitter) { return waiting_.is_waiting(transmitter); },
+        estimates);
     publish(estimates);
   }
   sink_.advance(open);

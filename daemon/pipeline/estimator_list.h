@@ -24,9 +24,9 @@ class EstimatorList : public Estimator {
       estimator->estimate_each(bursts, out);
     }
   }
-  void advance(Timestamp time, Estimates& out) override {
+  void advance(Timestamp time, const IsWaiting& is_waiting, Estimates& out) override {
     for (Estimator* estimator : estimators_) {
-      estimator->advance(time, out);
+      estimator->advance(time, is_waiting, out);
     }
   }
   void restart(const std::string& reason, Estimates& out) override {

@@ -182,8 +182,11 @@ void PersonEstimator::append(const std::vector<PersonUpdate>& updates,
   }
 }
 
-void PersonEstimator::advance(Timestamp time, Estimates& out) {
+void PersonEstimator::advance(Timestamp time, const IsWaiting& is_waiting, Estimates& out) {
   for (auto& [mac, link] : links_) {
+    if (is_waiting(mac)) {
+      continue;
+    }
     std::vector<PersonUpdate> updates;
     link.method->advance(time, updates);
     append(updates, link, out);

@@ -56,7 +56,7 @@ class PersonEstimator : public Estimator {
                                                            std::vector<PersonReference> references);
 
   void estimate(const Burst& burst, Estimates& out) override;
-  void advance(Timestamp time, Estimates& out) override;
+  void advance(Timestamp time, const IsWaiting& is_waiting, Estimates& out) override;
   void restart(const std::string& reason, Estimates& out) override;
 
   void carry(Carried& carried) const override;

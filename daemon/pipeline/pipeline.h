@@ -50,8 +50,9 @@ class Estimator {
   virtual void estimate_each(std::span<const Burst> bursts, std::span<Estimates> out);
   // Takes back bursts that were passed to it, once their results are published.
   virtual void release(std::vector<Burst>&& /*bursts*/) {}
-  // No later burst has a frame before `time`: appends the results that follow from silence.
-  virtual void advance(Timestamp /*time*/, Estimates& /*out*/) {}
+  // No later burst has a frame before `time`, except of transmitters that wait: appends the results
+  // that follow from silence.
+  virtual void advance(Timestamp /*time*/, const IsWaiting& /*is_waiting*/, Estimates& /*out*/) {}
   // A recording continues at another position, perhaps earlier: every track ends with that
   // `reason`. Appends the resulting events.
   virtual void restart(const std::string& /*reason*/, Estimates& /*out*/) {}

@@ -196,9 +196,12 @@ void DeviceTracker::restart(const std::string& reason, std::vector<DeviceUpdate>
   tracks_.clear();
 }
 
-void DeviceTracker::advance(Timestamp now, std::vector<DeviceUpdate>& updates) {
+void DeviceTracker::advance(Timestamp now,
+                            std::vector<DeviceUpdate>& updates,
+                            const IsWaiting& is_waiting) {
   for (auto it = tracks_.begin(); it != tracks_.end();) {
-    it = coast(*it, now, updates) ? std::next(it) : tracks_.erase(it);
+    const bool continues = (is_waiting && is_waiting(it->first)) || coast(*it, now, updates);
+    it = continues ? std::next(it) : tracks_.erase(it);
   }
 }
 

@@ -11,6 +11,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -79,8 +80,11 @@ class DeviceTracker {
                std::optional<Timestamp> received_since = std::nullopt,
                const FrameFault& fault = {});
 
-  // No frame before `now` will arrive: appends predictions of silent devices, removes lost tracks.
-  void advance(Timestamp now, std::vector<DeviceUpdate>& updates);
+  // True for a device with frames before `now` that are still to be processed: it is not silent.
+  using IsWaiting = std::function<bool(const MacAddress& device)>;
+  // No frame before `now` will arrive, except of devices that wait: appends predictions of silent
+  // devices, removes lost tracks.
+  void advance(Timestamp now, std::vector<DeviceUpdate>& updates, const IsWaiting& is_waiting = {});
 
   // Earlier bursts may have been wrong: each device may be anywhere, and its track continues.
   void forget_places();

@@ -23,8 +23,8 @@ class ComparedEstimator : public Estimator {
   void estimate_each(std::span<const Burst> bursts, std::span<Estimates> out) override {
     inner_.estimate_each(bursts, out);
   }
-  void advance(Timestamp time, Estimates& out) override {
-    inner_.advance(time, out);
+  void advance(Timestamp time, const IsWaiting& is_waiting, Estimates& out) override {
+    inner_.advance(time, is_waiting, out);
     for (const auto& other : others_) {
       other->advance(time);
     }

@@ -147,7 +147,8 @@ void ComparedMethod::work(std::unique_lock<std::mutex>& lock) {
   } else {
     const Timestamp time = advanced_ = open_;
     lock.unlock();
-    serially([&] { estimators_.advance(time, estimates); });
+    const auto none_waits = [](const MacAddress&) { return false; };
+    serially([&] { estimators_.advance(time, none_waits, estimates); });
   }
   publish(estimates);
   lock.lock();

@@ -33,9 +33,9 @@ void ZoneEstimator::estimate_each(std::span<const Burst> bursts, std::span<Estim
   }
 }
 
-void ZoneEstimator::advance(Timestamp time, Estimates& out) {
+void ZoneEstimator::advance(Timestamp time, const IsWaiting& is_waiting, Estimates& out) {
   const std::size_t first = out.locations.size();
-  inner_.advance(time, out);
+  inner_.advance(time, is_waiting, out);
   update_zones(out, first);
   watch_.advance(time, out.zone_events);
 }

@@ -21,7 +21,7 @@ class ZoneEstimator : public Estimator {
 
   void estimate(const Burst& burst, Estimates& out) override;
   void estimate_each(std::span<const Burst> bursts, std::span<Estimates> out) override;
-  void advance(Timestamp time, Estimates& out) override;
+  void advance(Timestamp time, const IsWaiting& is_waiting, Estimates& out) override;
   void restart(const std::string& reason, Estimates& out) override;
   void carry(Carried& carried) const override;
   Rank rank(const MacAddress& transmitter) const override { return inner_.rank(transmitter); }

@@ -215,12 +215,18 @@ TEST(BurstQueue, ADroppedBurstLeavesItsTurnToTheNext) {
   EXPECT_EQ(queue.pop().transmitter.octets[5], 10);
   push(queue, {burst(10, 200), burst(11, 200), burst(12, 200)}, at(350));
   EXPECT_EQ(queue.dropped_bursts(), 2U) << "the one that was served last";
+  for (const MacAddress& transmitter :
+       {MacAddress{{0, 0, 0, 0, 0, 10}}, {{0, 0, 0, 0, 0, 11}}, {{0, 0, 0, 0, 0, 12}}}) {
+    EXPECT_TRUE(queue.is_waiting(transmitter)) << to_string(transmitter);
+  }
   EXPECT_EQ(queue.pop().transmitter.octets[5], 11);
   const Burst kept = queue.pop();
   EXPECT_EQ(kept.transmitter.octets[5], 12);
   EXPECT_EQ(kept.received_since, at(0)) << "it has been received since its dropped burst";
+  EXPECT_FALSE(queue.is_waiting({{0, 0, 0, 0, 0, 12}}));
   // A transmitter that falls silent loses its turn.
   push(queue, {burst(1, 10'000)}, at(10'000));
+  EXPECT_FALSE(queue.is_waiting({{0, 0, 0, 0, 0, 10}}));
   push(queue, {burst(11, 10'000), burst(10, 10'000)}, at(10'000));
   EXPECT_EQ(pop_all(queue), (std::vector{1, 11}));
 }

@@ -208,7 +208,7 @@ class NotingEstimator : public Estimator {
     out.locations.back().estimate.position = Vec3d{1.0, 2.0, 3.0};
     out.events.emplace_back();
   }
-  void advance(Timestamp time, Estimates& out) override {
+  void advance(Timestamp time, const IsWaiting&, Estimates& out) override {
     notes_->push_back("silence " + std::to_string((time - kBegin) / 1s));
     out.locations.emplace_back();
     out.locations.back().tracked.emplace();

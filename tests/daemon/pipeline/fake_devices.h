@@ -33,7 +33,7 @@ class FakeTracks : public TrackCapability {
     }
     return updates;
   }
-  void advance(Timestamp, std::vector<DeviceUpdate>&) override {}
+  void advance(Timestamp, std::vector<DeviceUpdate>&, const DeviceTracker::IsWaiting&) override {}
   void restart(const std::string&, std::vector<DeviceUpdate>&) override {}
   bool has_track(const MacAddress&) const override { return is_followed; }
   bool follows(const MacAddress&) const override { return is_followed; }

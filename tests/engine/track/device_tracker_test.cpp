@@ -363,6 +363,31 @@ TEST(DeviceTracker, TentativeTrackIsForgottenSoon) {
   EXPECT_EQ(updates.back().estimate.state, TrackState::kLost);
 }
 
+TEST(DeviceTracker, ADeviceWhoseFramesWaitIsNotSilent) {
+  DeviceTracker tracker(localizer(), {});
+  std::vector<DeviceUpdate> updates;
+  tracker.receive(kDevice, frames(localizer()->room(), {0.1, 0.2, 1.2}, 0, 30.0), updates);
+  const MacAddress other{{2, 0, 0, 0, 0, 2}};
+  tracker.receive(other, frames(localizer()->room(), {0.1, 0.2, 1.2}, 0, 30.0), updates);
+  updates.clear();
+  tracker.advance(Timestamp(milliseconds(9000)), updates, [](const MacAddress& device) {
+    return device == kDevice;
+  });
+  EXPECT_TRUE(tracker.has(kDevice));
+  EXPECT_FALSE(tracker.has(other));
+  for (const DeviceUpdate& update : updates) {
+    EXPECT_EQ(update.device, other);
+  }
+  // It has been received all the time, although nothing was processed for long.
+  updates.clear();
+  const Timestamp since{milliseconds(200)};
+  tracker.receive(
+      kDevice, frames(localizer()->room(), {0.1, 0.2, 1.2}, 9000, 30.0), updates, since);
+  ASSERT_EQ(updates.size(), 1U);
+  EXPECT_FALSE(updates[0].estimate.transition) << "the track continues";
+  EXPECT_EQ(tracker.counters().begun, 2U);
+}
+
 TEST(DeviceTracker, SilenceIsStatedTheSameHoweverOftenTimeAdvances) {
   std::vector<std::vector<DeviceUpdate>> stated;
   for (const int step : {70, 2000}) {
