@@ -32,6 +32,14 @@ std::size_t BurstQueue::size() const {
       });
 }
 
+std::uint64_t BurstQueue::sum_of(std::uint64_t RankCounts::*count) const {
+  std::uint64_t sum = 0;
+  for (const RankCounts& counts : by_rank_) {
+    sum += counts.*count;
+  }
+  return sum;
+}
+
 std::uint64_t BurstQueue::frames() const {
   return std::accumulate(frames_of_rank_.begin(), frames_of_rank_.end(), std::uint64_t{0});
 }
@@ -41,6 +49,7 @@ void BurstQueue::add(Burst&& burst, std::uint64_t turn) {
   const bool live = options_.overflow == Overflow::kDropOldest;
   const auto rank = live ? static_cast<std::size_t>(options_.rank(transmitter)) : 0;
   frames_of_rank_[rank] += frames_of(burst);
+  ++by_rank_[rank].waiting;
   const auto added = waiting_[rank].emplace(turn, std::move(burst)).first;
   if (live) {
     place_.insert_or_assign(transmitter, Place{rank, added});
@@ -63,6 +72,7 @@ Burst BurstQueue::remove(const Place& place) {
   place_.erase(burst.transmitter);
   waiting_[place.rank].erase(place.burst);
   frames_of_rank_[place.rank] -= frames_of(burst);
+  --by_rank_[place.rank].waiting;
   return burst;
 }
 
@@ -71,14 +81,14 @@ void BurstQueue::replace(const Place& older, Burst&& burst) {
   const std::uint64_t turn = older.burst->first;
   const Burst before = remove(older);
   merged_frames_ += frames_of(before);
-  ++merged_bursts_;
+  ++by_rank_[older.rank].merged;
   burst.received_since = before.received_since;
   add(std::move(burst), turn);
 }
 
 void BurstQueue::drop(const Place& place) {
   dropped_frames_ += frames_of(remove(place));
-  ++dropped_bursts_;
+  ++by_rank_[place.rank].dropped;
 }
 
 void BurstQueue::push(std::vector<Burst>& ended, Timestamp now) {
@@ -172,9 +182,14 @@ BurstQueue::Place BurstQueue::last() {
                          : std::prev(some.end())};
 }
 
+Burst BurstQueue::take(const Place& place) {
+  ++by_rank_[place.rank].taken;
+  return remove(place);
+}
+
 Burst BurstQueue::pop() {
   RAYLOC_CHECK(!empty());
-  return remove(next());
+  return take(next());
 }
 
 std::vector<Burst> BurstQueue::pop(std::size_t most) {
@@ -182,7 +197,7 @@ std::vector<Burst> BurstQueue::pop(std::size_t most) {
   bool goes_on = true;
   while (goes_on && bursts.size() < most) {
     const Place place = next();
-    bursts.push_back(remove(place));
+    bursts.push_back(take(place));
     goes_on = place.rank != kOther && size() > waiting_[kOther].size();
   }
   return bursts;

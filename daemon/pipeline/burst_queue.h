@@ -42,6 +42,16 @@ inline constexpr std::size_t kRanks = 4;  // number of values of Rank
 using RankOf = std::function<Rank(const MacAddress& transmitter)>;
 using IsWaiting = std::function<bool(const MacAddress& transmitter)>;
 
+// Bursts of one rank since the start: ended = taken + merged + dropped + waiting.
+struct RankCounts {
+  std::uint64_t taken = 0;
+  std::uint64_t merged = 0;   // replaced by a newer one of their transmitter
+  std::uint64_t dropped = 0;  // too old, or too many waited
+  std::uint64_t waiting = 0;
+
+  std::uint64_t ended() const { return taken + merged + dropped + waiting; }
+};
+
 struct BurstQueueOptions {
   Overflow overflow = Overflow::kDropOldest;
   Duration max_age = std::chrono::seconds(3);  // since the last frame of a burst, live
@@ -69,11 +79,13 @@ class BurstQueue {
   std::uint64_t frames() const;
   // Bursts that were replaced by a newer one since the start, and their frames, surplus ones
   // included.
-  std::uint64_t merged_bursts() const { return merged_bursts_; }
+  std::uint64_t merged_bursts() const { return sum_of(&RankCounts::merged); }
   std::uint64_t merged_frames() const { return merged_frames_; }
   // Bursts that were dropped, and their frames, surplus ones included.
-  std::uint64_t dropped_bursts() const { return dropped_bursts_; }
+  std::uint64_t dropped_bursts() const { return sum_of(&RankCounts::dropped); }
   std::uint64_t dropped_frames() const { return dropped_frames_; }
+  // Live, by the rank of the transmitter when the burst ended. A replay counts all as kListed.
+  const std::array<RankCounts, kRanks>& by_rank() const { return by_rank_; }
   // Live: true if a burst of the transmitter waits, or has been dropped because too many waited and
   // the next may follow: it is not silent.
   bool is_waiting(const MacAddress& transmitter) const;
@@ -94,10 +106,12 @@ class BurstQueue {
     Waiting::iterator burst;
   };
 
+  std::uint64_t sum_of(std::uint64_t RankCounts::*count) const;
   void add(Burst&& burst, std::uint64_t turn);
   void add_anew(Burst&& burst);
   void replace(const Place& older, Burst&& burst);
   Burst remove(const Place& place);
+  Burst take(const Place& place);
   void drop(const Place& place);
   void drop_old(Timestamp now);
   void drop_surplus();
@@ -107,15 +121,14 @@ class BurstQueue {
 
   const BurstQueueOptions options_;
   std::array<Waiting, kRanks> waiting_;
+  std::array<RankCounts, kRanks> by_rank_{};
   std::array<std::uint64_t, kRanks> frames_of_rank_{};
   std::map<MacAddress, Place> place_;       // live: the place of each transmitter
   std::map<MacAddress, GivenUp> given_up_;  // their last frames are not older than max_age
   std::uint64_t turns_ = 0;
   // Bursts taken from a rank while lower ranks waited; for the last rank, taken as the newest.
   std::array<std::size_t, kRanks> before_others_{};
-  std::uint64_t merged_bursts_ = 0;
   std::uint64_t merged_frames_ = 0;
-  std::uint64_t dropped_bursts_ = 0;
   std::uint64_t dropped_frames_ = 0;
 };
 

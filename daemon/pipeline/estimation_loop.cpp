@@ -217,6 +217,14 @@ void EstimationLoop::count_collected(std::uint64_t passed_over) {
   counters_.bursts_dropped = waiting_.dropped_bursts();
   counters_.in_flight = collector_.in_flight() + waiting_.frames() + (taken_.frames.size() - next_);
   counters_.bursts_in_flight = collector_.open_bursts() + waiting_.size();
+  count_ranks();
+}
+
+// REQUIRES: mutex_ is held, no burst is being processed.
+void EstimationLoop::count_ranks() {
+  if (is_live()) {
+    counters_.ranks.assign(waiting_.by_rank().begin(), waiting_.by_rank().end());
+  }
 }
 
 // Live, a transmitter has one burst in the queue.
@@ -232,6 +240,8 @@ void EstimationLoop::explain(std::vector<Burst> bursts) {
     publish(estimates[i]);
   }
   estimator_.release(std::move(bursts));
+  const std::lock_guard lock(mutex_);
+  count_ranks();
 }
 
 void EstimationLoop::count(const Burst& burst, const Estimates& estimates) {

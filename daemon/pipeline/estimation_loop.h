@@ -59,6 +59,7 @@ class EstimationLoop {
   std::vector<Burst> next_of_waiting();
   void explain(std::vector<Burst> bursts);
   void count(const Burst& burst, const Estimates& estimates);
+  void count_ranks();
   void reset_after_seek();
   void finish();
   void restart_estimator(const std::string& reason);

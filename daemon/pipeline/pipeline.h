@@ -96,6 +96,9 @@ struct EstimationCounters {
   std::uint64_t no_fix = 0;    // among them, those without a position
   std::uint64_t filtered = 0;  // estimates of trackers
   std::uint64_t events = 0;    // of tracks and zones
+  // Live: the bursts that ended, by Rank; those that are being processed count as waiting.
+  // Otherwise empty.
+  std::vector<RankCounts> ranks;
 };
 
 struct PipelineOptions {

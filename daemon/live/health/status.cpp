@@ -1,5 +1,6 @@
 #include "daemon/live/health/status.h"
 
+#include <array>
 #include <numbers>
 #include <utility>
 
@@ -96,6 +97,21 @@ v1::SourceState source_state(const SourceReport& report,
   return state;
 }
 
+constexpr std::array<const char*, kRanks> kRankNames{
+    "listed", "listed_acquisition", "unlisted", "unlisted_acquisition"};
+
+void fill_ranks(const std::vector<RankCounts>& ranks, v1::EstimationCounters* counters) {
+  for (std::size_t i = 0; i < ranks.size(); ++i) {
+    v1::RankCounters* to = counters->add_ranks();
+    to->set_rank(kRankNames.at(i));
+    to->set_bursts(ranks[i].ended());
+    to->set_bursts_explained(ranks[i].taken);
+    to->set_bursts_merged(ranks[i].merged);
+    to->set_bursts_dropped(ranks[i].dropped);
+    to->set_bursts_in_flight(ranks[i].waiting);
+  }
+}
+
 void fill_estimation(const StatusSources& sources, v1::EstimationCounters* counters) {
   const EstimationCounters estimation = sources.pipeline->estimation_counters();
   counters->set_bursts(estimation.bursts);
@@ -112,6 +128,7 @@ void fill_estimation(const StatusSources& sources, v1::EstimationCounters* count
   counters->set_frames_merged(estimation.merged);
   counters->set_frames_dropped(estimation.dropped);
   counters->set_frames_in_flight(estimation.in_flight);
+  fill_ranks(estimation.ranks, counters);
   const SiteOutputCounters publishing = sources.output->counters();
   counters->set_coalesced(publishing.coalesced);
   counters->set_events_dropped(publishing.events_dropped);

@@ -189,6 +189,9 @@ void add_site(const SiteHeartbeat& one, Families& families) {
                site,
                heartbeat.calibration_warnings_size());
   families.add_counters("rayloc_estimation_", heartbeat.estimation(), site);
+  for (const v1::RankCounters& rank : heartbeat.estimation().ranks()) {
+    families.add_counters("rayloc_rank_", rank, with(site, {"rank", rank.rank()}));
+  }
   families.add_counters("rayloc_tracker_", heartbeat.tracker(), site);
   families.add_counters("rayloc_person_tracker_", heartbeat.person_tracker(), site);
   families.add("rayloc_publisher_csi_dropped_total",

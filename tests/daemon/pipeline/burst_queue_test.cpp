@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <numeric>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -204,6 +205,27 @@ TEST(Field, BurstQueueHoldsABoundedNumberOfFrames) {
   EXPECT_EQ(queue.dropped_bursts(), 2U);
   EXPECT_EQ(queue.dropped_frames(), 8U);
   EXPECT_EQ(pop_all(queue), (std::vector{1, 10, 22}));
+}
+
+TEST(BurstQueue, CountsEveryBurstInOneRank) {
+  BurstQueueOptions options = ranked();
+  options.max_frames = 16;  // of four bursts
+  BurstQueue queue(options);
+  push(queue, {burst(1, 0), burst(5, 0), burst(10, 0), burst(20, 0), burst(21, 10)});
+  push(queue, {burst(5, 200), burst(10, 200)}, at(350));
+  EXPECT_EQ(queue.pop(2).size(), 2U);
+  const std::array<RankCounts, kRanks>& counts = queue.by_rank();
+  const auto expect = [](const RankCounts& counted, const std::vector<std::uint64_t>& numbers) {
+    EXPECT_EQ((std::vector{counted.taken, counted.merged, counted.dropped, counted.waiting}),
+              numbers);
+    EXPECT_EQ(counted.ended(), std::accumulate(numbers.begin(), numbers.end(), std::uint64_t{0}));
+  };
+  expect(counts[0], {1, 0, 0, 0});
+  expect(counts[1], {1, 1, 0, 0});
+  expect(counts[2], {0, 1, 0, 1});
+  expect(counts[3], {0, 0, 1, 1});
+  EXPECT_EQ(queue.merged_bursts(), 2U);
+  EXPECT_EQ(queue.dropped_bursts(), 1U);
 }
 
 TEST(BurstQueue, ADroppedBurstLeavesItsTurnToTheNext) {

@@ -138,6 +138,7 @@ TEST(Pipeline, LosesNothingThatItDoesNotCount) {
   EXPECT_EQ(outcome.counters.in_flight, 0U);
   EXPECT_EQ(outcome.counters.bursts_in_flight, 0U);
   EXPECT_GT(outcome.counters.bursts, 20U);
+  EXPECT_TRUE(outcome.counters.ranks.empty()) << "a replay has no priorities";
 }
 
 TEST(Pipeline, ReplayDependsNeitherOnSpeedNorOnQueues) {
@@ -265,6 +266,12 @@ TEST(Pipeline, LiveTakesTheNewestBurstAndCountsMergedBursts) {
             counters.used + counters.surplus + counters.unwanted + counters.refused +
                 counters.merged + counters.dropped + counters.in_flight);
   EXPECT_EQ(counters.in_flight, 0U);
+  ASSERT_EQ(counters.ranks.size(), kRanks);
+  const RankCounts& others = counters.ranks.back();  // none is listed or has a track
+  EXPECT_EQ(others.taken, counters.bursts);
+  EXPECT_EQ(others.merged, counters.bursts_merged);
+  EXPECT_EQ(others.dropped, counters.bursts_dropped);
+  EXPECT_EQ(others.waiting, 0U);
   EXPECT_EQ(counters.taken + pipeline.mailbox_counters()[0].dropped,
             pipeline.source_reports()[0].receiver.frames);
   // The burst explained last is the newest of the recording; received_since covers those before.

@@ -29,6 +29,8 @@ int number_all(google::protobuf::Message& message, int next) {
 TEST(Metrics, HoldEveryCounterOfTheHeartbeat) {
   v1::Heartbeat heartbeat;
   int next = number_all(*heartbeat.mutable_estimation(), 1001);
+  next = number_all(*heartbeat.mutable_estimation()->add_ranks(), next);
+  heartbeat.mutable_estimation()->mutable_ranks(0)->set_rank("listed");
   next = number_all(*heartbeat.mutable_tracker(), next);
   next = number_all(*heartbeat.mutable_person_tracker(), next);
   next = number_all(*heartbeat.mutable_recorder(), next);
@@ -47,6 +49,8 @@ TEST(Metrics, HoldEveryCounterOfTheHeartbeat) {
   }
   EXPECT_THAT(text, HasSubstr("# TYPE rayloc_estimation_fixes_total counter\n"));
   EXPECT_THAT(text, HasSubstr("# TYPE rayloc_estimation_frames_in_flight gauge\n"));
+  EXPECT_THAT(text, HasSubstr("rayloc_rank_bursts_explained_total{rank=\"listed\"} "));
+  EXPECT_THAT(text, HasSubstr("# TYPE rayloc_rank_bursts_in_flight gauge\n"));
   EXPECT_THAT(text, HasSubstr("# TYPE rayloc_tracker_tracks gauge\n"));
   EXPECT_THAT(text, HasSubstr("# TYPE rayloc_person_tracker_tracks gauge\n"));
   EXPECT_THAT(text, HasSubstr("# TYPE rayloc_cluster_kept gauge\n"));
