@@ -1,5 +1,7 @@
 #include "daemon/live/health/saturation.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 namespace rayloc {
@@ -19,6 +21,7 @@ void Saturation::compare(const std::string& reason, std::uint64_t lost, Time now
 }
 
 void Saturation::check(const v1::Heartbeat& heartbeat, Time now) {
+  const bool was_overloaded = !lately(bursts_).empty();
   const auto seconds = kLately.count();
   for (const v1::SourceReport& source : heartbeat.sources()) {
     const std::string& name = source.access_point();
@@ -66,9 +69,8 @@ void Saturation::check(const v1::Heartbeat& heartbeat, Time now) {
           heartbeat.estimation().bursts_dropped(),
           now,
           bursts_);
-  const v1::EstimationCounters& counters = heartbeat.estimation();
-  samples_.push_back(
-      {now, counters.bursts(), counters.bursts_merged() + counters.bursts_dropped()});
+  has_recovered_ = was_overloaded && lately(bursts_).empty();
+  samples_.push_back({now, heartbeat.estimation()});
   while (samples_.size() > 2 && now - samples_[1].time >= kLately) {
     samples_.pop_front();
   }
@@ -76,9 +78,38 @@ void Saturation::check(const v1::Heartbeat& heartbeat, Time now) {
 
 // Share of the recently ended bursts.
 double Saturation::explained_share() const {
-  const std::uint64_t explained = samples_.back().explained - samples_.front().explained;
-  const std::uint64_t all = explained + samples_.back().lost - samples_.front().lost;
+  const v1::EstimationCounters& from = samples_.front().counters;
+  const v1::EstimationCounters& to = samples_.back().counters;
+  const std::uint64_t explained = to.bursts() - from.bursts();
+  const std::uint64_t all = explained + to.bursts_merged() - from.bursts_merged() +
+                            to.bursts_dropped() - from.bursts_dropped();
   return all > 0 ? static_cast<double>(explained) / static_cast<double>(all) : 1.0;
+}
+
+// "; a second: listed 9.8 of 10.0, unlisted acquisition 1.5 of 240.3": the ranks with recent
+// bursts.
+std::string Saturation::rates() const {
+  const auto& from = samples_.front().counters.ranks();
+  const auto& to = samples_.back().counters.ranks();
+  const double seconds =
+      std::chrono::duration<double>(samples_.back().time - samples_.front().time).count();
+  std::string text;
+  for (int i = 0; i < std::min(from.size(), to.size()); ++i) {
+    if (to[i].bursts() == from[i].bursts()) {
+      continue;
+    }
+    const auto rate = [&](std::uint64_t later, std::uint64_t earlier) {
+      return static_cast<double>(later - earlier) / seconds;
+    };
+    std::string rank = to[i].rank();
+    std::replace(rank.begin(), rank.end(), '_', ' ');
+    text += fmt::format("{}{} {:.1f} of {:.1f}",
+                        text.empty() ? "; a second: " : ", ",
+                        rank,
+                        rate(to[i].bursts_explained(), from[i].bursts_explained()),
+                        rate(to[i].bursts(), from[i].bursts()));
+  }
+  return text;
 }
 
 std::vector<std::string> Saturation::lately(const Queues& queues) {
@@ -96,8 +127,10 @@ std::vector<std::string> Saturation::reasons() const { return lately(queues_); }
 std::vector<std::string> Saturation::warnings() const {
   std::vector<std::string> warnings;
   for (const std::string& consequence : lately(bursts_)) {
-    warnings.push_back(overload_text(fmt::format(
-        "{} ({:.0f} % of the bursts were explained)", consequence, 100.0 * explained_share())));
+    warnings.push_back(overload_text(fmt::format("{} ({:.0f} % of the bursts were explained{})",
+                                                 consequence,
+                                                 100.0 * explained_share(),
+                                                 rates())));
   }
   return warnings;
 }

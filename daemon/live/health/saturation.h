@@ -29,8 +29,10 @@ class Saturation {
   void check(const v1::Heartbeat& heartbeat, Time now);
   // "source ap1: frames were dropped in the last 10 s: ..."; as of the last call of check().
   std::vector<std::string> reasons() const;
-  // The same for bursts: the consequence, the share of bursts, and the remedy.
+  // The same for bursts: the consequence, the share of bursts, the rates by rank, and the remedy.
   std::vector<std::string> warnings() const;
+  // True if warnings() became empty at the last call of check().
+  bool has_recovered() const { return has_recovered_; }
 
  private:
   struct Queue {
@@ -42,17 +44,18 @@ class Saturation {
   static void compare(const std::string& reason, std::uint64_t lost, Time now, Queues& queues);
   static std::vector<std::string> lately(const Queues& queues);
 
-  // Counters of bursts at one call of check().
-  struct Bursts {
+  // The counters at one call of check().
+  struct Sample {
     Time time;
-    std::uint64_t explained = 0;
-    std::uint64_t lost = 0;
+    v1::EstimationCounters counters;
   };
   double explained_share() const;
+  std::string rates() const;
 
   Queues queues_;
   Queues bursts_;
-  std::deque<Bursts> samples_;  // of the last kLately, and one before
+  bool has_recovered_ = false;
+  std::deque<Sample> samples_;  // of the last kLately, and one before
 };
 
 }  // namespace rayloc

@@ -451,6 +451,9 @@ void SiteRuntime::check_losses() {
   losses_.check(heartbeat);
   const std::lock_guard lock(saturation_mutex_);
   saturation_.check(heartbeat, std::chrono::steady_clock::now());
+  if (saturation_.has_recovered()) {
+    log_event({LogLevel::kInfo, setup_.label() + "the overload is over: all bursts are explained"});
+  }
 }
 
 ServiceHealth SiteRuntime::health() const {

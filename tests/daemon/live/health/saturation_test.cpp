@@ -1,5 +1,7 @@
 #include "daemon/live/health/saturation.h"
 
+#include <algorithm>
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -93,6 +95,41 @@ TEST(Saturation, TheShareIsOfTheLastTenSeconds) {
     }
   }
   EXPECT_THAT(saturation.warnings(), ElementsAre(HasSubstr("(50 % of")));
+}
+
+void set_rank(v1::RankCounters& rank, std::uint64_t explained, std::uint64_t merged) {
+  rank.set_bursts(explained + merged);
+  rank.set_bursts_explained(explained);
+  rank.set_bursts_merged(merged);
+}
+
+TEST(Saturation, StatesTheRatesOfEachRankUntilItHasRecovered) {
+  Saturation saturation;
+  v1::Heartbeat heartbeat;
+  v1::EstimationCounters& counters = *heartbeat.mutable_estimation();
+  for (const char* const rank :
+       {"listed", "listed_acquisition", "unlisted", "unlisted_acquisition"}) {
+    counters.add_ranks()->set_rank(rank);
+  }
+  // 10 and 100 bursts a second, of which 10 and 25 are explained in the first 20 seconds, then all.
+  int recovered = 0;
+  for (std::uint64_t second = 0; second <= 40; ++second) {
+    const std::uint64_t merged = 75 * std::min<std::uint64_t>(second, 20);
+    set_rank(*counters.mutable_ranks(0), 10 * second, 0);
+    set_rank(*counters.mutable_ranks(3), 100 * second - merged, merged);
+    counters.set_bursts(110 * second - merged);
+    counters.set_bursts_merged(merged);
+    saturation.check(heartbeat, kStart + second * 1s);
+    recovered += saturation.has_recovered() ? 1 : 0;
+    EXPECT_EQ(saturation.warnings().size(), second > 0 && second < 30 ? 1U : 0U) << second;
+    if (second == 20) {
+      EXPECT_THAT(saturation.warnings(),
+                  ElementsAre(::testing::AllOf(HasSubstr("listed 10.0 of 10.0"),
+                                               HasSubstr("unlisted acquisition 25.0 of 100.0"),
+                                               ::testing::Not(HasSubstr("listed acquisition 0")))));
+    }
+    EXPECT_EQ(recovered, second < 30 ? 0 : 1) << second;
+  }
 }
 
 TEST(Field, BurstsThatWereLeftOutAreAWarningOfTheirOwn) {
