@@ -1,6 +1,7 @@
 #include "engine/room/ray.h"
 
 #include <algorithm>
+#include <cstddef>
 
 #include "engine/base/constants.h"
 #include "engine/room/surface_correction.h"
@@ -72,10 +73,11 @@ std::vector<Ray> rays_of(const Paths& paths,
   std::stable_sort(rays.begin(), rays.end(), [](const Ray& a, const Ray& b) {
     return std::norm(a.amplitude) > std::norm(b.amplitude);
   });
-  if (rays.size() > most) {
-    rays.resize(most);
+  if (rays.size() <= most) {
+    return rays;
   }
-  return rays;
+  // A copy: maps keep the rays of every cell, without room for those left out.
+  return {rays.begin(), rays.begin() + static_cast<std::ptrdiff_t>(most)};
 }
 
 }  // namespace rayloc

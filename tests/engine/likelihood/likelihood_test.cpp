@@ -359,6 +359,17 @@ TEST(Ray, ImagesStayWhenTheDeviceMoves) {
   EXPECT_EQ(paths.size(), rays.size());
 }
 
+TEST(Ray, TheStrongestAreKeptWithoutRoomForTheOthers) {
+  const Paths paths = link().tracer().at(link().centre()).trace(link().device(kTruth));
+  const auto all = rays_of(paths, link().room(), kTruth, paths.size());
+  ASSERT_GT(all.size(), 2U);
+  const auto two = rays_of(paths, link().room(), kTruth, 2);
+  ASSERT_EQ(two.size(), 2U);
+  EXPECT_EQ(two.capacity(), 2U);
+  EXPECT_EQ(two[0].length, all[0].length);
+  EXPECT_EQ(two[1].length, all[1].length);
+}
+
 // The tracer's own derivative of a delay is that of the image.
 TEST(Ray, DelayMatchesTheTracerDerivative) {
   const ReceiverTracer tracer = link().tracer().at(link().centre());
