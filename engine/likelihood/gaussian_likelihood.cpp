@@ -31,9 +31,6 @@ GaussianLikelihood::GaussianLikelihood(LikelihoodKind kind,
 PlaceLikelihood GaussianLikelihood::place(const Place& place, const ModelError& error) const {
   PlaceLikelihood result;
   result.model = model_.place(place, error);
-  if (kind_ != LikelihoodKind::kPathCovariance) {
-    result.sharp = model_.place(sharp(place), error);
-  }
   result.reachable = result.model.reachable;
   return result;
 }

@@ -47,7 +47,6 @@ PlaceLikelihood Likelihood::column(std::span<const WeightedPlace> /*heights*/,
 }
 
 PlaceLikelihood Likelihood::close(const Place& /*place*/, const ModelError& /*error*/) const {
-  RAYLOC_CHECK(false);
   return {};
 }
 

@@ -66,7 +66,7 @@ struct ObservedBurst {
 // A place of the grid. Members that a kind does not need are empty.
 struct PlaceLikelihood {
   PlaceModel model;                           // the device anywhere in the cell
-  PlaceModel sharp;                           // the device at the centre, for nearby()
+  PlaceModel sharp;                           // the device at the centre, of close()
   std::vector<std::complex<float>> features;  // [place within the cell][feature]
   bool reachable = false;                     // at least one ray exists
 };
@@ -81,13 +81,13 @@ class Likelihood {
   using Place = ObservationModel::Place;
 
   virtual PlaceLikelihood place(const Place& place, const ModelError& error) const = 0;
-  // Model for an unknown height: the device at one of several heights above a place, without
-  // `sharp`. REQUIRES: !compares_antennas(kind): ratios change within centimetres of height, so
+  // Model for an unknown height: the device at one of several heights above a place.
+  // REQUIRES: !compares_antennas(kind): ratios change within centimetres of height, so
   // they are compared at the assumed height.
   using WeightedPlace = ObservationModel::WeightedPlace;
   virtual PlaceLikelihood column(std::span<const WeightedPlace> heights,
                                  const ModelError& error) const;
-  // Only the part of a place that nearby() reads.
+  // The part of a place that nearby() reads, and no other member.
   virtual PlaceLikelihood close(const Place& place, const ModelError& error) const;
 
   // h: [antenna][tone], chain gains removed.
@@ -103,8 +103,8 @@ class Likelihood {
   double log_likelihood(const PlaceLikelihood& place, const ObservedBurst& observed) const {
     return log_likelihood(place, observed, coarse(place, observed).windows);
   }
-  // Likelihood of the places in the cell of `of`, made from `place`; null if the kind cannot
-  // separate them. The arguments must outlive the result. REQUIRES: of.reachable.
+  // Likelihood of the places in the cell of `of`, close(place); null if the kind cannot separate
+  // them. The arguments must outlive the result. REQUIRES: the place has rays.
   virtual std::unique_ptr<const NearbyLikelihood> nearby(const Place& place,
                                                          const PlaceLikelihood& of,
                                                          const ModelError& error,

@@ -268,17 +268,18 @@ std::unique_ptr<const BoxEvaluator> AccessPointMap::evaluator_at(
     std::size_t cell, std::size_t layer, const ObservedBurst& observed) const {
   auto evaluator = std::make_unique<BoxEvaluator>();
   const ModelError& error = access_point().error;
-  if (source_.grid.layers.is_known()) {
-    evaluator->nearby_ = likelihood_->nearby(
-        {tracing_->rays[cell], offsets_, cell_size()}, cells_[cell], error, observed);
-  } else {
+  const bool is_known = source_.grid.layers.is_known();
+  if (!is_known) {
     evaluator->rays_ = rays_in(cell, layer);
-    const Likelihood::Place place{
-        evaluator->rays_, offsets_, cell_size(), 0.0, source_.grid.layers.thickness};
-    evaluator->box_ = close_boxes_->get(cell * source_.grid.layers.size() + layer,
-                                        [&] { return likelihood_->close(place, error); });
-    evaluator->nearby_ = likelihood_->nearby(place, *evaluator->box_, error, observed);
   }
+  const Likelihood::Place place{is_known ? tracing_->rays[cell] : evaluator->rays_,
+                                offsets_,
+                                cell_size(),
+                                0.0,
+                                is_known ? 0.0 : source_.grid.layers.thickness};
+  evaluator->box_ = close_boxes_->get(cell * source_.grid.layers.size() + layer,
+                                      [&] { return likelihood_->close(place, error); });
+  evaluator->nearby_ = likelihood_->nearby(place, *evaluator->box_, error, observed);
   return evaluator->nearby_ == nullptr ? nullptr : std::move(evaluator);
 }
 

@@ -393,7 +393,7 @@ class Nearby : public ::testing::TestWithParam<LikelihoodKind> {
       : likelihood_(Likelihood::make(GetParam(), link().room().grid, 3)),
         observed_(likelihood_->observe(link().channel(kTruth + Vec3d{0.013, 0.006, 0.0}))),
         rays_(link().rays(kTruth)),
-        place_(likelihood_->place({rays_, link().offsets(), kCell}, link().error())),
+        place_(likelihood_->close({rays_, link().offsets(), kCell}, link().error())),
         nearby_(likelihood_->nearby(
             {rays_, link().offsets(), kCell}, place_, link().error(), observed_)) {}
 
@@ -443,7 +443,7 @@ TEST_P(Nearby, MatchesATraceFromTheMovedPlace) {
   for (const Vec3d moved : {Vec3d{}, Vec3d{0.013, 0.006, 0.0}, Vec3d{-0.01, 0.012, 0.0}}) {
     const auto rays = link().rays(kTruth + moved);
     const ObservationModel::Place place{rays, link().offsets(), kCell};
-    const auto model = likelihood_->place(place, link().error());
+    const auto model = likelihood_->close(place, link().error());
     const auto there = likelihood_->nearby(place, model, link().error(), observed_);
     // Strengths and the covariance are those of the middle.
     const double value = there->at({}).value;
