@@ -407,7 +407,7 @@ void ChainLearner::notice_silence(const CsiFrame& frame) {
   const auto [last, is_first] = received_.emplace(a, frame.time);
   if (!is_first && frame.time - last->second > kSilence) {
     if (const auto found = aps_.find(a); found != aps_.end()) {
-      found->second.suspect_after_silence(last->second);
+      found->second.suspect_after_silence(frame.time);
     }
   }
   last->second = frame.time;

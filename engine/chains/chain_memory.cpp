@@ -41,16 +41,16 @@ void ChainMemory::set_knowledge(ChainKnowledge knowledge, Timestamp time) {
   state.phase_sigma = 0.0;
 }
 
-void ChainMemory::suspect_after_silence(Timestamp begin) {
+void ChainMemory::suspect_after_silence(Timestamp end) {
   if (silences.size() == kMaxSilences) {
     silences.erase(silences.begin());
   }
-  silences.push_back({begin, belief.suspect_for_now(kRotatedAfterSilence)});
+  silences.push_back({end, belief.suspect_for_now(kRotatedAfterSilence)});
 }
 
 bool ChainMemory::confirm_since(Timestamp time) {
   const auto first = std::find_if(
-      silences.begin(), silences.end(), [&](const Silence& one) { return one.begin >= time; });
+      silences.begin(), silences.end(), [&](const Silence& one) { return one.end > time; });
   const bool is_any = first != silences.end();
   for (auto one = first; one != silences.end(); ++one) {
     belief.multiply(one->undoing);

@@ -42,7 +42,7 @@ struct ChainMemory {
   Timestamp last_sure;   // last time the accepted state was certain
   // Silences after which the chains may have changed, oldest first.
   struct Silence {
-    Timestamp begin;
+    Timestamp end;                // of the first frame afterwards
     std::vector<double> undoing;  // of the suspicion, as ChainBelief::suspect_for_now()
   };
   std::vector<Silence> silences;
@@ -53,10 +53,10 @@ struct ChainMemory {
   bool is_settled() const;
 
   void set_knowledge(ChainKnowledge knowledge, Timestamp time);
-  // No frame was received for a while from `begin` on: the access point may have been off.
-  void suspect_after_silence(Timestamp begin);
-  // A burst repeats one of this time, so the silences since then left the chains as they were.
-  // Returns true if there were any.
+  // No frame was received for a while, until `end`: the access point may have been off.
+  void suspect_after_silence(Timestamp end);
+  // A burst repeats one of this time (of its last frame, of any access point), so the silences
+  // since then left the chains as they were. Returns true if there were any.
   bool confirm_since(Timestamp time);
   // The accepted state has changed: state 0 now denotes the new one.
   void settle();
