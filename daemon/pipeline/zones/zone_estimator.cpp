@@ -29,7 +29,7 @@ void ZoneEstimator::estimate_each(std::span<const Burst> bursts, std::span<Estim
   }
   inner_.estimate_each(bursts, out);
   for (std::size_t i = 0; i < out.size(); ++i) {
-    update_zones(out[i], first[i]);
+    update_zones(out[i], first[i], bursts[i].transmitter);
   }
 }
 
@@ -37,7 +37,7 @@ void ZoneEstimator::advance(Timestamp time, const IsWaiting& is_waiting, Estimat
   const std::size_t first = out.locations.size();
   inner_.advance(time, is_waiting, out);
   update_zones(out, first);
-  watch_.advance(time, out.zone_events);
+  watch_.advance(time, out.zone_events, is_waiting);
 }
 
 void ZoneEstimator::restart(const std::string& reason, Estimates& out) {
@@ -47,10 +47,12 @@ void ZoneEstimator::restart(const std::string& reason, Estimates& out) {
   watch_.restart(reason, out.zone_events);
 }
 
-void ZoneEstimator::update_zones(Estimates& out, std::size_t first) {
+void ZoneEstimator::update_zones(Estimates& out,
+                                 std::size_t first,
+                                 const std::optional<MacAddress>& transmitter) {
   for (std::size_t i = first; i < out.locations.size(); ++i) {
     fill_zones(zones_, out.locations[i]);
-    watch_.see(out.locations[i]);
+    watch_.see(out.locations[i], transmitter);
   }
 }
 

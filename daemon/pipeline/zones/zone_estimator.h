@@ -2,6 +2,7 @@
 // that reports entries and exits (ZoneWatch).
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/pipeline/zones/zone_watch.h"
 #include "daemon/site/model/site.h"
+#include "engine/channel/mac_address.h"
 
 namespace rayloc {
 
@@ -27,7 +29,10 @@ class ZoneEstimator : public Estimator {
   Rank rank(const MacAddress& transmitter) const override { return inner_.rank(transmitter); }
 
  private:
-  void update_zones(Estimates& out, std::size_t first);
+  // For the locations from `first` on. `transmitter`: as for ZoneWatch::see().
+  void update_zones(Estimates& out,
+                    std::size_t first,
+                    const std::optional<MacAddress>& transmitter = std::nullopt);
 
   Estimator& inner_;
   const std::vector<SiteZone> zones_;

@@ -84,8 +84,15 @@ ZoneStays ZoneWatch::stays() const {
   return stays;
 }
 
-void ZoneWatch::see(const Location& location) {
-  if (zones_.empty() || !location.is_filtered() || location.estimate.time < done_) {
+void ZoneWatch::see(const Location& location, const std::optional<MacAddress>& transmitter) {
+  if (zones_.empty() || !location.is_filtered()) {
+    return;
+  }
+  if (location.estimate.time < done_) {
+    const auto continued = targets_.find(target_component(location.target));
+    if (transmitter && continued != targets_.end()) {
+      continued->second.transmitter = transmitter;
+    }
     return;
   }
   const TrackState state = location.tracked->state;
@@ -94,7 +101,7 @@ void ZoneWatch::see(const Location& location) {
   if (!is_lost && !(is_trusted && !location.zones.empty())) {
     return;
   }
-  Sighting sighting{location.target, {}, is_lost};
+  Sighting sighting{location.target, {}, is_lost, transmitter};
   for (const ZoneProbability& zone : location.zones) {
     sighting.probability.push_back(zone.probability);
   }
@@ -103,22 +110,25 @@ void ZoneWatch::see(const Location& location) {
                 std::move(sighting));
 }
 
-void ZoneWatch::take_before(Timestamp time) {
+void ZoneWatch::take_before(Timestamp time, const IsWaiting& is_waiting) {
   while (!held_.empty() && held_.begin()->first.first < time) {
     const auto& [key, sighting] = *held_.begin();
-    take(key.first, key.second, sighting);
+    take(key.first, key.second, sighting, is_waiting);
     held_.erase(held_.begin());
   }
 }
 
-void ZoneWatch::advance(Timestamp time, std::vector<ZoneEvent>& events) {
-  take_before(time);
-  forget_silent(time);
+void ZoneWatch::advance(Timestamp time,
+                        std::vector<ZoneEvent>& events,
+                        const IsWaiting& is_waiting) {
+  take_before(time, is_waiting);
+  forget_silent(time, is_waiting);
+  keep_waiting(time, is_waiting);
   give_out(events);
 }
 
 void ZoneWatch::restart(const std::string& reason, std::vector<ZoneEvent>& events) {
-  take_before(Timestamp::max());
+  take_before(Timestamp::max(), {});
   done_ = Timestamp::min();
   Timestamp last = Timestamp::min();
   for (const auto& [key, watched] : targets_) {
@@ -135,15 +145,19 @@ void ZoneWatch::give_out(std::vector<ZoneEvent>& events) {
   pending_.clear();
 }
 
-void ZoneWatch::take(Timestamp time, const std::string& key, const Sighting& sighting) {
-  forget_silent(time);
+void ZoneWatch::take(Timestamp time,
+                     const std::string& key,
+                     const Sighting& sighting,
+                     const IsWaiting& is_waiting) {
+  forget_silent(time, is_waiting);
   if (sighting.is_lost) {
     if (const auto lost = targets_.find(key); lost != targets_.end()) {
-      leave_all(lost, time, "its track was lost");
+      leave_all(lost, std::max(time, lost->second.waited), "its track was lost");
     }
     return;
   }
-  const auto watched = targets_.try_emplace(key).first;
+  const auto watched = watched_of(key, sighting);
+  time = std::max(time, watched->second.waited);
   watched->second.target = sighting.target;
   watched->second.received = time;
   watched->second.stays.resize(zones_.size());
@@ -151,6 +165,26 @@ void ZoneWatch::take(Timestamp time, const std::string& key, const Sighting& sig
     watched->second.stays[zone].probability = sighting.probability[zone];
     judge(zone, *watched, time);
   }
+}
+
+// The target of the sighting. A new target replaces the one that its transmitter had before, under
+// another name: that one becomes silent.
+ZoneWatch::Targets::iterator ZoneWatch::watched_of(const std::string& key,
+                                                   const Sighting& sighting) {
+  const auto [watched, is_new] = targets_.try_emplace(key);
+  if (!sighting.transmitter) {
+    return watched;
+  }
+  if (is_new) {
+    for (auto& [other, before] : targets_) {
+      if (before.transmitter == sighting.transmitter) {
+        watched->second.waited = std::max(watched->second.waited, before.waited);
+        before.transmitter.reset();
+      }
+    }
+  }
+  watched->second.transmitter = sighting.transmitter;
+  return watched;
 }
 
 void ZoneWatch::judge(std::size_t zone, Targets::value_type& target, Timestamp time) {
@@ -202,7 +236,7 @@ void ZoneWatch::leave_all(Targets::iterator target, Timestamp time, const std::s
 }
 
 // Removes targets whose silence has lasted long enough at `before`, the longest silent first.
-void ZoneWatch::forget_silent(Timestamp before) {
+void ZoneWatch::forget_silent(Timestamp before, const IsWaiting& is_waiting) {
   while (!targets_.empty()) {
     const auto silent =
         std::min_element(targets_.begin(), targets_.end(), [](const auto& a, const auto& b) {
@@ -212,9 +246,22 @@ void ZoneWatch::forget_silent(Timestamp before) {
     if (given_up >= before) {
       return;
     }
+    if (silent->second.waits(is_waiting)) {
+      silent->second.received = before;
+      continue;
+    }
     leave_all(silent,
               given_up,
               fmt::format("no frame of it was received for {:g} s", to_seconds(kSilence)));
+  }
+}
+
+// A target whose burst waits has been received up to `time`: the burst has no earlier frame.
+void ZoneWatch::keep_waiting(Timestamp time, const IsWaiting& is_waiting) {
+  for (auto& [key, watched] : targets_) {
+    if (watched.waits(is_waiting)) {
+      watched.received = watched.waited = time;
+    }
   }
 }
 

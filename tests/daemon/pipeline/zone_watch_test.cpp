@@ -1,10 +1,14 @@
 #include "daemon/pipeline/zones/zone_watch.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
 
 #include <gtest/gtest.h>
+
+#include "daemon/pipeline/estimates.h"
+#include "daemon/pipeline/zones/zone_estimator.h"
 
 namespace rayloc::zone_watch_test {
 namespace {
@@ -130,6 +134,115 @@ TEST(ZoneWatch, ATargetWithoutFramesLeaves) {
   const std::vector<ZoneEvent> events = events_of(watch, 11.0);
   EXPECT_EQ(lines(events), "a left desk 10900 (0 inside)\n");
   EXPECT_EQ(events[0].reason, "no frame of it was received for 10 s");
+}
+
+constexpr MacAddress kPhone{{0x02, 0, 0, 0, 0, 1}};
+constexpr MacAddress kLaptop{{0x02, 0, 0, 0, 0, 2}};
+
+bool is_phone(const MacAddress& transmitter) { return transmitter == kPhone; }
+
+// The phone enters under the name "a" at 0.5 s.
+void see_phone_enter(ZoneWatch& watch) {
+  for (int i = 0; i < 10; ++i) {
+    watch.see(estimate(0.1 * i, "a", {0.9}), kPhone);
+  }
+}
+
+TEST(ZoneWatch, ATargetWhoseBurstsWaitStays) {
+  for (const double step : {1.0, 12.0}) {
+    ZoneWatch watch(zones());
+    std::vector<ZoneEvent> events;
+    see_phone_enter(watch);
+    for (double until = 1.0; until < 27.0; until += step) {
+      watch.see(estimate(until - 0.05, "b", {0.1}), kLaptop);
+      watch.advance(at(until), events, is_phone);
+    }
+    // Its burst is processed, and another target has an earlier estimate.
+    watch.see(estimate(27.9, "b", {0.1}), kLaptop);
+    watch.see(estimate(28.0, "a", {0.9}), kPhone);
+    watch.advance(at(28.1), events);
+    EXPECT_EQ(lines(events), "a entered desk 500 (1 inside)\na dwelled desk 28000 (1 inside)\n")
+        << step;
+    EXPECT_EQ(lines(events_of(watch, 40.0)), "a left desk 38000 (0 inside)\n") << step;
+  }
+}
+
+TEST(ZoneWatch, EstimatesOfTheTimeBeforeAWaitKeepTheOrderOfEvents) {
+  for (const bool is_lost : {true, false}) {
+    ZoneWatch watch(zones());
+    std::vector<ZoneEvent> events;
+    see_phone_enter(watch);
+    for (int i = 0; i < 10; ++i) {
+      watch.see(estimate(8.0 + 0.1 * i, "b", {0.9}), kLaptop);
+    }
+    watch.advance(at(1.0), events, is_phone);
+    watch.advance(at(9.0), events, is_phone);
+    watch.see(estimate(5.0, "a", {0.1}), kPhone);
+    watch.see(is_lost ? lost(6.5, "a") : estimate(6.5, "a", {0.1}), kPhone);
+    watch.see(estimate(10.0, "a", {0.1}), kPhone);
+    watch.advance(at(10.1), events);
+    EXPECT_EQ(lines(events),
+              "a entered desk 500 (1 inside)\nb entered desk 8500 (2 inside)\n" +
+                  std::string(is_lost ? "a left desk 9000 (1 inside)\n"
+                                      : "a left desk 10000 (1 inside)\n"));
+  }
+}
+
+TEST(ZoneWatch, AnEarlierNameOfATransmitterThatWaitsIsSilent) {
+  ZoneWatch watch(zones());
+  std::vector<ZoneEvent> events;
+  see_phone_enter(watch);
+  watch.advance(at(4.0), events, is_phone);
+  watch.see(estimate(4.5, "new", {0.9}), kPhone);
+  watch.see(estimate(5.0, "new", {0.9}), kPhone);
+  for (double until = 6.0; until < 30.0; until += 1.0) {
+    watch.advance(at(until), events, is_phone);
+  }
+  EXPECT_EQ(lines(events),
+            "a entered desk 500 (1 inside)\nnew entered desk 5000 (2 inside)\n"
+            "a left desk 14000 (1 inside)\n");
+}
+
+// Locates a burst inside the first zone, for a second from its begin on.
+class InsideEstimator : public Estimator {
+ public:
+  void estimate(const Burst& burst, Estimates& out) override {
+    for (int i = 0; i < 10; ++i) {
+      Location& location = out.locations.emplace_back();
+      location.estimate.time = burst.first + i * std::chrono::milliseconds(100);
+      location.estimate.position = Vec3d{0.5, 0.5, 1.2};
+      location.estimate.hypotheses = {
+          {{0.5, 0.5, 1.2}, {1e-4, 0.0, 0.0, 0.0, 1e-4, 0.0, 0.0, 0.0, 1e-4}, 1.0}};
+      location.target.address = to_string(burst.transmitter);
+      location.tracked = Tracked{TrackState::kConfirmed};
+    }
+  }
+  void advance(Timestamp /*time*/, const IsWaiting& is_waiting, Estimates& /*out*/) override {
+    waiting.push_back(is_waiting(kPhone));
+    waiting.push_back(is_waiting(kLaptop));
+  }
+
+  std::vector<bool> waiting;  // the phone and the laptop, for each call
+};
+
+TEST(ZoneEstimator, ADeviceWhoseBurstsWaitStaysInItsZones) {
+  InsideEstimator inside;
+  ZoneEstimator estimator(inside, zones());
+  std::array<Burst, 2> bursts;
+  bursts[0].transmitter = kPhone;
+  bursts[1].transmitter = kLaptop;
+  bursts[0].first = bursts[1].first = kStart;
+  std::array<Estimates, 2> estimates;
+  estimator.estimate_each(bursts, estimates);
+  Estimates out;
+  for (const double seconds : {1.0, 9.0, 17.0, 25.0}) {
+    estimator.advance(at(seconds), is_phone, out);
+  }
+  EXPECT_EQ(lines(out.zone_events),
+            "02:00:00:00:00:01 entered desk 500 (1 inside)\n"
+            "02:00:00:00:00:02 entered desk 500 (2 inside)\n"
+            "02:00:00:00:00:02 left desk 10900 (1 inside)\n");
+  EXPECT_EQ(inside.waiting, (std::vector{true, false, true, false, true, false, true, false}));
 }
 
 TEST(ZoneWatch, NamesThoseInsideInTheOrderInWhichTheyCame) {
