@@ -132,6 +132,15 @@ void BurstQueue::drop_surplus() {
   }
 }
 
+void BurstQueue::clear() {
+  for (std::size_t rank = 0; rank < kRanks; ++rank) {
+    while (!waiting_[rank].empty()) {
+      drop({rank, waiting_[rank].begin()});
+    }
+  }
+  given_up_.clear();
+}
+
 // REQUIRES: not empty.
 BurstQueue::Place BurstQueue::next() {
   bool is_left = false;  // by the rank before

@@ -46,7 +46,7 @@ using IsWaiting = std::function<bool(const MacAddress& transmitter)>;
 struct RankCounts {
   std::uint64_t taken = 0;
   std::uint64_t merged = 0;   // replaced by a newer one of their transmitter
-  std::uint64_t dropped = 0;  // too old, or too many waited
+  std::uint64_t dropped = 0;  // too old, too many waited, or clear()
   std::uint64_t waiting = 0;
 
   std::uint64_t ended() const { return taken + merged + dropped + waiting; }
@@ -74,6 +74,9 @@ class BurstQueue {
   // The next bursts, at most `most`, to be processed together. A burst of rank kOther is the last
   // of them: it takes long, and no wanted transmitter should wait for it. REQUIRES: not empty.
   std::vector<Burst> pop(std::size_t most);
+
+  // Drops every burst, and the turns of all transmitters: later bursts may be earlier in time.
+  void clear();
 
   // Frames of the bursts that wait, surplus ones included.
   std::uint64_t frames() const;

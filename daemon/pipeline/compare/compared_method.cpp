@@ -79,7 +79,7 @@ void ComparedMethod::add(Burst&& burst) {
     std::vector<Burst> one;
     one.push_back(std::move(burst));
     waiting_.push(one, newest_);
-    displaced_.store(waiting_.merged_bursts() + waiting_.dropped_bursts());
+    count_displaced();
   }
   wake_.notify_one();
 }
@@ -108,11 +108,14 @@ void ComparedMethod::restart(const std::string& reason) {
   wake_.notify_one();
 }
 
+// REQUIRES: mutex_ is held; the same for count_displaced().
 void ComparedMethod::drop_waiting() {
-  while (!waiting_.empty()) {
-    (void)waiting_.pop();
-    not_taken_.fetch_add(1);
-  }
+  waiting_.clear();
+  count_displaced();
+}
+
+void ComparedMethod::count_displaced() {
+  displaced_.store(waiting_.merged_bursts() + waiting_.dropped_bursts());
 }
 
 // Silence is processed when no burst waits: only then are all bursts still to come after `open_`.

@@ -81,6 +81,7 @@ class ComparedMethod {
   void work(std::unique_lock<std::mutex>& lock);
   void publish(Estimates& estimates);
   void drop_waiting();
+  void count_displaced();
 
   const Options options_;
   const std::vector<std::unique_ptr<Estimator>> owned_;
@@ -96,7 +97,7 @@ class ComparedMethod {
   bool stopping_ = false;                  // guarded by mutex_
   std::atomic<std::uint64_t> added_{0};
   std::atomic<std::uint64_t> explained_{0};
-  std::atomic<std::uint64_t> not_taken_{0};  // dropped before, or beside, the queue
+  std::atomic<std::uint64_t> not_taken_{0};  // dropped before the queue
   std::atomic<std::uint64_t> displaced_{0};  // dropped by the queue
   std::atomic<std::uint64_t> fixes_{0};
   std::atomic<std::uint64_t> no_fixes_{0};

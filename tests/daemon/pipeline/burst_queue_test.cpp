@@ -253,6 +253,29 @@ TEST(BurstQueue, ADroppedBurstLeavesItsTurnToTheNext) {
   EXPECT_EQ(pop_all(queue), (std::vector{1, 11}));
 }
 
+TEST(BurstQueue, ClearDropsBurstsAndTurns) {
+  BurstQueueOptions options = ranked();
+  options.max_frames = 8;  // of two bursts
+  BurstQueue queue(options);
+  push(queue, {burst(10, 10'000), burst(11, 10'000), burst(12, 10'000)}, at(10'150));
+  EXPECT_EQ(queue.dropped_bursts(), 1U);
+  EXPECT_TRUE(queue.is_waiting({{0, 0, 0, 0, 0, 12}})) << "dropped, and its next burst may follow";
+  queue.clear();
+  EXPECT_TRUE(queue.empty());
+  EXPECT_EQ(queue.frames(), 0U);
+  EXPECT_EQ(queue.dropped_bursts(), 3U);
+  EXPECT_EQ(queue.dropped_frames(), 12U);
+  const RankCounts& tracked = queue.by_rank()[static_cast<std::size_t>(Rank::kTracked)];
+  EXPECT_EQ(tracked.dropped, 3U);
+  EXPECT_EQ(tracked.ended(), 3U);
+  EXPECT_FALSE(queue.is_waiting({{0, 0, 0, 0, 0, 11}}));
+  EXPECT_FALSE(queue.is_waiting({{0, 0, 0, 0, 0, 12}}));
+  // Later bursts may be earlier in time.
+  push(queue, {burst(11, 0), burst(12, 0)}, at(150));
+  EXPECT_EQ(queue.pop().transmitter.octets[5], 11);
+  EXPECT_EQ(queue.pop().received_since, at(0));
+}
+
 TEST(BurstQueue, AStrangerDoesNotDisplaceTheOnlyListedDevice) {
   BurstQueueOptions options = ranked();
   options.max_frames = 4;  // of one burst

@@ -240,6 +240,38 @@ TEST(ComparedMethod, TakesBurstsSilenceAndMovesInTheirOrder) {
   EXPECT_EQ(counters.coalesced, 2U);  // all but the first
 }
 
+// Notes since when the transmitter of a burst has been received.
+class SinceEstimator : public Estimator {
+ public:
+  explicit SinceEstimator(std::shared_ptr<std::vector<Timestamp>> since)
+      : since_(std::move(since)) {}
+  void estimate(const Burst& burst, Estimates&) override {
+    since_->push_back(burst.received_since);
+  }
+
+ private:
+  const std::shared_ptr<std::vector<Timestamp>> since_;
+};
+
+TEST(ComparedMethod, AfterASeekNoTransmitterHasWaited) {
+  const auto since = std::make_shared<std::vector<Timestamp>>();
+  const auto method =
+      make_method(std::make_unique<SinceEstimator>(since), {.name = "other", .max_frames = 1});
+  method->add(burst_of(1, kBegin + 10s));  // has to give way to the next
+  method->add(burst_of(2, kBegin + 11s));
+  EXPECT_EQ(method->counters().dropped, 1U);
+  EXPECT_EQ(method->counters().in_flight, 1U);
+  method->restart("moved");
+  EXPECT_EQ(method->counters().dropped, 2U);
+  EXPECT_EQ(method->counters().in_flight, 0U);
+  method->add(burst_of(1, kBegin));
+  method->start([](Location&&) { return false; });
+  EXPECT_TRUE(eventually(kPatience, [&] { return method->counters().explained == 1; }));
+  method->stop();
+  EXPECT_THAT(*since, ElementsAre(kBegin));
+  EXPECT_EQ(method->counters().bursts, accounted(method->counters()));
+}
+
 TEST(ComparedMethod, GetsOnlyTheBurstsOfDevicesThatItLocates) {
   const auto notes = std::make_shared<std::vector<std::string>>();
   const MacAddress wanted{{0x02, 0, 0, 0, 0, 2}};
