@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -26,6 +27,7 @@ class FakeTracks : public TrackCapability {
     std::vector<std::vector<DeviceUpdate>> updates;
     for (const ReceivedBurst& received : bursts) {
       frames.push_back(received.burst.frames.size());
+      devices.insert(received.burst.device);
       DeviceUpdate update;
       update.device = received.burst.device;
       update.estimate.location.time = received.burst.frames.back().time;
@@ -33,7 +35,18 @@ class FakeTracks : public TrackCapability {
     }
     return updates;
   }
-  void advance(Timestamp, std::vector<DeviceUpdate>&, const DeviceTracker::IsWaiting&) override {}
+  // An estimate of each device that was received and does not wait.
+  void advance(Timestamp now,
+               std::vector<DeviceUpdate>& updates,
+               const DeviceTracker::IsWaiting& is_waiting) override {
+    for (const MacAddress& device : devices) {
+      if (!is_waiting(device)) {
+        DeviceUpdate& update = updates.emplace_back();
+        update.device = device;
+        update.estimate.location.time = now;
+      }
+    }
+  }
   void restart(const std::string&, std::vector<DeviceUpdate>&) override {}
   bool has_track(const MacAddress&) const override { return is_followed; }
   bool follows(const MacAddress&) const override { return is_followed; }
@@ -43,6 +56,7 @@ class FakeTracks : public TrackCapability {
   bool is_followed = false;
   bool reports = true;              // an estimate for each burst
   std::vector<std::size_t> frames;  // of each burst
+  std::set<MacAddress> devices;     // of all bursts
 };
 
 class FakeChains : public ChainCapability {
