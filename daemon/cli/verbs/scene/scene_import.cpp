@@ -95,8 +95,10 @@ RunVerb declare_scene_import(OptionParser& app) {
   app.add_option("--out", arguments->out, "Directory for scene.xml, meshes/ and site.toml");
   app.add_option("--name", arguments->name, "Name of the site; default: room");
   app.add_option("--materials", arguments->materials, "Table of names and radio materials, TOML");
-  app.add_option(
-      "--walls", arguments->walls, "Layers of a flat drawing that hold walls, by whole names");
+  app.add_option("--walls",
+                 arguments->walls,
+                 "Layer of a flat drawing that holds walls, by its whole name; one for each option")
+      ->allow_extra_args(false);
   app.add_flag("--print-materials", arguments->print_materials, "Print the default table");
   app.add_option("--unit", arguments->request.unit, "Unit of the file: mm, cm, m, in or ft");
   app.add_option(

@@ -130,6 +130,27 @@ TEST_F(SceneVerb, ImportTakesTheLayersOfWallsByName) {
       RaylocProcess({"scene", "import", drawing, "--walls", "0", "--out", out()}).wait();
   EXPECT_EQ(made.status, 0) << made.err;
   EXPECT_NE(made.err.find(" x 2.70 m"), std::string::npos) << made.err;
+  // The option takes one value, so that FILE may be next; several layers are several options.
+  const Finished before =
+      RaylocProcess({"scene", "import", "--walls", "0", drawing, "--force", "--out", out()}).wait();
+  EXPECT_EQ(before.status, 0) << before.err;
+  const Finished several = RaylocProcess({"scene",
+                                          "import",
+                                          "--walls",
+                                          "0",
+                                          "--walls",
+                                          "[0,1]",
+                                          drawing,
+                                          "--force",
+                                          "--out",
+                                          out()})
+                               .wait();
+  EXPECT_EQ(several.status, 65);
+  EXPECT_NE(several.err.find("'[0,1]'"), std::string::npos) << several.err;
+  const Finished no_file =
+      RaylocProcess({"scene", "import", "--walls", "0", "--out", out()}).wait();
+  EXPECT_EQ(no_file.status, 64);
+  EXPECT_NE(no_file.err.find("FILE"), std::string::npos) << no_file.err;
 }
 
 TEST_F(SceneVerb, RoomWithAnAccessPointOfAKnownModelIsASite) {
