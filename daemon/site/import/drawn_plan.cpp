@@ -17,7 +17,8 @@
 namespace rayloc {
 namespace {
 
-constexpr std::size_t kMaxLines = 4000;  // a count, chosen: all pairs are compared
+constexpr std::size_t kMaxLines = 4000;      // a count, chosen: all pairs are compared
+constexpr std::size_t kMaxFurniture = 4000;  // chosen: each one is an object of the scene
 constexpr double kCentimetre = 0.01;
 constexpr double kMillimetre = 0.001;
 
@@ -159,6 +160,12 @@ class PlanMaker {
       const std::vector<WallLine> pieces = pieces_of(line);
       to.insert(to.end(), pieces.begin(), pieces.end());
     } else if (kind == "furniture" && line.is_closed && line.points.size() > 2) {
+      if (++furniture_ > kMaxFurniture) {
+        return bad_input(
+            fmt::format("has more than {} closed lines of furniture; export one storey, without "
+                        "hatches",
+                        kMaxFurniture));
+      }
       model_.parts.push_back({line.layer, "", top_of(line)});
     } else if (kind == "door") {
       has_doors_ = true;
@@ -289,6 +296,7 @@ class PlanMaker {
   std::vector<WallLine> walls_;
   std::vector<WallLine> windows_;
   std::set<std::string> unknown_;
+  std::size_t furniture_ = 0;
   std::size_t paired_ = 0;
   bool has_doors_ = false;
 };

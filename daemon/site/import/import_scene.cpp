@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
+#include <string>
 #include <utility>
 
 #include <spdlog/fmt/fmt.h>
@@ -26,17 +28,21 @@ constexpr double kLargestRead = 250.0;  // [m], chosen: scenes are rooms and sto
 constexpr double kSmallestRead = 1.0;   // [m], chosen: smaller than any room
 constexpr double kPoorShare = 0.7;      // of a scan's area, chosen: less has holes or is no room
 
+// Names that were given, each with the next number for a repeated one.
+using GivenNames = std::map<std::string, int>;
+
 // The letters, digits, '-' and '_' of a name, made unique.
-std::string object_name(const std::string& name, std::set<std::string>& names) {
+std::string object_name(const std::string& name, GivenNames& names) {
   std::string base;
   for (const char c : name) {
     const std::string one(1, c);
     base += is_object_name(one) ? one : "_";
   }
   base = base.empty() ? "part" : base;
+  const auto [given, is_new] = names.try_emplace(base, 2);
   std::string unique = base;
-  for (int number = 2; !names.insert(unique).second; ++number) {
-    unique = base + "_" + std::to_string(number);
+  while (!is_new && !names.try_emplace(unique, 2).second) {
+    unique = base + "_" + std::to_string(given->second++);
   }
   return unique;
 }
@@ -180,8 +186,8 @@ class SceneMaker {
   Bounds whole_;
   bool is_scan_ = false;
   ImportedScene result_;
-  std::set<std::string> names_;
-  std::set<std::string> material_names_;
+  GivenNames names_;
+  GivenNames material_names_;
   std::set<std::string> unknown_;
   std::size_t scan_triangles_ = 0;
   std::size_t planes_ = 0;

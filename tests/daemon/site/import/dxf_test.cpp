@@ -259,6 +259,20 @@ TEST_F(Dxf, AnImplausibleUnitOfTheHeaderIsReported) {
   EXPECT_EQ(remarks(*usual).find("warning"), std::string::npos) << remarks(*usual);
 }
 
+TEST_F(Dxf, RefusesMoreFurnitureThanAStoreyHas) {
+  const std::string desk =
+      "0\nLWPOLYLINE\n8\nDESK\n70\n1\n10\n1\n20\n1\n10\n2\n20\n1\n10\n2\n20\n2\n";
+  const auto desks = [&](int count) {
+    return "0\nSECTION\n2\nBLOCKS\n0\nBLOCK\n2\nb\n" + desk + "0\nENDBLK\n0\nENDSEC\n" +
+           drawing(walls("WALL") + fmt::format("0\nINSERT\n2\nb\n70\n{}\n", count));
+  };
+  const auto office = import(file("plan.dxf", desks(100)));
+  ASSERT_TRUE(office) << office.error().message;
+  EXPECT_NE(object_of(*office, "DESK_100"), nullptr) << "repeated names are numbered";
+  EXPECT_EQ(object_of(*office, "DESK_101"), nullptr);
+  EXPECT_NE(refusal(desks(4001)).find("closed lines of furniture"), std::string::npos);
+}
+
 // Each block holds the next one a hundred times.
 TEST_F(Dxf, RefusesBlocksNestedTooDeeply) {
   std::string blocks = "0\nSECTION\n2\nBLOCKS\n";

@@ -69,6 +69,20 @@ TEST_F(Import, ObjIsReadWithNamesMaterialsAndAxes) {
   EXPECT_NE(text.find("no row of the table of materials is of south"), std::string::npos) << text;
 }
 
+TEST(ImportedNames, ANumberedNameThatIsTakenIsSkipped) {
+  Model model;
+  for (const char* name : {"desk", "desk_2", "desk", "desk", "desk_2"}) {
+    model.parts.push_back({name, "", {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}}});
+  }
+  const auto scene = scene_of(model, *MaterialTable::parse(kDefaultMaterialTable, "materials"), {});
+  ASSERT_TRUE(scene) << scene.error().message;
+  std::vector<std::string> names;
+  for (const StatedObject& object : scene->scene.objects) {
+    names.push_back(object.name);
+  }
+  EXPECT_EQ(names, (std::vector<std::string>{"desk", "desk_2", "desk_3", "desk_4", "desk_2_2"}));
+}
+
 TEST_F(Import, AcceptsAStatedUnitAndAxis) {
   const auto room = import(file("room.obj", kRoom), {{0.3048, 'z'}, 0.0});
   ASSERT_TRUE(room) << room.error().message;
