@@ -186,6 +186,10 @@ class DxfReader {
       }
       drawing_.lines.push_back(std::move(placed));
     }
+    points_ += block.left_out.size() + block.left_out_layers.size();
+    if (points_ > kMaxDrawnPoints) {
+      return;
+    }
     for (const auto& [kind, count] : block.left_out) {
       left_out_[kind] += count;
     }
@@ -263,7 +267,7 @@ class DxfReader {
   std::set<std::string> used_;  // layers with a visible entity
   std::size_t hidden_ = 0;      // lines and blocks on hidden layers
   std::map<std::string, std::size_t> left_out_;
-  std::size_t points_ = 0;
+  std::size_t points_ = 0;  // that were placed, and names of what was left out in placed blocks
   bool is_finite_ = true;
 };
 

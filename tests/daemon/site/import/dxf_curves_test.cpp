@@ -152,6 +152,25 @@ TEST_F(DxfDrawing, AnArrayOfTooManyBlocksIsRefused) {
   EXPECT_NE(drawing.error().message.find("more points than"), std::string::npos);
 }
 
+// A block of 3000 kinds that are not read, placed a thousand times.
+TEST_F(DxfDrawing, PlacedBlocksOfManyKindsThatAreNotReadAreRefused) {
+  std::string unread;
+  for (int i = 0; i < 3000; ++i) {
+    unread += fmt::format("0\nX{}\n8\na\n", i);
+  }
+  const auto placed = [&](int columns) {
+    return read_dxf(file("plan.dxf",
+                         in_block(unread + "0\nLINE\n8\na\n11\n1\n") +
+                             fmt::format("0\nSECTION\n2\nENTITIES\n0\nINSERT\n2\nb\n70\n{}\n0\n"
+                                         "ENDSEC\n0\nEOF\n",
+                                         columns)));
+  };
+  EXPECT_TRUE(placed(10));
+  const auto many = placed(1000);
+  ASSERT_FALSE(many);
+  EXPECT_NE(many.error().message.find("more points than"), std::string::npos);
+}
+
 // Seen from below, the x axis of the entity's own plane points to the left.
 TEST_F(DxfDrawing, EntitiesOfAPlaneThatPointsDownAreMirrored) {
   const std::string down = "210\n0\n220\n0\n230\n-1\n";
