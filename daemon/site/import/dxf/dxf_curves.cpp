@@ -13,6 +13,8 @@ namespace {
 
 constexpr double kWholeTurn = 2.0 * std::numbers::pi;
 constexpr double kSameAngle = 1e-9;  // [rad], rounding of angles in text
+// [rad], same of a whole turn, which some programs write with six digits (6.28319).
+constexpr double kRoundedTurn = 1e-4;
 
 // Bulges, chosen: a flatter arc is its chord, a fuller one has a chord of no length.
 constexpr double kMinBulge = 1e-6;
@@ -20,6 +22,9 @@ constexpr double kMaxBulge = 1e6;
 
 // Anticlockwise, above 0 and up to a whole turn.
 double sweep_of(const DxfArc& arc) {
+  if (std::abs(std::abs(arc.end - arc.begin) - kWholeTurn) < kRoundedTurn) {
+    return kWholeTurn;
+  }
   const double sweep =
       std::fmod(std::fmod(arc.end, kWholeTurn) - std::fmod(arc.begin, kWholeTurn), kWholeTurn);
   return sweep > kSameAngle ? sweep : sweep + kWholeTurn;

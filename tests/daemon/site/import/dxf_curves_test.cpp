@@ -76,6 +76,12 @@ TEST(DxfCurves, ArcsRunAnticlockwiseFromTheirBeginToTheirEnd) {
   EXPECT_TRUE(is_whole({{0, 0}, {1, 0}, 1.0, 0.0, 4 * kQuarter}));
   EXPECT_FALSE(is_whole({{0, 0}, {1, 0}, 1.0, 0.0, 3 * kQuarter}));
   EXPECT_EQ(points_of({{0, 0}, {1, 0}}).size(), 32U);
+  // A turn in text is rounded.
+  for (const double turn : {6.28319, 6.283185, 6.2832, 6.2831}) {
+    EXPECT_TRUE(is_whole({{0, 0}, {1, 0}, 1.0, 0.0, turn})) << turn;
+    EXPECT_EQ(points_of({{0, 0}, {1, 0}, 1.0, 1.0, 1.0 + turn}).size(), 32U) << turn;
+  }
+  EXPECT_FALSE(is_whole({{0, 0}, {1, 0}, 1.0, 0.0, 6.28}));
   // Angles of any size are those of a turn.
   EXPECT_LE(points_of({{0, 0}, {1, 0}, 1.0, -1e308, 1e308}).size(), 33U);
 }
