@@ -106,6 +106,18 @@ std::string listed(const std::set<std::string>& names) {
       "{}{}", fmt::join(first, ", "), more > 0 ? fmt::format(" and {} more", more) : "");
 }
 
+// The reason why a layer has no line, and the remedy; empty for a layer that is not in the file.
+std::optional<std::string> fault_of(const std::string& layer, const Drawing& drawing) {
+  if (drawing.hidden_layers.contains(layer)) {
+    return fmt::format("layer '{}' is off or frozen; show it in the drawing, and export it again",
+                       layer);
+  }
+  if (drawing.empty_layers.contains(layer)) {
+    return fmt::format("layer '{}' is empty; draw the walls there, or name another layer", layer);
+  }
+  return std::nullopt;
+}
+
 // The rectangle around a closed line, aligned with its first side.
 Mesh top_of(const DrawnLine& line) {
   const FloorPoint& origin = line.points[0];
@@ -206,18 +218,11 @@ class PlanMaker {
   // The layers that could have held walls, and the remedy.
   tl::unexpected<Error> no_walls(const std::set<std::string>& layers,
                                  const Drawing& drawing) const {
-    for (const std::string& layer : drawing.hidden_layers) {
-      if (table_.layer(layer) == "wall") {
-        return bad_input(fmt::format(
-            "layer '{}' is off or frozen, and no other layer holds walls; show it in the "
-            "drawing, and export it again",
-            layer));
-      }
-    }
-    for (const std::string& layer : drawing.empty_layers) {
-      if (table_.layer(layer) == "wall") {
-        return bad_input(fmt::format(
-            "layer '{}' is empty, and no other layer holds walls; draw them there", layer));
+    for (const auto* const unread : {&drawing.hidden_layers, &drawing.empty_layers}) {
+      for (const std::string& layer : *unread) {
+        if (table_.layer(layer) == "wall") {
+          return bad_input("no other layer holds walls: " + *fault_of(layer, drawing));
+        }
       }
     }
     return bad_input(fmt::format(
@@ -341,10 +346,14 @@ Expected<Model> drawn_plan(const Drawing& drawing,
     RAYLOC_TRY(maker.add(line));
   }
   for (const std::string& named : table.named_walls()) {
-    if (!layers.contains(named)) {
-      return bad_input(fmt::format(
-          "--walls: no line is on a layer '{}'; its layers are {}", named, listed(layers)));
+    if (layers.contains(named)) {
+      continue;
     }
+    return bad_input(
+        "--walls: " +
+        fault_of(named, drawing)
+            .value_or(fmt::format(
+                "no line is on a layer '{}'; its layers are {}", named, listed(layers))));
   }
   return maker.finish(layers, drawing);
 }

@@ -203,6 +203,23 @@ TEST_F(Dxf, WallsThatAreEmptyOrHiddenAreNamed) {
   EXPECT_NE(unread.find("left out: 1 3DFACE"), std::string::npos) << unread;
 }
 
+TEST_F(Dxf, NamedWallsThatAreEmptyOrHiddenAreNamed) {
+  auto table = MaterialTable::parse(kDefaultMaterialTable, "materials");
+  ASSERT_TRUE(table);
+  table->name_walls({"W1"});
+  const auto refused = [&](const Listed& layer, const std::string& entities) {
+    const auto room = import_scene(
+        file("plan.dxf", tables({layer, {"WALLS"}}) + drawing(walls("WALLS") + entities)),
+        *table,
+        {});
+    return room ? "" : room.error().message;
+  };
+  EXPECT_NE(refused({"W1"}, "").find("layer 'W1' is empty"), std::string::npos);
+  EXPECT_NE(refused({"W1", 1}, walls("W1")).find("layer 'W1' is off or frozen"), std::string::npos);
+  EXPECT_NE(refused({"W2"}, walls("W2")).find("no line is on a layer 'W1'; its layers are"),
+            std::string::npos);
+}
+
 // As AutoCAD writes them in three versions of the format.
 TEST_F(Dxf, NamesOfLayersMayHaveLettersWithAccents) {
   for (const char* name : {"W\xc4NDE", "W\\U+00C4NDE", "W\xc3\x84NDE"}) {
