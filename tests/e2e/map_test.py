@@ -937,6 +937,13 @@ class EditorTest(MapTest):
 
     def draw(self, page, person, drawing):
         page.wait(f"{self.SAID} === 'Nothing is here yet'")
+        clicks = person.clicks  # a mistake is no part of the task
+        person.fill("#import-height", "2e")  # no number, so that the field has no value
+        person.choose_file("#import", drawing)
+        page.wait(f"{self.SAID}.includes('height')")
+        page.ask("document.querySelector('#import-height').value = '3'")
+        page.ask("document.querySelector('#import-height').value = ''")
+        person.clicks = clicks
         person.fill("#import-scale", "5000")  # reaches the import, which refuses it
         person.choose_file("#import", drawing)
         page.wait(f"{self.SAID}.includes('--scale')")

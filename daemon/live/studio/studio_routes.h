@@ -9,7 +9,8 @@
 // and for folders that may be empty (rayloc studio):
 //
 //   POST /api/v1/edit/room     a plan for `rayloc scene room`
-//   POST /api/v1/edit/import   ?name=scan.glb, with the file as the body
+//   POST /api/v1/edit/import   ?name=scan.glb, with the file as the body; unit, scale, height and
+//                              walls (repeated for several layers) as for `rayloc scene import`
 //
 // Every changing request needs what the controls of the map need (http_server.h), and a body of its
 // own type, which no form of another page can send.

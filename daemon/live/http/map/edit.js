@@ -227,13 +227,22 @@ byId('redo').addEventListener('click', () => editor.draft.redo());
 byId('delete').addEventListener('click', erase);
 byId('save').addEventListener('click', save);
 byId('make-room').addEventListener('click', makeRoom);
-// Statements on the file, for the options of `rayloc scene import` of the same names.
-const statedOfImport = () => ['unit', 'scale', 'walls', 'height']
-  .map((key) => [key, byId(`import-${key}`).value.trim()]).filter(([, value]) => value);
+// Statements on the file, for the options of `rayloc scene import` of the same names; --walls is given once for each layer.
+const STATED = ['unit', 'scale', 'walls', 'height'];
+const statedOfImport = () => STATED.flatMap((key) => {
+  const {value} = byId(`import-${key}`);
+  const values = key === 'walls' ? value.split(',') : [value];
+  return values.map((one) => one.trim()).filter(Boolean).map((one) => [key, one]);
+});
+// A field whose content is no number has an empty value.
+const invalidOfImport = () => STATED.map((key) => byId(`import-${key}`)).find((field) => !field.checkValidity());
 
 byId('import').addEventListener('change', async ({target}) => {
   const [file] = target.files;
-  if (file) {
+  const invalid = invalidOfImport();
+  if (invalid) {
+    say(`${invalid.previousElementSibling.textContent}: ${invalid.validationMessage}`, 'bad');
+  } else if (file) {
     const query = new URLSearchParams([['name', file.name], ...statedOfImport()]);
     await begin(`api/v1/edit/import?${query}`, 'application/octet-stream', file);
   }
