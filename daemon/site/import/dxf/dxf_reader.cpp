@@ -21,11 +21,13 @@ namespace {
 
 constexpr int kMaxBlockDepth = 16;  // blocks within blocks, chosen
 
+constexpr double kSurveyFoot = 1200.0 / 3937.0;  // [m], of the US
+
 // Metres per $INSUNITS number, for units of buildings; 0: not stated, or a unit of maps and stars.
-constexpr std::array<double, 17> kDxfUnits = {0.0,
-                                              0.0254,  // inch
-                                              0.3048,  // foot
-                                              0.0,
+constexpr std::array<double, 25> kDxfUnits = {0.0,
+                                              0.0254,    // inch
+                                              0.3048,    // foot
+                                              1609.344,  // mile
                                               0.001,
                                               0.01,
                                               1.0,
@@ -38,7 +40,15 @@ constexpr std::array<double, 17> kDxfUnits = {0.0,
                                               1e-6,
                                               0.1,
                                               10.0,
-                                              100.0};
+                                              100.0,
+                                              0.0,
+                                              0.0,
+                                              0.0,
+                                              0.0,
+                                              kSurveyFoot,
+                                              kSurveyFoot / 12.0,
+                                              kSurveyFoot * 3.0,
+                                              kSurveyFoot * 5280.0};
 
 struct Layer {
   bool is_frozen = false;  // hides what is inserted on it, too
@@ -94,8 +104,11 @@ class DxfReader {
       if (groups_.is(9, "$INSUNITS")) {
         groups_.next();
         const double unit = groups_.number();
-        if (unit >= 0.0 && unit < static_cast<double>(kDxfUnits.size())) {
-          drawing_.metres = kDxfUnits[static_cast<std::size_t>(unit)];
+        const bool is_listed = unit >= 0.0 && unit < static_cast<double>(kDxfUnits.size());
+        drawing_.metres = is_listed ? kDxfUnits[static_cast<std::size_t>(unit)] : 0.0;
+        if (drawing_.metres == 0.0 && unit != 0.0) {
+          drawing_.remarks.push_back(fmt::format(
+              "the unit of its header is ignored: $INSUNITS {:g} is no unit of buildings", unit));
         }
       }
       groups_.next();

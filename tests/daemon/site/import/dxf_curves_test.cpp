@@ -224,7 +224,13 @@ TEST_F(DxfDrawing, UnitsOfBuildingsAreThoseOfTheHeader) {
                                        {6, 1.0},
                                        {10, 0.9144},
                                        {14, 0.1},
-                                       {3, 0.0},
+                                       {21, 1200.0 / 3937.0},
+                                       {22, 100.0 / 3937.0},
+                                       {23, 3600.0 / 3937.0},
+                                       {24, 6336000.0 / 3937.0},
+                                       {0, 0.0},
+                                       {3, 1609.344},
+                                       {18, 0.0},
                                        {99, 0.0}}) {
     const auto drawing = read_dxf(
         file("plan.dxf",
@@ -232,7 +238,12 @@ TEST_F(DxfDrawing, UnitsOfBuildingsAreThoseOfTheHeader) {
                          "ENTITIES\n0\nLINE\n8\na\n11\n1\n0\nENDSEC\n0\nEOF\n",
                          number)));
     ASSERT_TRUE(drawing) << drawing.error().message;
-    EXPECT_EQ(drawing->metres, metres) << number;
+    EXPECT_NEAR(drawing->metres, metres, 1e-12 * metres) << number;
+    const bool is_ignored = number == 18 || number == 99;
+    ASSERT_EQ(drawing->remarks.size(), is_ignored ? 1U : 0U) << number;
+    EXPECT_TRUE(!is_ignored ||
+                drawing->remarks[0].find(fmt::format("$INSUNITS {} ", number)) != std::string::npos)
+        << number;
   }
 }
 
