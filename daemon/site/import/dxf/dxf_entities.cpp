@@ -12,6 +12,7 @@ namespace {
 constexpr double kLevel = 0.999;  // cosine, chosen: 2.6 degrees
 // Flags of a POLYLINE and of its vertices.
 constexpr int kIsClosed = 1;
+constexpr int kIsSpatial = 8;
 constexpr int kIsMesh = 16 | 64;
 constexpr int kIsSplineFrame = 16;
 
@@ -57,13 +58,19 @@ bool DxfEntities::is_seen(DxfBlock& to) const {
 
 void DxfEntities::keep(std::vector<FloorPoint> points, bool is_closed, DxfBlock& to) {
   points_ += points.size();
-  if (points.size() > 1 && points_ <= kMaxDrawnPoints && is_seen(to)) {
-    to.lines.push_back({common_.layer, std::move(points), is_closed});
+  if (points_ > kMaxDrawnPoints || !is_seen(to)) {
+    return;
   }
+  if (points.size() < 2) {
+    leave_out("line without a second point", to);
+    return;
+  }
+  to.lines.push_back({common_.layer, std::move(points), is_closed});
 }
 
 void DxfEntities::read(std::string_view end, DxfBlock& to) {
-  while (!groups_.has_ended() && !groups_.is(0, end) && !groups_.is(0, "ENDSEC")) {
+  while (!groups_.has_ended() && !groups_.is(0, end) && !groups_.is(0, "ENDSEC") &&
+         !groups_.is(0, "EOF")) {
     if (groups_.now().code != 0) {
       groups_.next();
       continue;
@@ -198,6 +205,9 @@ void DxfEntities::read_polyline(DxfBlock& to) {
   if ((flags & kIsMesh) != 0) {
     leave_out("POLYLINE that is a mesh", to);
     return;
+  }
+  if ((flags & kIsSpatial) != 0) {
+    common_.normal_z = 1.0;  // its points are those of the drawing, whatever its plane
   }
   const bool is_closed = (flags & kIsClosed) != 0;
   keep_mirrored(corners_of(vertices, is_closed), is_closed, to);

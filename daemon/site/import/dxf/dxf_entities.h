@@ -45,7 +45,7 @@ class DxfEntities {
   // Points of all entities that were read. Beyond kMaxDrawnPoints further ones are not kept.
   std::size_t points() const { return points_; }
 
-  // Adds all entities up to the one named `end`, or to the end of the section.
+  // Adds all entities up to the one named `end`, or to the end of the section or file.
   void read(std::string_view end, DxfBlock& to);
 
  private:

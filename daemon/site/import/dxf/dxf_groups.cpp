@@ -14,6 +14,7 @@ namespace rayloc {
 namespace {
 
 constexpr double kMaxInteger = 65536.0;
+constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
 constexpr std::string_view kEscape = "\\U+";  // before the four digits of a character
 
 std::string trimmed(const std::string& text) {
@@ -38,6 +39,9 @@ void DxfGroups::next() {
     return;
   }
   ++line_;
+  if (line_ == 1 && code.starts_with(kByteOrderMark)) {
+    code.erase(0, kByteOrderMark.size());
+  }
   const std::string digits = trimmed(code);
   const auto [end, failed] =
       std::from_chars(digits.data(), digits.data() + digits.size(), now_.code);
@@ -92,7 +96,12 @@ double DxfGroups::number() {
 
 int DxfGroups::integer() {
   const double value = number();
-  return std::abs(value) < kMaxInteger ? static_cast<int>(value) : 0;
+  if (!(std::abs(value) < kMaxInteger)) {
+    fail(fmt::format("'{}' is beyond the numbers of 16 bits of this group",
+                     now_.value.substr(0, 40)));
+    return 0;
+  }
+  return static_cast<int>(value);
 }
 
 }  // namespace rayloc

@@ -38,7 +38,7 @@ class DxfGroups {
   bool has_windows_text() const { return has_windows_text_; }
   // The value as a number. Notes an error if it is none.
   double number();
-  // The same of a whole number; 0 beyond 16 bits.
+  // The same of a whole number of 16 bits.
   int integer();
 
  private:

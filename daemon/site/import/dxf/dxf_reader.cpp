@@ -75,10 +75,18 @@ class DxfReader {
       } else if (groups_.is(2, "ENTITIES")) {
         groups_.next();
         entities_.read("ENDSEC", model_);
+        is_cut_off_ = groups_.has_ended();
       }
     }
     if (!groups_.error().empty()) {
       return bad_input(groups_.error());
+    }
+    if (is_cut_off_) {
+      return bad_input(
+          fmt::format("{}:{}: the file ends within its entities, and others may be missing; export "
+                      "or copy it again",
+                      file_,
+                      groups_.now().line));
     }
     place(model_, {}, "", 0);
     if (std::max(points_, entities_.points()) > kMaxDrawnPoints) {
@@ -213,7 +221,8 @@ class DxfReader {
       }
       const auto found = blocks_.find(insert.block);
       if (found == blocks_.end() || depth == kMaxBlockDepth) {
-        ++left_out_["INSERT of a block that is not there"];
+        ++left_out_[found == blocks_.end() ? "INSERT of a block that is not there"
+                                           : "INSERT in too many blocks, or in itself"];
         continue;
       }
       const std::string& own_layer = insert.layer == "0" && !layer.empty() ? layer : insert.layer;
@@ -281,6 +290,7 @@ class DxfReader {
   std::size_t hidden_ = 0;      // lines and blocks on hidden layers
   std::map<std::string, std::size_t> left_out_;
   std::size_t points_ = 0;  // that were placed, and names of what was left out in placed blocks
+  bool is_cut_off_ = false;
   bool is_finite_ = true;
 };
 

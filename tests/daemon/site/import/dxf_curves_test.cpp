@@ -156,6 +156,11 @@ TEST_F(DxfDrawing, AnArrayOfTooManyBlocksIsRefused) {
                                          "30000\n0\nENDSEC\n0\nEOF\n"));
   ASSERT_FALSE(drawing);
   EXPECT_NE(drawing.error().message.find("more points than"), std::string::npos);
+  const auto beyond = read_dxf(
+      file("plan.dxf", "0\nSECTION\n2\nENTITIES\n0\nINSERT\n2\nb\n70\n70000\n0\nENDSEC\n0\nEOF\n"));
+  ASSERT_FALSE(beyond);
+  EXPECT_NE(beyond.error().message.find("plan.dxf:9: '70000'"), std::string::npos)
+      << beyond.error().message;
 }
 
 // A block of 3000 kinds that are not read, placed a thousand times.
@@ -215,6 +220,54 @@ TEST_F(DxfDrawing, MeshesAndControlPointsAreNoLines) {
   EXPECT_EQ(drawing.lines[0].points, (std::vector<FloorPoint>{{0, 0}, {1, 0}}));
   ASSERT_EQ(drawing.remarks.size(), 1U);
   EXPECT_NE(drawing.remarks[0].find("1 POLYLINE that is a mesh"), std::string::npos);
+}
+
+TEST_F(DxfDrawing, APolylineInSpaceHasThePointsOfTheDrawing) {
+  const auto polyline = [](int flags) {
+    return fmt::format(
+        "0\nPOLYLINE\n8\na\n70\n{}\n230\n-1\n0\nVERTEX\n10\n1\n20\n0\n70\n32\n"
+        "0\nVERTEX\n10\n5\n20\n0\n70\n32\n0\nSEQEND\n",
+        flags);
+  };
+  const Drawing drawing = drawn(polyline(8) + polyline(0));
+  ASSERT_EQ(drawing.lines.size(), 2U);
+  EXPECT_EQ(drawing.lines[0].points[1], (FloorPoint{5, 0}));
+  EXPECT_EQ(drawing.lines[1].points[1], (FloorPoint{-5, 0}));
+}
+
+TEST_F(DxfDrawing, EntitiesThatAreNoLinesAreCounted) {
+  const std::string line = "0\nLINE\n8\na\n11\n1\n";
+  const Drawing drawing = drawn(line + "0\nLWPOLYLINE\n8\na\n10\n1\n20\n1\n");
+  EXPECT_EQ(drawing.lines.size(), 1U);
+  ASSERT_EQ(drawing.remarks.size(), 1U);
+  EXPECT_NE(drawing.remarks[0].find("1 line without a second point"), std::string::npos);
+  const auto nested = read_dxf(file("plan.dxf",
+                                    in_block(line + "0\nINSERT\n2\nb\n") +
+                                        "0\nSECTION\n2\nENTITIES\n0\nINSERT\n2\nb\n0\nINSERT\n2\n"
+                                        "c\n0\nENDSEC\n0\nEOF\n"));
+  ASSERT_TRUE(nested) << nested.error().message;
+  EXPECT_EQ(nested->lines.size(), 16U);
+  ASSERT_EQ(nested->remarks.size(), 1U);
+  EXPECT_NE(nested->remarks[0].find("1 INSERT in too many blocks"), std::string::npos);
+  EXPECT_NE(nested->remarks[0].find("1 INSERT of a block that is not there"), std::string::npos);
+}
+
+TEST_F(DxfDrawing, RefusesAFileThatIsCutOff) {
+  const std::string begin = "0\nSECTION\n2\nENTITIES\n0\nLINE\n8\na\n11\n1\n";
+  const auto cut = read_dxf(file("plan.dxf", begin));
+  ASSERT_FALSE(cut);
+  EXPECT_NE(cut.error().message.find("plan.dxf:11: the file ends within"), std::string::npos)
+      << cut.error().message;
+  EXPECT_TRUE(read_dxf(file("plan.dxf", begin + "0\nENDSEC\n")));
+  const auto unclosed = read_dxf(file("plan.dxf", begin + "0\nEOF\n"));
+  ASSERT_TRUE(unclosed);
+  EXPECT_TRUE(unclosed->remarks.empty());
+}
+
+TEST_F(DxfDrawing, AMarkOfTheByteOrderIsSkipped) {
+  EXPECT_TRUE(read_dxf(file("plan.dxf",
+                            "\xef\xbb\xbf"
+                            "0\nSECTION\n2\nENTITIES\n0\nLINE\n8\na\n11\n1\n0\nENDSEC\n0\nEOF\n")));
 }
 
 TEST_F(DxfDrawing, UnitsOfBuildingsAreThoseOfTheHeader) {
