@@ -12,6 +12,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "daemon/site/import/utf8_text.h"
 #include "daemon/site/import/wall_lines.h"
 
 namespace rayloc {
@@ -106,13 +107,20 @@ std::string listed(const std::set<std::string>& names) {
       "{}{}", fmt::join(first, ", "), more > 0 ? fmt::format(" and {} more", more) : "");
 }
 
+// Without case, as programs compare the names of layers.
+bool holds_layer(const std::set<std::string>& layers, const std::string& name) {
+  return std::any_of(layers.begin(), layers.end(), [&](const std::string& one) {
+    return lower_case(one) == lower_case(name);
+  });
+}
+
 // The reason why a layer has no line, and the remedy; empty for a layer that is not in the file.
 std::optional<std::string> fault_of(const std::string& layer, const Drawing& drawing) {
-  if (drawing.hidden_layers.contains(layer)) {
+  if (holds_layer(drawing.hidden_layers, layer)) {
     return fmt::format("layer '{}' is off or frozen; show it in the drawing, and export it again",
                        layer);
   }
-  if (drawing.empty_layers.contains(layer)) {
+  if (holds_layer(drawing.empty_layers, layer)) {
     return fmt::format("layer '{}' is empty; draw the walls there, or name another layer", layer);
   }
   return std::nullopt;
@@ -346,7 +354,7 @@ Expected<Model> drawn_plan(const Drawing& drawing,
     RAYLOC_TRY(maker.add(line));
   }
   for (const std::string& named : table.named_walls()) {
-    if (layers.contains(named)) {
+    if (holds_layer(layers, named)) {
       continue;
     }
     return bad_input(

@@ -220,7 +220,8 @@ std::optional<StatedMaterial> MaterialTable::find(std::string_view material,
 }
 
 std::string MaterialTable::layer(std::string_view name) const {
-  if (std::find(named_walls_.begin(), named_walls_.end(), name) != named_walls_.end()) {
+  const auto is_name = [&](const std::string& one) { return lower_case(one) == lower_case(name); };
+  if (std::any_of(named_walls_.begin(), named_walls_.end(), is_name)) {
     return "wall";
   }
   const std::string words = split_words(name);

@@ -1,9 +1,8 @@
 // MaterialTable: maps names of layers, materials and objects of a drawing to radio materials.
 //
 //   [[material]]                      # the first match is used
-//   match = ["glass", "window*"]      # words of a name, in any case; `*`: any ending; a name
-//   without
-//                                     # a letter is one word ("0")
+//   match = ["glass", "window*"]      # words of a name, in any case; `*`: any ending;
+//                                     # a name without a letter is one word ("0")
 //   itu = "glass"                     # or relative_permittivity and conductivity
 //   thickness_m = 0.004
 //
@@ -50,7 +49,7 @@ class MaterialTable {
   StatedMaterial otherwise(std::string_view part) const;
   // "wall", "window", "door" or "furniture"; empty: none of these.
   std::string layer(std::string_view name) const;
-  // Layers that hold walls, by their whole names, whatever [layers] has of them.
+  // Layers that hold walls, by their whole names in any case, whatever [layers] has of them.
   void name_walls(std::vector<std::string> layers) { named_walls_ = std::move(layers); }
   const std::vector<std::string>& named_walls() const { return named_walls_; }
 

@@ -15,6 +15,7 @@
 #include "daemon/site/import/dxf/dxf_entities.h"
 #include "daemon/site/import/dxf/dxf_groups.h"
 #include "daemon/site/import/placing.h"
+#include "daemon/site/import/utf8_text.h"
 
 namespace rayloc {
 namespace {
@@ -50,7 +51,9 @@ constexpr std::array<double, 25> kDxfUnits = {0.0,
                                               kSurveyFoot * 3.0,
                                               kSurveyFoot * 5280.0};
 
+// Names of layers and blocks are compared without case.
 struct Layer {
+  std::string name;        // as in the table of layers
   bool is_frozen = false;  // hides what is inserted on it, too
   bool is_hidden = false;  // frozen or off
 };
@@ -147,13 +150,14 @@ class DxfReader {
             break;
         }
       }
-      layers_[name] = layer;
+      layer.name = name;
+      layers_[lower_case(name)] = layer;
     }
   }
 
   Layer layer_of(const std::string& name) const {
-    const auto found = layers_.find(name);
-    return found == layers_.end() ? Layer{} : found->second;
+    const auto found = layers_.find(lower_case(name));
+    return found == layers_.end() ? Layer{name} : found->second;
   }
 
   void read_blocks() {
@@ -180,7 +184,7 @@ class DxfReader {
         }
       }
       entities_.read("ENDBLK", block);
-      blocks_[name] = std::move(block);
+      blocks_[lower_case(name)] = std::move(block);
     }
   }
 
@@ -191,9 +195,9 @@ class DxfReader {
       if (points_ > kMaxDrawnPoints) {
         return;
       }
-      DrawnLine placed{
-          line.layer == "0" && !layer.empty() ? layer : line.layer, {}, line.is_closed};
-      if (layer_of(placed.layer).is_hidden) {
+      const Layer own = layer_of(line.layer == "0" && !layer.empty() ? layer : line.layer);
+      DrawnLine placed{own.name, {}, line.is_closed};
+      if (own.is_hidden) {
         drawing_.hidden_layers.insert(placed.layer);
         ++hidden_;
         continue;
@@ -214,24 +218,26 @@ class DxfReader {
     for (const auto& [kind, count] : block.left_out) {
       left_out_[kind] += count;
     }
-    used_.insert(block.left_out_layers.begin(), block.left_out_layers.end());
+    for (const std::string& name : block.left_out_layers) {
+      used_.insert(layer_of(name).name);
+    }
     for (const DxfInsert& insert : block.inserts) {
       if (++points_ > kMaxDrawnPoints) {
         return;
       }
-      const auto found = blocks_.find(insert.block);
+      const auto found = blocks_.find(lower_case(insert.block));
       if (found == blocks_.end() || depth == kMaxBlockDepth) {
         ++left_out_[found == blocks_.end() ? "INSERT of a block that is not there"
                                            : "INSERT in too many blocks, or in itself"];
         continue;
       }
-      const std::string& own_layer = insert.layer == "0" && !layer.empty() ? layer : insert.layer;
-      if (layer_of(own_layer).is_frozen) {
-        drawing_.hidden_layers.insert(own_layer);
+      const Layer own = layer_of(insert.layer == "0" && !layer.empty() ? layer : insert.layer);
+      if (own.is_frozen) {
+        drawing_.hidden_layers.insert(own.name);
         ++hidden_;
         continue;
       }
-      place_array(insert, found->second, placing, own_layer, depth + 1);
+      place_array(insert, found->second, placing, own.name, depth + 1);
     }
   }
 
@@ -258,9 +264,9 @@ class DxfReader {
   }
 
   void sort_layers() {
-    for (const auto& [name, layer] : layers_) {
-      if (!layer.is_hidden && !used_.contains(name)) {
-        drawing_.empty_layers.insert(name);
+    for (const auto& [key, layer] : layers_) {
+      if (!layer.is_hidden && !used_.contains(layer.name)) {
+        drawing_.empty_layers.insert(layer.name);
       }
     }
     if (hidden_ > 0) {
@@ -284,10 +290,10 @@ class DxfReader {
   DxfEntities entities_{groups_};
   Drawing drawing_;
   DxfBlock model_;
-  std::map<std::string, DxfBlock> blocks_;
-  std::map<std::string, Layer> layers_;
-  std::set<std::string> used_;  // layers with a visible entity
-  std::size_t hidden_ = 0;      // lines and blocks on hidden layers
+  std::map<std::string, DxfBlock> blocks_;  // by name in lower case
+  std::map<std::string, Layer> layers_;     // same
+  std::set<std::string> used_;              // layers with a visible entity
+  std::size_t hidden_ = 0;                  // lines and blocks on hidden layers
   std::map<std::string, std::size_t> left_out_;
   std::size_t points_ = 0;  // that were placed, and names of what was left out in placed blocks
   bool is_cut_off_ = false;

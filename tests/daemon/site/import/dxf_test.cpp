@@ -203,6 +203,22 @@ TEST_F(Dxf, WallsThatAreEmptyOrHiddenAreNamed) {
   EXPECT_NE(unread.find("left out: 1 3DFACE"), std::string::npos) << unread;
 }
 
+TEST_F(Dxf, NamesOfLayersAndBlocksAreComparedWithoutCase) {
+  const auto room = import(
+      file("plan.dxf",
+           tables({{"Wall"}, {"Wall-Old", 1}}) + "0\nSECTION\n2\nBLOCKS\n0\nBLOCK\n2\nAnnex\n" +
+               line("WALL", 6, 0, 9, 0) + "0\nENDBLK\n0\nENDSEC\n" +
+               drawing(walls("WALL") + line("WALL-OLD", 0, 0, 40, 0) + "0\nINSERT\n2\nANNEX\n")));
+  ASSERT_TRUE(room) << room.error().message;
+  EXPECT_NEAR(room->bounds.size().x, 9.0, 1e-9);
+  EXPECT_NE(object_of(*room, "Wall"), nullptr) << "the name is that of the table of layers";
+  auto named = MaterialTable::parse(kDefaultMaterialTable, "materials");
+  ASSERT_TRUE(named);
+  named->name_walls({"X7"});
+  EXPECT_TRUE(import_scene(file("plan.dxf", drawing(walls("x7"))), *named, {}));
+  EXPECT_NE(remarks(*room).find("(Wall-Old)"), std::string::npos) << remarks(*room);
+}
+
 TEST_F(Dxf, NamedWallsThatAreEmptyOrHiddenAreNamed) {
   auto table = MaterialTable::parse(kDefaultMaterialTable, "materials");
   ASSERT_TRUE(table);
