@@ -12,6 +12,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "daemon/site/import/listed.h"
 #include "daemon/site/import/utf8_text.h"
 #include "daemon/site/import/wall_lines.h"
 
@@ -95,16 +96,6 @@ std::optional<WallLine> own_crossing(const std::vector<FloorPoint>& drawn) {
     }
   }
   return std::nullopt;
-}
-
-std::string listed(const std::set<std::string>& names) {
-  constexpr std::size_t kMost = 20;  // count, chosen: as many as a person reads
-  std::vector<std::string> first(
-      names.begin(),
-      std::next(names.begin(), static_cast<std::ptrdiff_t>(std::min(kMost, names.size()))));
-  const std::size_t more = names.size() - first.size();
-  return fmt::format(
-      "{}{}", fmt::join(first, ", "), more > 0 ? fmt::format(" and {} more", more) : "");
 }
 
 // Without case, as programs compare the names of layers.
@@ -238,7 +229,7 @@ class PlanMaker {
         "or all kinds in a table: rayloc scene import --print-materials > materials.toml, "
         "[layers]{}{}",
         listed(layers),
-        layers.empty() ? "*" : *layers.begin(),
+        *layers.begin(),
         drawing.remarks.empty() ? "" : "; ",
         fmt::join(drawing.remarks, "; ")));
   }

@@ -21,7 +21,7 @@ inline constexpr double kUsualHeight = 2.7;  // [m], in offices
 // above and below; gaps with doors are left open. Closed lines of furniture are
 // tops at kTop. Floor and ceiling are the rectangle around the walls. Its lower
 // left corner is the origin. Returns an Error if no layer is one of walls, with
-// the names of the layers, or if an outline of walls crosses itself.
+// the names of the layers, or if an outline of walls crosses itself. REQUIRES: a line.
 inline constexpr double kSill = 0.9;  // [m], windows in offices
 inline constexpr double kHead = 2.1;  // [m]
 inline constexpr double kTop = 0.75;  // [m], tables

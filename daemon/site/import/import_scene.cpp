@@ -11,6 +11,7 @@
 
 #include "daemon/site/import/drawn_plan.h"
 #include "daemon/site/import/dxf/dxf_reader.h"
+#include "daemon/site/import/listed.h"
 #include "daemon/site/import/planes.h"
 #include "daemon/site/import/read_model.h"
 #include "daemon/site/import/recognise.h"
@@ -119,7 +120,7 @@ class SceneMaker {
       result_.remarks.push_back(
           fmt::format("no row of the table of materials is of {}; they are taken by where they are "
                       "(--materials names a table)",
-                      fmt::join(unknown_, ", ")));
+                      listed(unknown_)));
     }
     std::sort(result_.scene.materials.begin(),
               result_.scene.materials.end(),

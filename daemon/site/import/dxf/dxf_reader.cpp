@@ -14,6 +14,7 @@
 
 #include "daemon/site/import/dxf/dxf_entities.h"
 #include "daemon/site/import/dxf/dxf_groups.h"
+#include "daemon/site/import/listed.h"
 #include "daemon/site/import/placing.h"
 #include "daemon/site/import/utf8_text.h"
 
@@ -104,7 +105,7 @@ class DxfReader {
           "names of layers are not in UTF-8, and are read as Windows-1252 (Western Europe)");
     }
     if (const std::vector<std::string> left_out = counts(); !left_out.empty()) {
-      drawing_.remarks.push_back(fmt::format("left out: {}", fmt::join(left_out, ", ")));
+      drawing_.remarks.push_back("left out: " + listed(left_out));
     }
     return std::move(drawing_);
   }
@@ -269,14 +270,14 @@ class DxfReader {
         drawing_.empty_layers.insert(layer.name);
       }
     }
-    if (hidden_ > 0) {
-      left_out_[fmt::format("on layers that are off or frozen ({})",
-                            fmt::join(drawing_.hidden_layers, ", "))] = hidden_;
-    }
   }
 
   std::vector<std::string> counts() const {
     std::vector<std::string> all;
+    if (hidden_ > 0) {
+      all.push_back(fmt::format(
+          "{} on layers that are off or frozen ({})", hidden_, listed(drawing_.hidden_layers)));
+    }
     for (const auto& [kind, count] : left_out_) {
       if (count > 0) {
         all.push_back(fmt::format("{} {}", count, kind));

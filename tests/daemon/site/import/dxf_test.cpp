@@ -219,6 +219,20 @@ TEST_F(Dxf, NamesOfLayersAndBlocksAreComparedWithoutCase) {
   EXPECT_NE(remarks(*room).find("(Wall-Old)"), std::string::npos) << remarks(*room);
 }
 
+TEST_F(Dxf, TheFirstOfManyNamesAreListed) {
+  std::vector<Listed> hidden;
+  std::string entities = walls("WALL");
+  for (int i = 10; i < 50; ++i) {
+    hidden.push_back({fmt::format("GRID{}", i), 1});
+    entities += line(hidden.back().name, 0, 0, 1, 0) + fmt::format("0\nKIND{}\n8\nWALL\n", i);
+  }
+  const auto room = import(file("plan.dxf", tables(hidden) + drawing(entities)));
+  ASSERT_TRUE(room) << room.error().message;
+  const std::string text = remarks(*room);
+  EXPECT_NE(text.find("GRID29 and 20 more"), std::string::npos) << text;
+  EXPECT_NE(text.find("KIND28 and 21 more"), std::string::npos) << text;
+}
+
 TEST_F(Dxf, NamedWallsThatAreEmptyOrHiddenAreNamed) {
   auto table = MaterialTable::parse(kDefaultMaterialTable, "materials");
   ASSERT_TRUE(table);
