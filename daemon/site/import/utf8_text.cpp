@@ -23,6 +23,22 @@ std::size_t rest_of(unsigned char first) {
   return first < 0xe0U ? 1 : first < 0xf0U ? 2 : 3;
 }
 
+// False where three or four bytes write a shorter character, a surrogate or a code beyond Unicode.
+bool is_second_byte(unsigned char first, unsigned char second) {
+  switch (first) {
+    case 0xe0U:
+      return second >= 0xa0U;
+    case 0xedU:
+      return second < 0xa0U;
+    case 0xf0U:
+      return second >= 0x90U;
+    case 0xf4U:
+      return second < 0x90U;
+    default:
+      return true;
+  }
+}
+
 }  // namespace
 
 void append_utf8(std::uint32_t code, std::string& text) {
@@ -58,6 +74,10 @@ bool is_utf8(std::string_view text) {
       if ((static_cast<unsigned char>(text[at + i]) & 0xc0U) != 0x80U) {
         return false;
       }
+    }
+    if (rest > 1 && !is_second_byte(static_cast<unsigned char>(text[at]),
+                                    static_cast<unsigned char>(text[at + 1]))) {
+      return false;
     }
     at += rest + 1;
   }

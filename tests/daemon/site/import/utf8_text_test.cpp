@@ -28,7 +28,20 @@ TEST(Utf8Text, OtherBytesAreRecognised) {
   EXPECT_TRUE(is_utf8(""));
   EXPECT_TRUE(is_utf8("W\xc3\xa4nde \xe2\x82\xac \xf0\x9f\x98\x80"));
   for (const char* bytes :
-       {"W\xe4nde", "W\xc3", "\xe2\x82", "\x80", "\xc0\x80", "\xff", "\xc3\xc3"}) {
+       {"\xe0\xa0\x80", "\xed\x9f\xbf", "\xf0\x90\x80\x80", "\xf4\x8f\xbf\xbf"}) {
+    EXPECT_TRUE(is_utf8(bytes)) << "a bound of the characters of three and four bytes";
+  }
+  for (const char* bytes : {"W\xe4nde",
+                            "W\xc3",
+                            "\xe2\x82",
+                            "\x80",
+                            "\xc0\x80",
+                            "\xff",
+                            "\xc3\xc3",
+                            "\xe0\x9f\xbf",
+                            "\xed\xa0\x80",
+                            "\xf0\x8f\xbf\xbf",
+                            "\xf4\x90\x80\x80"}) {
     EXPECT_FALSE(is_utf8(bytes)) << bytes;
   }
 }
