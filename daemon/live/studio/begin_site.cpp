@@ -1,17 +1,13 @@
 // Creates the first files of a site from a plan or from a drawing of another program.
-#include <algorithm>
-#include <array>
 #include <chrono>
 #include <filesystem>
 #include <functional>
 #include <map>
 #include <string>
-#include <string_view>
 #include <system_error>
 #include <utility>
 #include <vector>
 
-#include <spdlog/fmt/fmt.h>
 #include <nlohmann/json.hpp>
 
 #include "daemon/live/studio/child_process.h"
@@ -32,8 +28,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kMaxPlanBytes = std::size_t{1} << 20U;  // [bytes]
 constexpr std::chrono::minutes kMaxImportTime{10};            // chosen, for the largest scans
-// Parameters of an upload that are options of `rayloc scene import`, which checks their values.
-constexpr std::array<std::string_view, 4> kStated = {"unit", "scale", "height", "walls"};
 
 Expected<void> write_all(const SiteEditor& editor,
                          const std::map<std::string, std::string>& files) {
@@ -70,16 +64,6 @@ std::string kind_of(const HttpParameters& parameters) {
   return kind.size() > 1 && kind.size() <= 6 && is_object_name(kind.substr(1)) ? kind : "";
 }
 
-std::vector<std::string> options_of(const HttpParameters& parameters) {
-  std::vector<std::string> options;
-  for (const auto& [name, value] : parameters) {
-    if (std::find(kStated.begin(), kStated.end(), name) != kStated.end() && !value.empty()) {
-      options.push_back(fmt::format("--{}={}", name, value));
-    }
-  }
-  return options;
-}
-
 Expected<ImportedFiles> import_apart(const fs::path& file,
                                      const SiteEditor& editor,
                                      std::vector<std::string> options,
@@ -107,7 +91,7 @@ Expected<Json> begin_import(const SiteEditor& editor,
   }
   const fs::path file = editor.directory() / ("import" + kind);
   RAYLOC_TRY(write_file(file, bytes));
-  auto imported = import_apart(file, editor, options_of(parameters), is_stopping);
+  auto imported = import_apart(file, editor, stated_options(parameters), is_stopping);
   if (!imported) {
     std::error_code ignored;
     fs::remove(file, ignored);

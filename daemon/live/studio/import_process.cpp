@@ -1,6 +1,7 @@
 #include "daemon/live/studio/import_process.h"
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
@@ -21,8 +22,9 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-constexpr int kSignalStatus = 128;          // of a shell: this plus the signal
-constexpr int kNoProgramStatus = 127;       // same: it could not be started
+constexpr int kSignalStatus = 128;     // of a shell: this plus the signal
+constexpr int kNoProgramStatus = 127;  // same: it could not be started
+constexpr std::array<std::string_view, 4> kStatedOptions = {"unit", "scale", "height", "walls"};
 constexpr std::string_view kRemark = "  ";  // begins the line of a remark of `rayloc scene import`
 
 // A new folder, removed at the end.
@@ -104,6 +106,17 @@ Expected<std::map<std::string, std::string>> files_below(const fs::path& folder)
 }
 
 }  // namespace
+
+std::vector<std::string> stated_options(const HttpParameters& parameters) {
+  std::vector<std::string> options;
+  for (const auto& [name, value] : parameters) {
+    if (std::find(kStatedOptions.begin(), kStatedOptions.end(), name) != kStatedOptions.end() &&
+        !value.empty()) {
+      options.push_back(fmt::format("--{}={}", name, value));
+    }
+  }
+  return options;
+}
 
 Expected<ImportedFiles> run_import(const fs::path& program,
                                    const fs::path& file,

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "daemon/live/http/http_server.h"
 #include "engine/base/expected.h"
 
 namespace rayloc {
@@ -17,6 +18,10 @@ struct ImportedFiles {
   std::map<std::string, std::string> files;  // of a site: content by name
   std::vector<std::string> remarks;          // recognised, assumed and omitted content
 };
+
+// The parameters of an upload that are options of `rayloc scene import`, which checks their values.
+// Others are left out: they could name a file, or a folder to write to.
+std::vector<std::string> stated_options(const HttpParameters& parameters);
 
 // Runs `PROGRAM scene import FILE` with these options and waits for it. A new folder beside FILE
 // holds the result meanwhile. Errors (kBadInput): the message of the program; a message

@@ -61,6 +61,19 @@ TEST_F(ImportProcess, ReturnsTheFilesAndTheRemarks) {
   EXPECT_TRUE(leaves_nothing());
 }
 
+TEST(StatedOptions, AreThoseOnTheContentOfTheFile) {
+  EXPECT_EQ(stated_options({{"name", "plan.dxf"},
+                            {"out", "/etc"},
+                            {"materials", "/etc/passwd"},
+                            {"force", "1"},
+                            {"--out", "/etc"},
+                            {"unit", "mm"},
+                            {"scale", ""},
+                            {"walls", "A WALL --out"},
+                            {"walls", "0"}}),
+            (std::vector<std::string>{"--unit=mm", "--walls=A WALL --out", "--walls=0"}));
+}
+
 TEST_F(ImportProcess, ASignalThatEndsTheReaderIsAnError) {
   const auto imported = run("kill -SEGV $$");
   ASSERT_FALSE(imported);
