@@ -181,15 +181,22 @@ void Process::end_sites(const std::vector<SiteSet::Site>& sites) {
   }
 }
 
+// Closes their sources: no successor is waiting for them, and the next one needs their ports.
 void Process::release_abandoned() {
   std::erase_if(abandoned_, [&](const Ending& one) {
     if (!one.steps->all_returned()) {
       return false;
     }
-    if (one.site->channel) {
-      ended_channels_.push_back(one.site->channel);
+    const std::string& name = one.site->name();
+    let_go(one.site);
+    const std::uint64_t lost = handed_.close_others(name, {});
+    if (const auto reloads = reloads_.find(name); reloads != reloads_.end()) {
+      reloads->second.set_datagrams_lost(reloads->second.datagrams_lost() + lost);
     }
-    log_line(LogLevel::kInfo, "site '" + one.site->name() + "' that was left behind has ended");
+    log_line(
+        LogLevel::kInfo,
+        fmt::format(
+            "site '{}' that was left behind has ended; {} waiting datagrams are lost", name, lost));
     stages_changed_ = true;
     return true;
   });
@@ -261,7 +268,10 @@ void Process::reload_sites(std::vector<SiteSetup> setups, const std::set<std::st
   }
   std::vector<SiteSet::Site> leaving = sites_.all();
   std::erase_if(leaving, [&](const SiteSet::Site& site) { return stays(site->name()); });
-  end_sites(leaving);
+  std::vector<SiteSet::Site> to_end = leaving;
+  // The last exchange has ended those already, or still waits for their stages.
+  std::erase_if(to_end, [](const SiteSet::Site& site) { return site->has_ended; });
+  end_sites(to_end);
   for (const SiteSet::Site& site : leaving) {
     handed_.close_others(site->name(), {});
     if (gateway_) {
