@@ -137,6 +137,7 @@ class Process {
   struct Ending {
     SiteSet::Site site;
     std::unique_ptr<Shutdown> steps;
+    bool has_failed = false;  // its pipeline may still run: its objects are kept
   };
   // Deadlines of a pipeline: to drain, and to end without its waiting data. Then those of the rest.
   struct Deadlines {
@@ -146,7 +147,7 @@ class Process {
   };
   std::vector<Ending> end_in_parallel(const std::vector<SiteSet::Site>& sites,
                                       const Deadlines& until);
-  static std::vector<std::string> stuck_stages(const Ending& ending);
+  static std::vector<std::string> stuck_stages(Ending& ending);
   void let_go(const SiteSet::Site& site);
   // Destroys the abandoned sites that have ended meanwhile.
   void release_abandoned();

@@ -150,10 +150,22 @@ std::vector<Process::Ending> Process::end_in_parallel(const std::vector<SiteSet:
   return endings;
 }
 
-// Names of the stages that have not returned by now, with their site.
-std::vector<std::string> Process::stuck_stages(const Ending& ending) {
+// Names of the stages that have not returned by now, with their site. Logs the steps that failed.
+std::vector<std::string> Process::stuck_stages(Ending& ending) {
   std::vector<std::string> names;
-  if (ending.steps->all_returned()) {
+  const bool all_returned = ending.steps->all_returned();
+  for (const Shutdown::Failure& failure : ending.steps->take_failures()) {
+    log_line(LogLevel::kError,
+             fmt::format("the end of site '{}' failed: {}: {}",
+                         ending.site->name(),
+                         failure.step,
+                         failure.reason));
+    ending.has_failed = ending.has_failed || failure.step == kPipelineStep;
+  }
+  if (ending.has_failed) {
+    names.push_back(ending.site->label() + kPipelineStep);
+  }
+  if (all_returned) {
     return names;
   }
   for (const std::string& step : ending.steps->hung()) {
@@ -183,12 +195,13 @@ void Process::end_sites(const std::vector<SiteSet::Site>& sites) {
 
 // Closes their sources: no successor is waiting for them, and the next one needs their ports.
 void Process::release_abandoned() {
-  std::erase_if(abandoned_, [&](const Ending& one) {
-    if (!one.steps->all_returned()) {
-      return false;
+  for (auto one = abandoned_.begin(); one != abandoned_.end();) {
+    if (!stuck_stages(*one).empty()) {
+      ++one;
+      continue;
     }
-    const std::string& name = one.site->name();
-    let_go(one.site);
+    const std::string& name = one->site->name();
+    let_go(one->site);
     const std::uint64_t lost = handed_.close_others(name, {});
     if (const auto reloads = reloads_.find(name); reloads != reloads_.end()) {
       reloads->second.set_datagrams_lost(reloads->second.datagrams_lost() + lost);
@@ -198,8 +211,8 @@ void Process::release_abandoned() {
         fmt::format(
             "site '{}' that was left behind has ended; {} waiting datagrams are lost", name, lost));
     stages_changed_ = true;
-    return true;
-  });
+    one = abandoned_.erase(one);
+  }
 }
 
 // Takes over the remaining objects of a site that has ended.

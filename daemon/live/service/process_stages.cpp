@@ -170,7 +170,7 @@ std::vector<std::string> Process::stop(const std::string& reason,
     });
   });
   // In parallel: each site drains independently.
-  const std::vector<Ending> endings = end_in_parallel(sites, {at(75), at(94), at(97)});
+  std::vector<Ending> endings = end_in_parallel(sites, {at(75), at(94), at(97)});
   if (gateway_) {
     shutdown.begin("replicas", [this] { replicas_->finish(); });
     shutdown.run("gateway", at(97), [this] { gateway_->finish(); });
@@ -183,7 +183,7 @@ std::vector<std::string> Process::stop(const std::string& reason,
   log_losses();  // of the last instant
   limited_log_->finish();
   std::vector<std::string> hung = shutdown.hung();
-  const auto add_stuck = [&](const Ending& ending) {
+  const auto add_stuck = [&](Ending& ending) {
     const std::vector<std::string> stuck = stuck_stages(ending);
     hung.insert(hung.end(), stuck.begin(), stuck.end());
   };

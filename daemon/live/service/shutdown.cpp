@@ -1,6 +1,7 @@
 #include "daemon/live/service/shutdown.h"
 
 #include <algorithm>
+#include <exception>
 #include <utility>
 
 namespace rayloc {
@@ -40,7 +41,11 @@ bool Shutdown::wait_for(const std::string& name, Time deadline) {
 
 bool Shutdown::all_returned() {
   for (const std::string& name : hung()) {
-    (void)wait_for(name, std::chrono::steady_clock::now());
+    try {
+      (void)wait_for(name, std::chrono::steady_clock::now());
+    } catch (const std::exception& error) {
+      failures_.push_back({name, error.what()});
+    }
   }
   return late_.empty();
 }

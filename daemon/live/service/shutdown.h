@@ -15,6 +15,7 @@
 #include <future>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 namespace rayloc {
@@ -34,12 +35,20 @@ class Shutdown {
 
   // Begins a step in parallel to the following ones; wait_for() reports if it has returned.
   void begin(const std::string& name, std::function<void()> step);
-  // False when `step` has not returned by `deadline`, nor after kMinTime.
+  // False when `step` has not returned by `deadline`, nor after kMinTime. Rethrows its exception.
   bool run(const std::string& name, Time deadline, std::function<void()> step);
-  // Waits for a late step until `deadline`; false when it has not returned by then.
+  // Waits for a late step until `deadline`; false when it has not returned by then. Rethrows its
+  // exception.
   bool wait_for(const std::string& name, Time deadline);
-  // Joins the late steps that have returned meanwhile; true if none is left. Does not wait.
+  // Joins the late steps that have returned meanwhile; true if none is left. Does not wait, and
+  // rethrows nothing: take_failures().
   bool all_returned();
+  struct Failure {
+    std::string step;
+    std::string reason;
+  };
+  // Steps that all_returned() has joined and that ended with an exception; each once.
+  std::vector<Failure> take_failures() { return std::exchange(failures_, {}); }
   // Steps that have not returned so far, in their order.
   std::vector<std::string> hung() const;
 
@@ -50,6 +59,7 @@ class Shutdown {
     std::thread thread;
   };
   std::vector<Step> late_;
+  std::vector<Failure> failures_;
 };
 
 }  // namespace rayloc

@@ -80,6 +80,24 @@ TEST(Shutdown, OnlyStepsThatHaveNotReturnedAreLeft) {
   EXPECT_THAT(shutdown.hung(), IsEmpty());
 }
 
+TEST(Shutdown, ALateStepThatFailsIsReportedAndEndsNothing) {
+  std::promise<void> release;
+  Shutdown shutdown;
+  EXPECT_FALSE(shutdown.run("estimation", in(10ms), [&] {
+    release.get_future().wait();
+    throw std::runtime_error("zmq");
+  }));
+  EXPECT_FALSE(shutdown.all_returned());
+  EXPECT_THAT(shutdown.take_failures(), IsEmpty());
+  release.set_value();
+  ASSERT_TRUE(eventually(60s, [&] { return shutdown.all_returned(); }));
+  const std::vector<Shutdown::Failure> failures = shutdown.take_failures();
+  ASSERT_EQ(failures.size(), 1U);
+  EXPECT_EQ(failures[0].step, "estimation");
+  EXPECT_EQ(failures[0].reason, "zmq");
+  EXPECT_THAT(shutdown.take_failures(), IsEmpty());
+}
+
 TEST(Shutdown, RethrowsExceptionsOfAStep) {
   Shutdown shutdown;
   EXPECT_THROW(
