@@ -8,6 +8,7 @@
 #pragma once
 
 #include <chrono>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,10 @@ class Watchdog {
 
   Watchdog(std::vector<Stage> stages, std::chrono::milliseconds patience);
 
+  // Checks these stages from now on. One that was checked before, with equal name and progress,
+  // keeps the time of its last progress.
+  void replace(std::vector<Stage> stages);
+
   struct Stuck {
     std::string stage;
     std::chrono::milliseconds since{};  // since its last progress
@@ -32,11 +37,10 @@ class Watchdog {
   struct Seen {
     Stage stage;
     std::uint64_t beats = 0;
-    Time advanced{};
+    std::optional<Time> advanced;  // nothing: not checked yet
   };
   std::vector<Seen> seen_;
   const std::chrono::milliseconds patience_;
-  bool first_ = true;
 };
 
 }  // namespace rayloc

@@ -47,7 +47,7 @@ RunLoop::RunLoop(Process& process, const ServiceManager& manager, Reloader reloa
     : process_(process),
       manager_(manager),
       reloader_(std::move(reloader)),
-      watchdog_(std::in_place, process.stages(), patience(manager)),
+      watchdog_(process.stages(), patience(manager)),
       period_(std::min(kTick, patience(manager) / 2)) {
   process_.note_reload(true, &reloader_.values());
 }
@@ -77,7 +77,7 @@ std::string RunLoop::run(const sigset_t& signals) {
 
 void RunLoop::tend_sites() {
   if (process_.tend_sites()) {
-    watchdog_.emplace(process_.stages(), patience(manager_));
+    watchdog_.replace(process_.stages());
   }
 }
 
@@ -130,7 +130,7 @@ void RunLoop::log_readiness() {
 }
 
 void RunLoop::feed_watchdog() {
-  const std::vector<Watchdog::Stuck> stuck = watchdog_->check(std::chrono::steady_clock::now());
+  const std::vector<Watchdog::Stuck> stuck = watchdog_.check(std::chrono::steady_clock::now());
   std::vector<std::string> names;
   names.reserve(stuck.size());
   for (const Watchdog::Stuck& stage : stuck) {

@@ -42,7 +42,7 @@ class RunLoop {
   Process& process_;
   const ServiceManager& manager_;
   Reloader reloader_;
-  std::optional<Watchdog> watchdog_;  // of the current stages
+  Watchdog watchdog_;                 // of the current stages
   std::chrono::milliseconds period_;  // between two ticks
   std::chrono::steady_clock::time_point next_status_{};
   std::chrono::steady_clock::time_point next_spare_{};  // next return of unused memory
