@@ -15,12 +15,7 @@
 namespace rayloc {
 namespace {
 
-constexpr int kLeaseReports = 4;  // reports that it is alive: three may be lost
-constexpr int kLeaseChecks = 2 * kLeaseReports;
-constexpr int kHotReports = kLeaseReports - 1;  // a hot standby: two may be lost
-// It judges by that only if it received itself within so many intervals: at least one of its own
-// reports then arrived after the last one of the owner.
-constexpr int kHotOwnReports = kHotReports - 1;
+constexpr int kLeaseChecks = 2 * PeerWatch::kReports;
 constexpr int kHotChecks = 50;  // chosen: per lease, 40 ms of the preset; they send no requests
 // Interval between requests for a known claim: the message with a change may be lost.
 constexpr std::chrono::seconds kClaimReadInterval{5};
@@ -163,7 +158,8 @@ void ClaimKeeper::send_state() {
     }
     lock.lock();
     sending_.rest();
-    send_.wait_for(lock, options_.lease / kLeaseReports, [&] { return finishing_ || send_now_; });
+    send_.wait_for(
+        lock, options_.lease / PeerWatch::kReports, [&] { return finishing_ || send_now_; });
     send_now_ = false;
   }
   sending_.rest();
@@ -234,11 +230,9 @@ bool ClaimKeeper::has_owner(const std::string& site, const Claim& known, Time no
       (claim.worker() == options_.worker && claim.incarnation() == options_.incarnation)) {
     return false;
   }
-  const bool is_hot = stands_by(site) &&
-                      peers_.receives_itself(now, options_.lease * kHotOwnReports / kLeaseReports);
   return peers_.has({{claim.worker(), claim.incarnation()}, known.noted},
                     site,
-                    is_hot ? hot_patience() : options_.lease,
+                    peers_.patience(stands_by(site), now),
                     now);
 }
 
@@ -248,8 +242,6 @@ bool ClaimKeeper::stands_by(const std::string& site) const {
   return std::any_of(
       along.begin(), along.end(), [&](const auto& one) { return one.site() == site; });
 }
-
-Duration ClaimKeeper::hot_patience() const { return options_.lease * kHotReports / kLeaseReports; }
 
 // REQUIRES: the mutex is held. A silent owner is detected soon, and by its standby at once.
 Duration ClaimKeeper::check_period(Time now) const {
@@ -261,8 +253,8 @@ Duration ClaimKeeper::check_period(Time now) const {
         known == claims_.end()
             ? std::nullopt
             : peers_.received({known->second.claim.worker(), known->second.claim.incarnation()});
-    if (received && *received + hot_patience() > now) {
-      period = std::min<Duration>(period, *received + hot_patience() - now);
+    if (received && *received + peers_.hot_patience() > now) {
+      period = std::min<Duration>(period, *received + peers_.hot_patience() - now);
     }
   }
   return period;

@@ -6,8 +6,9 @@
 // refused by the stream of results (owner_log.h). So no worker gives up a site because the
 // broker is away: no other can take it over then. Liveness is judged by peer_watch.h.
 //
-// A hot standby claims after three quarters of a lease, when three reports of the owner are missing
-// and not four. That is as safe: the result of an owner that lives is refused, as after a lease.
+// A hot standby claims after seven eighths of a lease, when three reports of the owner are missing,
+// and no longer after the whole. That is as safe: the result of an owner that lives is refused, as
+// after a lease.
 //
 // Generations begin with the creation time of the stream of claims, in milliseconds: in a stream
 // that was recreated they exceed all earlier ones, even where no record of those remains.
@@ -120,7 +121,6 @@ class ClaimKeeper {
   Duration check_period(Time now) const;
   void claim_due_sites(const std::set<std::string>& offered);
   bool stands_by(const std::string& site) const;
-  Duration hot_patience() const;
   bool has_owner(const std::string& site, const Claim& known, Time now) const;
   bool is_due(const std::string& site, Claim& known, Time now) const;
   std::optional<std::size_t> rank_for(const std::string& site,

@@ -10,6 +10,13 @@ namespace {
 constexpr int kUnnamed = 3;
 // Period in which a silent worker is remembered.
 constexpr int kRemembered = 10;
+// In halves of an interval between reports. A hot standby waits for the report after the lost ones,
+// and half an interval longer. One of its own reports must have arrived an interval or more after
+// the last one of the owner.
+constexpr int kHotLost = 2;
+constexpr int kLeaseHalves = 2 * PeerWatch::kReports;
+constexpr int kHotHalves = 2 * (kHotLost + 1) + 1;
+constexpr int kHotOwnHalves = kHotHalves - 2;
 constexpr double kPermille = 1e-3;
 constexpr int kYield = 2;  // after the last message of another worker of our name
 
@@ -60,6 +67,13 @@ bool PeerWatch::may_judge(Time now) const {
 std::optional<PeerWatch::Time> PeerWatch::received(const Start& start) const {
   const auto peer = peers_.find(start);
   return peer == peers_.end() ? std::nullopt : std::optional(peer->second.received);
+}
+
+Duration PeerWatch::hot_patience() const { return lease_ * kHotHalves / kLeaseHalves; }
+
+Duration PeerWatch::patience(bool stands_by, Time now) const {
+  const bool is_hot = stands_by && receives_itself(now, lease_ * kHotOwnHalves / kLeaseHalves);
+  return is_hot ? hot_patience() : lease_;
 }
 
 bool PeerWatch::names(const Peer& peer, const std::string& site, Time now) const {

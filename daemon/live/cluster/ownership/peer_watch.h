@@ -21,6 +21,8 @@ namespace rayloc {
 class PeerWatch {
  public:
   using Time = std::chrono::steady_clock::time_point;
+  // Reports of a worker in a lease. Each is sent an interval after the last one, plus a moment.
+  static constexpr int kReports = 4;
   // Start of a worker: its name and incarnation.
   using Start = std::pair<std::string, std::uint64_t>;
 
@@ -36,6 +38,11 @@ class PeerWatch {
   }
   // Arrival of the last message of a worker; nothing: it is not remembered.
   std::optional<Time> received(const Start& start) const;
+  // Patience with the owner of a site: a lease, or hot_patience() for its hot standby, while our
+  // own reports arrive: the silence is then not the broker's.
+  Duration patience(bool stands_by, Time now) const;
+  // Two reports of the owner may be lost: the next one has half an interval to arrive.
+  Duration hot_patience() const;
   // Its name, and since when it has the claim.
   struct Owner {
     Start start;

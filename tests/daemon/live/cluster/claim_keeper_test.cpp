@@ -373,6 +373,49 @@ TEST(PeerWatch, AnOwnerIsSilentAfterThePatienceOfItsJudge) {
   EXPECT_FALSE(watch.received({"w2", 2}));
 }
 
+// Reports are sent every 250 ms and a moment.
+TEST(PeerWatch, AHotStandbyToleratesTwoLostReportsAndNotThree) {
+  PeerWatch watch({"w1", 1}, milliseconds(1000));
+  const PeerWatch::Time begin = std::chrono::steady_clock::now();
+  v1::WorkerState owner;
+  owner.set_worker("w2");
+  owner.set_incarnation(1);
+  owner.add_sites("hall");
+  v1::WorkerState own;
+  own.set_worker("w1");
+  own.set_incarnation(1);
+  const PeerWatch::Owner of_hall{{"w2", 1}, {}};
+  const auto has = [&](bool stands_by, PeerWatch::Time now) {
+    return watch.has(of_hall, "hall", watch.patience(stands_by, now), now);
+  };
+  watch.take(owner, 0, begin);
+  watch.take(own, 0, begin + milliseconds(600));
+  constexpr milliseconds kThird = 3 * (milliseconds(250) + milliseconds(10));
+  EXPECT_TRUE(has(true, begin + kThird));
+  watch.take(owner, 0, begin + kThird);
+  watch.take(own, 0, begin + kThird + milliseconds(600));
+  EXPECT_TRUE(has(true, begin + kThird + milliseconds(874)));
+  EXPECT_FALSE(has(true, begin + kThird + milliseconds(875))) << "before a fourth can arrive";
+  EXPECT_TRUE(has(false, begin + kThird + milliseconds(999)));
+  EXPECT_FALSE(has(false, begin + kThird + milliseconds(1000)));
+}
+
+TEST(PeerWatch, AHotStandbyWithoutItsOwnReportsWaitsForALease) {
+  PeerWatch watch({"w1", 1}, milliseconds(1000));
+  const PeerWatch::Time begin = std::chrono::steady_clock::now();
+  v1::WorkerState own;
+  own.set_worker("w1");
+  own.set_incarnation(1);
+  EXPECT_EQ(watch.hot_patience(), milliseconds(875));
+  EXPECT_EQ(watch.patience(true, begin), milliseconds(1000)) << "none has arrived";
+  watch.take(own, 0, begin);
+  // One of them may be lost.
+  EXPECT_EQ(watch.patience(true, begin + milliseconds(520)), watch.hot_patience());
+  EXPECT_EQ(watch.patience(true, begin + milliseconds(624)), watch.hot_patience());
+  EXPECT_EQ(watch.patience(true, begin + milliseconds(625)), milliseconds(1000));
+  EXPECT_EQ(watch.patience(false, begin), milliseconds(1000));
+}
+
 TEST(PeerWatch, ReceivesItselfWhileItsOwnReportsArrive) {
   PeerWatch watch({"w1", 1}, milliseconds(1000));
   const PeerWatch::Time now = std::chrono::steady_clock::now();
