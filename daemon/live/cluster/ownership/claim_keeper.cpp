@@ -19,8 +19,8 @@ constexpr int kLeaseChecks = 2 * PeerWatch::kReports;
 constexpr int kHotChecks = 50;  // chosen: per lease, 40 ms of the preset; they send no requests
 // Interval between requests for a known claim: the message with a change may be lost.
 constexpr std::chrono::seconds kClaimReadInterval{5};
-// Generations are milliseconds since 1970 and a number of claims.
-constexpr std::uint64_t kMaxGeneration = std::uint64_t{1} << 53U;
+// Generations are milliseconds since 1970 and a number of claims. From here on they are forged.
+constexpr std::uint64_t kForgedGeneration = std::uint64_t{1} << 63U;
 
 std::uint32_t milliseconds_of(Duration lease) {
   return static_cast<std::uint32_t>(
@@ -117,12 +117,11 @@ void ClaimKeeper::take_claim(const BrokerMessage& message) {
   }
 }
 
-// Takes a record of the stream of claims. A replaced owner loses the site here. A claim that no
-// worker has written counts as an unreadable one.
+// Takes a record of the stream of claims. A replaced owner loses the site here. A forged generation
+// is not exceeded by the next claim: that one follows the results.
 void ClaimKeeper::note(const std::string& site,
                        std::uint64_t sequence,
-                       const v1::SiteClaim& stored) {
-  const v1::SiteClaim claim = stored.generation() > kMaxGeneration ? v1::SiteClaim() : stored;
+                       const v1::SiteClaim& claim) {
   const std::lock_guard lock(mutex_);
   Claim& known = claims_[site];
   if (sequence < known.sequence) {
@@ -133,7 +132,9 @@ void ClaimKeeper::note(const std::string& site,
   }
   known.sequence = sequence;
   known.claim = claim;
-  known.highest = std::max(known.highest, claim.generation());
+  if (claim.generation() < kForgedGeneration) {
+    known.highest = std::max(known.highest, claim.generation());
+  }
   const auto owned = owned_.find(site);
   const bool is_ours =
       claim.worker() == options_.worker && claim.incarnation() == options_.incarnation;

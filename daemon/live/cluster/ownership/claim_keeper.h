@@ -11,7 +11,8 @@
 // after a lease.
 //
 // Generations begin with the creation time of the stream of claims, in milliseconds: in a stream
-// that was recreated they exceed all earlier ones, even where no record of those remains.
+// that was recreated they exceed all earlier ones, even where no record of those remains. A claim
+// exceeds the generation of the last result as well: a forged claim may be lower or far higher.
 //
 // Thread safety: any thread.
 #pragma once
@@ -103,7 +104,7 @@ class ClaimKeeper {
     Time ownerless{};  // start of the period without an owner, by our clock; zero: has one
     Time noted{};      // when we received it
     Time asked{};
-    std::uint64_t highest = 0;  // generation of all its claims that we received
+    std::uint64_t highest = 0;  // generation of its received claims, without forged ones
   };
 
   ClaimKeeper(std::shared_ptr<Broker> broker, Options options);
@@ -128,6 +129,7 @@ class ClaimKeeper {
                                       Time now) const;
   v1::SiteClaim claim_of(std::uint64_t generation) const;
   void try_to_claim(const std::string& site);
+  Expected<std::uint64_t> results_generation(const std::string& site) const;
   bool read_claim(const std::string& site);
   void note(const std::string& site, std::uint64_t sequence, const v1::SiteClaim& claim);
 

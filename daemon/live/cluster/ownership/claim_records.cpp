@@ -1,5 +1,6 @@
 // The part of ClaimKeeper that reads and writes the stream of claims.
 #include <algorithm>
+#include <limits>
 
 #include "daemon/live/cluster/cluster_names.h"
 #include "daemon/live/cluster/ownership/claim_keeper.h"
@@ -71,14 +72,31 @@ bool ClaimKeeper::read_claim(const std::string& site) {
   return true;
 }
 
+// Generation of the last result of a site; 0: there is none that is readable.
+Expected<std::uint64_t> ClaimKeeper::results_generation(const std::string& site) const {
+  const auto last = broker_->last_of(std::string(kOutputStream), output_subject(site));
+  RAYLOC_TRY(last);
+  v1::OutputRecord record;
+  const bool is_readable = *last && unseal((*last)->data, record).has_value() &&
+                           record.generation() < std::numeric_limits<std::uint64_t>::max();
+  return is_readable ? record.generation() : 0;
+}
+
+// The claim must exceed the results (owner_log.h), which a forged or unreadable record does not
+// show to a worker that has started after it. A standby has received the owner's records and saves
+// the request, unless that record is the last one.
 void ClaimKeeper::try_to_claim(const std::string& site) {
   if (!read_claim(site)) {
     return;
   }
   Claim known;
+  bool follows_results = false;
   {
     const std::lock_guard lock(mutex_);
     known = claims_[site];
+    const std::uint64_t stated = known.claim.generation();
+    follows_results =
+        known.sequence > 0 && (!stands_by(site) || stated == 0 || stated > known.highest);
     if (leaving_ || offered_.count(site) == 0 ||
         has_owner(site, known, std::chrono::steady_clock::now())) {
       return;
@@ -86,7 +104,11 @@ void ClaimKeeper::try_to_claim(const std::string& site) {
   }
   const auto before_all = static_cast<std::uint64_t>(
       std::chrono::floor<std::chrono::milliseconds>(created_.time_since_epoch()).count());
-  const v1::SiteClaim mine = claim_of(std::max(known.highest, before_all) + 1);
+  const Expected<std::uint64_t> results = follows_results ? results_generation(site) : 0;
+  if (!results) {
+    return;  // the next check reads it again
+  }
+  const v1::SiteClaim mine = claim_of(std::max({known.highest, before_all, *results}) + 1);
   const auto sent = broker_->publish_behind(claim_subject(site), seal(mine), known.sequence);
   if (!sent) {
     return;  // the next check shows the outcome

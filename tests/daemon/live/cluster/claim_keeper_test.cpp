@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "daemon/live/cluster/cluster_names.h"
+#include "daemon/live/cluster/ownership/claim_streams.h"
 #include "daemon/live/cluster/sealed_message.h"
 #include "tests/daemon/live/cluster/fake_broker.h"
 #include "tests/support/eventually.h"
@@ -315,7 +316,8 @@ TEST_P(ForgedClaim, CostsItsSiteOneChangeOfOwner) {
   forged.set_worker("nobody");
   forged.set_incarnation(9);
   forged.set_generation(GetParam() == 0 ? generation + 5 : GetParam());
-  const std::uint64_t next = (GetParam() == 0 ? forged.generation() : generation) + 1;
+  const bool is_counted = forged.generation() < std::numeric_limits<std::uint64_t>::max();
+  const std::uint64_t next = (is_counted ? forged.generation() : generation) + 1;
   ASSERT_TRUE(broker->publish_behind(claim_subject(site), seal(forged), (*last)->sequence));
   const auto has_next = [&, &name = site](Worker& worker) {
     worker.owned();
@@ -329,9 +331,39 @@ TEST_P(ForgedClaim, CostsItsSiteOneChangeOfOwner) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Generations,
-                         ForgedClaim,
-                         ::testing::Values(0, std::numeric_limits<std::uint64_t>::max()));
+// The record of its last owner is gone; the results show that owner's generation.
+TEST_P(ForgedClaim, DoesNotBindAWorkerThatStartsLaterBelowTheResults) {
+  const auto broker = std::make_shared<FakeBroker>();
+  ASSERT_TRUE(make_worker_streams(*broker, claim_stream({}), std::chrono::minutes(10)));
+  const std::string site = "site 3";
+  constexpr std::uint64_t kGeneration = 70;
+  v1::OutputRecord result;
+  result.set_generation(kGeneration);
+  ASSERT_TRUE(broker->publish_behind(output_subject(site), seal(result), 0));
+  v1::SiteClaim forged;
+  forged.set_worker("nobody");
+  forged.set_incarnation(9);
+  forged.set_generation(GetParam() == 0 ? kGeneration - 5 : GetParam());
+  const bool is_higher = forged.generation() > kGeneration &&
+                         forged.generation() < std::numeric_limits<std::uint64_t>::max();
+  ASSERT_TRUE(broker->publish_behind(claim_subject(site), seal(forged), 0));
+  Worker late(broker, "w1", 0);
+  ASSERT_TRUE(eventually(kPatience, [&] { return late.owned() == kSites; }));
+  EXPECT_EQ(late.sites.at(site), (is_higher ? forged.generation() : kGeneration) + 1);
+  // Another worker reads the claim that follows the forged one.
+  Worker other(broker, "w2", 0);
+  ASSERT_TRUE(other.judges());
+  EXPECT_EQ(other.keeper->owner_of(site), "w1");
+  EXPECT_EQ(other.owned(), 0U);
+  EXPECT_EQ(late.owned(), kSites);
+}
+
+constexpr std::uint64_t kExact = std::uint64_t{1} << 53U;  // of a double
+
+INSTANTIATE_TEST_SUITE_P(
+    Generations,
+    ForgedClaim,
+    ::testing::Values(0, kExact - 1, kExact, std::numeric_limits<std::uint64_t>::max()));
 
 // The others of the dead owner's sites are due no earlier.
 TEST(ClaimKeeper, AStandbyClaimsItsSitesFirst) {
