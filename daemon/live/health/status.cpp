@@ -184,6 +184,11 @@ void fill_compared(const ComparedMethod& method, v1::ComparedCounters* counters)
   counters->set_coalesced(now.coalesced);
 }
 
+void fill_ring_snapshots(const RingSnapshotCounters& now, v1::RingSnapshotCounters* counters) {
+  counters->set_written(now.files);
+  counters->set_failed(now.failed);
+}
+
 void fill_recorder(const StatusSources& sources, v1::RecorderCounters* counters) {
   for (const RecorderStage* recorder : sources.recorders) {
     const RecorderStageCounters recorded = recorder->counters();
@@ -338,9 +343,7 @@ StatusMessages status_messages(const StatusSources& sources, Timestamp now) {
     fill_recorder(sources, heartbeat.mutable_recorder());
   }
   if (sources.ring_snapshots != nullptr) {
-    const RingSnapshotCounters rings = sources.ring_snapshots->counters();
-    heartbeat.mutable_ring_snapshots()->set_written(rings.files);
-    heartbeat.mutable_ring_snapshots()->set_failed(rings.failed);
+    fill_ring_snapshots(sources.ring_snapshots->counters(), heartbeat.mutable_ring_snapshots());
   }
   fill_shared(sources, heartbeat);
   return messages;
