@@ -100,22 +100,8 @@ void DxfEntities::read(std::string_view end, DxfBlock& to) {
 void DxfEntities::read_line(DxfBlock& to) {
   std::vector<FloorPoint> points(2);
   for (; !groups_.is_end(); groups_.next()) {
-    switch (groups_.now().code) {
-      case 10:
-        points[0][0] = groups_.number();
-        break;
-      case 20:
-        points[0][1] = groups_.number();
-        break;
-      case 11:
-        points[1][0] = groups_.number();
-        break;
-      case 21:
-        points[1][1] = groups_.number();
-        break;
-      default:
-        read_common();
-        break;
+    if (!groups_.read_point(10, points[0]) && !groups_.read_point(11, points[1])) {
+      read_common();
     }
   }
   common_.normal_z = 1.0;  // its ends are those of the drawing, whatever its plane
@@ -168,12 +154,6 @@ std::optional<DxfVertex> DxfEntities::read_vertex() {
   bool is_on_line = true;
   for (groups_.next(); !groups_.is_end(); groups_.next()) {
     switch (groups_.now().code) {
-      case 10:
-        vertex.at[0] = groups_.number();
-        break;
-      case 20:
-        vertex.at[1] = groups_.number();
-        break;
       case 42:
         vertex.bulge = groups_.number();
         break;
@@ -181,6 +161,7 @@ std::optional<DxfVertex> DxfEntities::read_vertex() {
         is_on_line = (groups_.integer() & kIsSplineFrame) == 0;
         break;
       default:
+        groups_.read_point(10, vertex.at);
         break;
     }
   }
@@ -220,18 +201,6 @@ void DxfEntities::read_arc(const std::string& kind, DxfBlock& to) {
   const double angle = kind == "ARC" ? kDegree : 1.0;
   for (; !groups_.is_end(); groups_.next()) {
     switch (groups_.now().code) {
-      case 10:
-        arc.centre[0] = groups_.number();
-        break;
-      case 20:
-        arc.centre[1] = groups_.number();
-        break;
-      case 11:
-        arc.major[0] = groups_.number();
-        break;
-      case 21:
-        arc.major[1] = groups_.number();
-        break;
       case 40:
         (kind == "ELLIPSE" ? arc.ratio : arc.major[0]) = groups_.number();
         break;
@@ -244,7 +213,9 @@ void DxfEntities::read_arc(const std::string& kind, DxfBlock& to) {
         arc.end = angle * groups_.number();
         break;
       default:
-        read_common();
+        if (!groups_.read_point(10, arc.centre) && !groups_.read_point(11, arc.major)) {
+          read_common();
+        }
         break;
     }
   }
@@ -263,12 +234,6 @@ void DxfEntities::read_insert(DxfBlock& to) {
     switch (groups_.now().code) {
       case 2:
         insert.block = groups_.text();
-        break;
-      case 10:
-        insert.at[0] = groups_.number();
-        break;
-      case 20:
-        insert.at[1] = groups_.number();
         break;
       case 41:
         insert.scale_x = groups_.number();
@@ -292,7 +257,9 @@ void DxfEntities::read_insert(DxfBlock& to) {
         insert.rows = std::max(1, groups_.integer());
         break;
       default:
-        read_common();
+        if (!groups_.read_point(10, insert.at)) {
+          read_common();
+        }
         break;
     }
   }

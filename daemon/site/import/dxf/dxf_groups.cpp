@@ -104,4 +104,12 @@ int DxfGroups::integer() {
   return static_cast<int>(value);
 }
 
+bool DxfGroups::read_point(int x_code, FloorPoint& point) {
+  if (now_.code != x_code && now_.code != x_code + 10) {
+    return false;
+  }
+  point[now_.code == x_code ? 0 : 1] = number();
+  return true;
+}
+
 }  // namespace rayloc

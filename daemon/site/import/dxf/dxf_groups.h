@@ -8,6 +8,8 @@
 #include <string>
 #include <string_view>
 
+#include "engine/base/outline.h"
+
 namespace rayloc {
 
 struct DxfGroup {
@@ -40,6 +42,9 @@ class DxfGroups {
   double number();
   // The same of a whole number of 16 bits.
   int integer();
+  // Reads the current group if it is a coordinate of the point whose x has this code, and its y
+  // that code + 10. False: it is another group.
+  bool read_point(int x_code, FloorPoint& point);
 
  private:
   void fail(const std::string& what);

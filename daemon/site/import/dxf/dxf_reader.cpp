@@ -73,9 +73,9 @@ class DxfReader {
       if (groups_.is(2, "HEADER")) {
         read_header();
       } else if (groups_.is(2, "TABLES")) {
-        read_layers();
+        read_each("LAYER", [this] { read_layer(); });
       } else if (groups_.is(2, "BLOCKS")) {
-        read_blocks();
+        read_each("BLOCK", [this] { read_block(); });
       } else if (groups_.is(2, "ENTITIES")) {
         groups_.next();
         entities_.read("ENDSEC", model_);
@@ -127,33 +127,38 @@ class DxfReader {
     }
   }
 
-  void read_layers() {
+  // Calls `read` at each record of that kind, up to the end of the section.
+  template <typename Read>
+  void read_each(std::string_view kind, const Read& read) {
     while (!groups_.has_ended() && !groups_.is(0, "ENDSEC")) {
-      if (!groups_.is(0, "LAYER")) {
+      if (groups_.is(0, kind)) {
         groups_.next();
-        continue;
+        read();
+      } else {
+        groups_.next();
       }
-      Layer layer;
-      std::string name;
-      for (groups_.next(); !groups_.is_end(); groups_.next()) {
-        switch (groups_.now().code) {
-          case 2:
-            name = groups_.text();
-            break;
-          case 62:  // the colour
-            layer.is_hidden = layer.is_hidden || groups_.integer() < 0;
-            break;
-          case 70:
-            layer.is_frozen = (groups_.integer() & 1) != 0;
-            layer.is_hidden = layer.is_hidden || layer.is_frozen;
-            break;
-          default:
-            break;
-        }
-      }
-      layer.name = name;
-      layers_[lower_case(name)] = layer;
     }
+  }
+
+  void read_layer() {
+    Layer layer;
+    for (; !groups_.is_end(); groups_.next()) {
+      switch (groups_.now().code) {
+        case 2:
+          layer.name = groups_.text();
+          break;
+        case 62:  // the colour
+          layer.is_hidden = layer.is_hidden || groups_.integer() < 0;
+          break;
+        case 70:
+          layer.is_frozen = (groups_.integer() & 1) != 0;
+          layer.is_hidden = layer.is_hidden || layer.is_frozen;
+          break;
+        default:
+          break;
+      }
+    }
+    layers_[lower_case(layer.name)] = layer;
   }
 
   Layer layer_of(const std::string& name) const {
@@ -161,32 +166,18 @@ class DxfReader {
     return found == layers_.end() ? Layer{name} : found->second;
   }
 
-  void read_blocks() {
-    while (!groups_.has_ended() && !groups_.is(0, "ENDSEC")) {
-      if (!groups_.is(0, "BLOCK")) {
-        groups_.next();
-        continue;
+  void read_block() {
+    DxfBlock block;
+    std::string name;
+    for (; !groups_.is_end(); groups_.next()) {
+      if (groups_.now().code == 2) {
+        name = groups_.text();
+      } else {
+        groups_.read_point(10, block.base);
       }
-      DxfBlock block;
-      std::string name;
-      for (groups_.next(); !groups_.is_end(); groups_.next()) {
-        switch (groups_.now().code) {
-          case 2:
-            name = groups_.text();
-            break;
-          case 10:
-            block.base[0] = groups_.number();
-            break;
-          case 20:
-            block.base[1] = groups_.number();
-            break;
-          default:
-            break;
-        }
-      }
-      entities_.read("ENDBLK", block);
-      blocks_[lower_case(name)] = std::move(block);
     }
+    entities_.read("ENDBLK", block);
+    blocks_[lower_case(name)] = std::move(block);
   }
 
   // Lines of an inserted block; those of its layer "0" are on the layer of the insert.
