@@ -1,7 +1,7 @@
 // Measures how many bursts it takes to learn the receive chains after a power cycle, and the error
 // of the learned phases, on recordings of a calibrated site:
 //
-//   chain_bench [--verbose | --again | --unseen] SITE CYCLES [AP=]FILE...
+//   chain_bench [--verbose | --again | --unseen | --calibrated] SITE CYCLES [AP=]FILE...
 //
 // The transmitter with the most frames is received in bursts of 0.2 s, by each access point
 // separately. CYCLES power cycles are made by turning the chains of all frames at random, by any
@@ -10,8 +10,8 @@
 // often, and the phases learned then and at the end [degrees], without the turns made.
 //
 // --again: half-way through the recording the access point is off for a minute and comes back with
-// other chains (--unseen: without the minute). Prints after how many bursts the chains used until
-// then are withdrawn.
+// other chains (--unseen: without the minute; --calibrated: with the minute, and until then with the
+// chains of the recording). Prints after how many bursts the chains used until then are withdrawn.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -181,10 +181,11 @@ struct Withdrawal {
 void again(const std::shared_ptr<const Localizer>& localizer,
            const std::vector<Frames>& bursts,
            int number,
-           bool unseen) {
+           const std::string& option) {
   const RoomModel& room = localizer->room();
   std::mt19937 random(static_cast<unsigned>(number));
-  const Turns first = turns_of(room, number, random);
+  const bool unseen = option == "--unseen";
+  const Turns first = turns_of(room, option == "--calibrated" ? 0 : number, random);
   const Turns second = turns_of(room, 1, random);
   ChainLearner learner(localizer);
   std::map<std::size_t, Withdrawal> of;
@@ -245,7 +246,7 @@ void again(const std::shared_ptr<const Localizer>& localizer,
 
 int run(const std::vector<std::string>& arguments, const std::string& option) {
   if (arguments.size() < 3) {
-    std::fputs("chain_bench [--verbose | --again | --unseen] SITE CYCLES [AP=]FILE...\n", stderr);
+    std::fputs("chain_bench [--verbose | --again | --unseen | --calibrated] SITE CYCLES [AP=]FILE...\n", stderr);
     return 64;
   }
   const auto site = load_site(arguments[0]);
@@ -283,8 +284,8 @@ int run(const std::vector<std::string>& arguments, const std::string& option) {
   const auto localizer = std::make_shared<const Localizer>(*std::move(made));
   const std::vector<Frames> bursts = bursts_of(std::move(frames));
   for (int number = 0; number < std::atoi(arguments[1].c_str()); ++number) {
-    if (option == "--again" || option == "--unseen") {
-      again(localizer, bursts, number, option == "--unseen");
+    if (option == "--again" || option == "--unseen" || option == "--calibrated") {
+      again(localizer, bursts, number, option);
     } else {
       cycle(localizer, bursts, number, option == "--verbose");
     }
