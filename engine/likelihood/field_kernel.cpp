@@ -25,7 +25,8 @@ struct Pair {
   V re;
   V im;
 };
-HWY_INLINE void store(const Complex& value, LaneSums& to, std::size_t t) {
+template <class Sums>
+HWY_INLINE void store(const Complex& value, Sums& to, std::size_t t) {
   hn::StoreU(value.re, kLanes, to.re.data() + t);
   hn::StoreU(value.im, kLanes, to.im.data() + t);
 }
@@ -81,15 +82,17 @@ void turn_and_whiten(std::span<const std::complex<float>> turn,
   }
 }
 
-void whiten_rays(const Bidiagonal& of, std::span<const RaySums> rays, std::span<RaySums> out) {
-  for (std::size_t t = 0; t < kFieldRays; t += hn::Lanes(kWide)) {
-    WidePair before = no_wide_sum();
-    for (std::size_t i = 0; i < rays.size(); ++i) {
-      const WideVector below = hn::Set(kWide, i > 0 ? of.below[i - 1] : 0.0F);
-      const WidePair next = load(rays[i], t);
+void whiten_rays(const Bidiagonal& of, std::span<const LaneSums> rays, std::span<RaySums> out) {
+  const std::size_t blocks = rays.size() / out.size();
+  for (std::size_t ray = 0; ray < blocks * kLaneCount; ray += hn::Lanes(kLanes)) {
+    const LaneSums* block = rays.data() + ray / kLaneCount;
+    Complex before = no_sum();
+    for (std::size_t i = 0; i < out.size(); ++i) {
+      const Vector below = hn::Set(kLanes, i > 0 ? of.below[i - 1] : 0.0F);
+      const Complex next = load(block[i * blocks], ray % kLaneCount);
       before = {hn::NegMulAdd(below, before.re, next.re), hn::NegMulAdd(below, before.im, next.im)};
-      const WideVector scale = hn::Set(kWide, of.scale[i]);
-      store(WidePair{hn::Mul(scale, before.re), hn::Mul(scale, before.im)}, out[i], t);
+      const Vector scale = hn::Set(kLanes, of.scale[i]);
+      store({hn::Mul(scale, before.re), hn::Mul(scale, before.im)}, out[i], ray);
     }
   }
 }
@@ -159,13 +162,13 @@ HWY_INLINE void take_phasors(const FieldRow& row,
                              std::size_t first,
                              Phasors& out) {
   RaySums turn;
-  for (std::size_t t = 0; t < kFieldRays; t += hn::Lanes(kWide)) {
-    const WidePair a = load(*row.by_x, t);
-    const WidePair b = load(*row.by_z, t);
-    store(WidePair{hn::NegMulAdd(a.im, b.im, hn::Mul(a.re, b.re)),
-                   hn::MulAdd(a.im, b.re, hn::Mul(a.re, b.im))},
+  for (std::size_t p = 0; p < rays; p += hn::Lanes(kLanes)) {
+    const Complex a = load(row.by_x[p / kLaneCount], p % kLaneCount);
+    const Complex b = load(row.by_z[p / kLaneCount], p % kLaneCount);
+    store(Complex{hn::NegMulAdd(a.im, b.im, hn::Mul(a.re, b.re)),
+                  hn::MulAdd(a.im, b.re, hn::Mul(a.re, b.im))},
           turn,
-          t);
+          p);
   }
   for (std::size_t p = 0; p < rays; ++p) {
     for (std::size_t t = 0; t < kLaneCount; t += hn::Lanes(kLanes)) {
@@ -316,9 +319,10 @@ void turn_and_whiten(std::span<const std::complex<float>> turn,
   HWY_DYNAMIC_DISPATCH(turn_and_whiten)(turn, of, re, im, out);
 }
 
-void whiten_rays(const Bidiagonal& of, std::span<const RaySums> rays, std::span<RaySums> out) {
-  RAYLOC_CHECK(rays.size() == out.size() && rays.size() == of.scale.size());
-  WorkDone::add(6 * kFieldRays * rays.size(), rays.size_bytes() + out.size_bytes());
+void whiten_rays(const Bidiagonal& of, std::span<const LaneSums> rays, std::span<RaySums> out) {
+  RAYLOC_CHECK(out.size() == of.scale.size() && rays.size() % out.size() == 0 &&
+               rays.size() <= out.size() * ray_blocks(kFieldRays));
+  WorkDone::add(6 * kLaneCount * rays.size(), 2 * rays.size_bytes());
   HWY_DYNAMIC_DISPATCH(whiten_rays)(of, rays, out);
 }
 
@@ -345,10 +349,10 @@ void field_rows(const FieldTerms& terms,
   const std::size_t rays = terms.rays;
   WorkDone::add(
       rows.size() *
-          (6 * kFieldRays +
+          (6 * kLaneCount * ray_blocks(rays) +
            kLaneCount * (6 * rays + 4 * rays * (rays - 1) +
                          delays * (8 * rays + 48 * std::size_t{terms.has_direct ? 2U : 1U}))),
-      rows.size() * (2 * sizeof(RaySums) + rays * sizeof(LaneSums)) +
+      rows.size() * (2 * ray_blocks(rays) + rays) * sizeof(LaneSums) +
           (rays + delays) * sizeof(RaySums) + out.size_bytes());
   HWY_DYNAMIC_DISPATCH(field_rows)(terms, delays, rows, out);
 }

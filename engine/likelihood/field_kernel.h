@@ -21,6 +21,8 @@ struct RaySums {
   std::array<float, kFieldRays> re{};
   std::array<float, kFieldRays> im{};
 };
+// Number of blocks of eight rays, the last padded with zeros: kept fields have few of kFieldRays.
+constexpr std::size_t ray_blocks(std::size_t rays) { return (rays + kLaneCount - 1) / kLaneCount; }
 
 // L and D of L D L^T = T + n I, T a real tridiagonal matrix and n the noise of a coordinate.
 struct Bidiagonal {
@@ -35,8 +37,9 @@ void turn_and_whiten(std::span<const std::complex<float>> turn,
                      std::span<const LaneRow> re,
                      std::span<const LaneRow> im,
                      std::span<LaneSums> out);
-// The same for rays that are already multiplied by Q^H, [coordinate].
-void whiten_rays(const Bidiagonal& of, std::span<const RaySums> rays, std::span<RaySums> out);
+// The same for rays that are already multiplied by Q^H, [coordinate][block of rays]. out:
+// [coordinate]; rays beyond the blocks keep their numbers.
+void whiten_rays(const Bidiagonal& of, std::span<const LaneSums> rays, std::span<RaySums> out);
 
 // Likelihood terms of a burst for the places of a RayField.
 struct FieldTerms {
@@ -59,8 +62,8 @@ RaySums along_of(std::span<const RaySums> z, std::span<const std::complex<float>
 
 // Eight places in a row, described by the phasors of the rays there.
 struct FieldRow {
-  const RaySums* by_x = nullptr;
-  const RaySums* by_z = nullptr;
+  const LaneSums* by_x = nullptr;  // [block of rays]
+  const LaneSums* by_z = nullptr;  // [block of rays]
   const LaneSums* by_y = nullptr;  // [ray], at the eight places
 };
 // Log-likelihoods over the first `delays` of the terms; out.size() == rows.size().

@@ -21,10 +21,14 @@ using Eigen::Index;
 
 constexpr double kFieldLeftOut = 1e-5;  // share of the known power, chosen: below any noise
 
-template <typename Sums>
-void put_lane(std::complex<float> value, std::size_t lane, Sums& to) {
+void put_lane(std::complex<float> value, std::size_t lane, LaneSums& to) {
   to.re[lane] = value.real();
   to.im[lane] = value.imag();
+}
+
+// blocks: of eight rays each.
+void put_ray(std::complex<float> value, std::size_t ray, LaneSums* blocks) {
+  put_lane(value, ray % kLaneCount, blocks[ray / kLaneCount]);
 }
 
 std::complex<float> single(double phase) { return std::complex<float>(std::polar(1.0, phase)); }
@@ -93,9 +97,10 @@ RayField ray_field(const ObservationModel& model,
   const std::size_t size = model.dimension();
   RayField field;
   field.rays = covariance.known.size();
-  field.known.resize(size);
-  field.by_x.resize(plan.count_x);
-  field.by_z.resize(lattice.heights.size());
+  const std::size_t blocks = ray_blocks(field.rays);
+  field.known.resize(size * blocks);
+  field.by_x.resize(plan.count_x * blocks);
+  field.by_z.resize(lattice.heights.size() * blocks);
   field.by_y.resize(plan.count_y / kLaneCount * field.rays);
   const auto terms = model.ray_terms(place, error);
   const double k = model.wave_number();
@@ -114,10 +119,10 @@ RayField ray_field(const ObservationModel& model,
         sum += std::complex<float>(a.real() * b.real() - a.imag() * b.imag(),
                                    a.real() * b.imag() + a.imag() * b.real());
       }
-      put_lane(sum, n, field.known[i]);
+      put_ray(sum, n, field.known.data() + i * blocks);
     }
     for (std::size_t x = 0; x < plan.count_x; ++x) {
-      put_lane(single(k * ray.at_device.x * plan.offset(x, 0).x), n, field.by_x[x]);
+      put_ray(single(k * ray.at_device.x * plan.offset(x, 0).x), n, field.by_x.data() + x * blocks);
     }
     for (std::size_t y = 0; y < plan.count_y; ++y) {
       put_lane(single(k * ray.at_device.y * plan.offset(0, y).y),
@@ -126,7 +131,7 @@ RayField ray_field(const ObservationModel& model,
     }
     for (std::size_t z = 0; z < lattice.heights.size(); ++z) {
       const Vec3d path = ray.length * ray.at_device - Vec3d{0.0, 0.0, lattice.heights[z]};
-      put_lane(single(-k * (norm(path) - ray.length)), n, field.by_z[z]);
+      put_ray(single(-k * (norm(path) - ray.length)), n, field.by_z.data() + z * blocks);
     }
   }
   return field;
@@ -177,7 +182,7 @@ std::vector<std::complex<float>> FieldBurst::delay(std::size_t t) const {
 }
 
 FieldTerms FieldBurst::terms(const RayField& field) {
-  std::vector<RaySums> z(field.known.size());
+  std::vector<RaySums> z(burst_.size());
   whiten_rays(factor_, field.known, z);
   if (best_.empty()) {
     take(observed_.coarse);

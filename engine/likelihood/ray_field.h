@@ -47,13 +47,14 @@ struct FieldLattice {
 
 struct RayField {
   std::size_t rays = 0;
-  std::vector<RaySums> known;  // Q^H v_p, [coordinate]
-  std::vector<RaySums> by_x;   // [x]
-  std::vector<RaySums> by_z;   // [height]
-  std::vector<LaneSums> by_y;  // [eight of y][ray]
+  std::vector<LaneSums> known;  // Q^H v_p, [coordinate][block of rays]
+  std::vector<LaneSums> by_x;   // [x][block of rays]
+  std::vector<LaneSums> by_z;   // [height][block of rays]
+  std::vector<LaneSums> by_y;   // [eight of y][ray]
 
   FieldRow row(std::size_t x, std::size_t y, std::size_t z) const {
-    return {by_x.data() + x, by_z.data() + z, by_y.data() + y * rays};
+    const std::size_t blocks = ray_blocks(rays);
+    return {by_x.data() + x * blocks, by_z.data() + z * blocks, by_y.data() + y * rays};
   }
 };
 
