@@ -19,6 +19,7 @@ PlaceModel factorised_model(const Eigen::MatrixXcd& sigma,
   const Eigen::MatrixXcd& whitener = factor.whitener();
   const Eigen::VectorXcd mean = whitener * mu;
   PlaceModel place{factor.gaussian()};
+  place.mean.reserve(static_cast<std::size_t>(mean.size() + obstructed.size()));
   for (const Value& v : mean) {
     place.mean.emplace_back(v);
   }

@@ -75,6 +75,9 @@ FieldCovariance field_covariance(const ObservationModel& model,
   const std::size_t side = model.dimension();
   WorkDone::add(4 * side * side * place.rays.size() + 11 * side * side * side,
                 16 * side * (place.rays.size() + 2 * side));
+  out.turn.reserve(side * side);
+  out.diagonal.reserve(side);
+  out.beside.reserve(side);
   for (Index i = 0; i < size; ++i) {
     for (Index j = 0; j < size; ++j) {
       out.turn.emplace_back(std::conj(q(j, i)));

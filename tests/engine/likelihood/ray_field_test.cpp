@@ -131,20 +131,40 @@ TEST_F(RayFields, AreExactInTheMiddle) {
   for (const std::size_t p : covariance.known) {
     known.push_back(middle[p]);
   }
-  const FieldCovariance of_known = field_covariance(model_, place(known), error_);
-  const RayField field_of_known = ray_field(model_, of_known, place(known), error_, one);
-  for (const double noise : {0.0, 1e-2}) {
-    const ObservedArray observed = received_from(kMiddle, noise);
-    FieldBurst burst(of_known, observed, error_.noise + noise);
-    LaneRow value;
-    const FieldRow row = field_of_known.row(0, 0, 0);
-    const FieldTerms terms = burst.terms(field_of_known);
-    field_rows(terms, terms.delays, {&row, 1}, {&value, 1});
-    const double exact = ObservationModel::log_likelihood(
-        model_.place_of_burst(place(known), error_, observed), observed);
-    EXPECT_NEAR(static_cast<double>(value[0]), exact, 0.5) << noise;
-    EXPECT_EQ(value[0], value[7]);
+  ASSERT_GT(known.size(), kLaneCount + 1);
+  for (const std::size_t count : {kLaneCount - 1, kLaneCount, kLaneCount + 1, known.size()}) {
+    const std::span<const Ray> strongest(known.data(), count);
+    const FieldCovariance of_known = field_covariance(model_, place(strongest), error_);
+    const RayField field_of_known = ray_field(model_, of_known, place(strongest), error_, one);
+    EXPECT_EQ(field_of_known.rays, count);
+    for (const double noise : {0.0, 1e-2}) {
+      const ObservedArray observed = received_from(kMiddle, noise);
+      FieldBurst burst(of_known, observed, error_.noise + noise);
+      LaneRow value;
+      const FieldRow row = field_of_known.row(0, 0, 0);
+      const FieldTerms terms = burst.terms(field_of_known);
+      field_rows(terms, terms.delays, {&row, 1}, {&value, 1});
+      const double exact = ObservationModel::log_likelihood(
+          model_.place_of_burst(place(strongest), error_, observed), observed);
+      EXPECT_NEAR(static_cast<double>(value[0]), exact, 0.5) << count << " rays, " << noise;
+      EXPECT_EQ(value[0], value[7]);
+    }
   }
+}
+
+// Thousands of them are kept.
+TEST_F(RayFields, TakeTheMemoryOfTheirRays) {
+  const std::vector<Ray> middle = rays(kMiddle);
+  const std::span<const Ray> strongest(middle.data(), 5);
+  const FieldCovariance covariance = field_covariance(model_, place(strongest), error_);
+  const std::size_t size = model_.dimension();
+  EXPECT_EQ(covariance.turn.capacity(), size * size);
+  EXPECT_EQ(covariance.diagonal.capacity(), size);
+  EXPECT_EQ(covariance.beside.capacity(), size);
+  const RayField field = ray_field(model_, covariance, place(strongest), error_, lattice_);
+  EXPECT_EQ(field.known.capacity(), size);
+  EXPECT_EQ(field.by_x.capacity(), lattice_.plan.count_x);
+  EXPECT_EQ(field.by_z.capacity(), lattice_.heights.size());
 }
 
 }  // namespace
