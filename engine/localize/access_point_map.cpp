@@ -132,7 +132,12 @@ AccessPointMap::AccessPointMap(const Source& source,
     projection_ = std::make_unique<const MomentProjection>(
         source.room->grid, model_.basis(), offsets_.size());
   }
-  build_cells();
+  traced_power_db_.resize(cells());
+  for (std::size_t cell = 0; cell < cells(); ++cell) {
+    if (is_reachable(cell)) {
+      traced_power_db_[cell] = traced_power_db(tracing_->rays[cell], access_point().error);
+    }
+  }
   for (std::size_t i = 0; i < offsets_.size(); ++i) {
     without_.push_back(std::make_unique<Lazy<AccessPointMap>>());
   }
@@ -141,7 +146,10 @@ AccessPointMap::AccessPointMap(const Source& source,
 AccessPointMap::AccessPointMap(const Source& source, PathGridStore* store)
     : AccessPointMap(source,
                      std::make_shared<const Tracing>(source, store),
-                     offsets_of(source.room->access_points[source.access_point].array)) {}
+                     offsets_of(source.room->access_points[source.access_point].array)) {
+  cells_.resize(cells());
+  parallel_for(cells(), 16, [&](std::size_t cell) { cells_[cell] = make_place(cell); });
+}
 
 AccessPointMap::~AccessPointMap() = default;
 AccessPointMap::AccessPointMap(AccessPointMap&&) noexcept = default;
@@ -151,7 +159,9 @@ const AccessPointMap& AccessPointMap::without(std::size_t antenna) const {
   return without_[antenna]->get([&] {
     std::vector<Vec3d> left = offsets_;
     left.erase(left.begin() + static_cast<std::ptrdiff_t>(antenna));
-    return std::unique_ptr<AccessPointMap>(new AccessPointMap(source_, tracing_, std::move(left)));
+    std::unique_ptr<AccessPointMap> map(new AccessPointMap(source_, tracing_, std::move(left)));
+    map->cells_on_use_ = std::vector<Lazy<PlaceLikelihood>>(cells());
+    return map;
   });
 }
 
@@ -163,31 +173,31 @@ double AccessPointMap::cell_size() const {
   return std::sqrt(source_.grid.step_x * source_.grid.step_y);
 }
 
-void AccessPointMap::build_cells() {
+bool AccessPointMap::is_reachable(std::size_t cell) const { return !tracing_->rays[cell].empty(); }
+
+PlaceLikelihood AccessPointMap::make_place(std::size_t cell) const {
   const ModelError& error = access_point().error;
-  cells_.resize(source_.grid.size());
-  traced_power_db_.resize(cells_.size());
-  parallel_for(cells_.size(), 16, [&](std::size_t cell) {
-    if (!tracing_->rays[cell].empty()) {
-      traced_power_db_[cell] = traced_power_db(tracing_->rays[cell], error);
-    }
-    if (source_.grid.layers.is_known() || tracing_->rays[cell].empty()) {
-      cells_[cell] = likelihood_->place({tracing_->rays[cell], offsets_, cell_size()}, error);
-      return;
-    }
-    const std::vector<HeightSlice> coarse = coarsened(source_.grid.layers, kMaxInColumn);
-    std::vector<std::vector<Ray>> rays;
-    std::vector<Likelihood::WeightedPlace> heights;
-    rays.reserve(coarse.size());
-    const double thickness = source_.grid.layers.thickness *
-                             static_cast<double>(source_.grid.layers.size()) /
-                             static_cast<double>(coarse.size());
-    for (const HeightSlice& slice : coarse) {
-      rays.push_back(rays_at_height(
-          tracing_->rays[cell], slice.offset, source_.room->device, access_point().array));
-      heights.push_back({{rays.back(), offsets_, cell_size(), 0.0, thickness}, slice.weight});
-    }
-    cells_[cell] = likelihood_->column(heights, error);
+  if (source_.grid.layers.is_known() || !is_reachable(cell)) {
+    return likelihood_->place({tracing_->rays[cell], offsets_, cell_size()}, error);
+  }
+  const std::vector<HeightSlice> coarse = coarsened(source_.grid.layers, kMaxInColumn);
+  std::vector<std::vector<Ray>> rays;
+  std::vector<Likelihood::WeightedPlace> heights;
+  rays.reserve(coarse.size());
+  heights.reserve(coarse.size());
+  const double thickness = source_.grid.layers.thickness *
+                           static_cast<double>(source_.grid.layers.size()) /
+                           static_cast<double>(coarse.size());
+  for (const HeightSlice& slice : coarse) {
+    rays.push_back(rays_at(cell, slice.offset));
+    heights.push_back({{rays.back(), offsets_, cell_size(), 0.0, thickness}, slice.weight});
+  }
+  return likelihood_->column(heights, error);
+}
+
+const PlaceLikelihood& AccessPointMap::place(std::size_t cell) const {
+  return cells_on_use_.empty() ? cells_[cell] : cells_on_use_[cell].get([&] {
+    return std::make_unique<const PlaceLikelihood>(make_place(cell));
   });
 }
 
@@ -226,25 +236,30 @@ ObservedBurst AccessPointMap::observe_single(std::span<const std::complex<double
 }
 
 Likelihood::Coarse AccessPointMap::coarse(std::size_t cell, const ObservedBurst& observed) const {
-  return likelihood_->coarse(cells_[cell], observed);
+  return likelihood_->coarse(place(cell), observed);
 }
 
 void AccessPointMap::fetch(std::size_t cell) const {
-  if (cell < cells_.size()) {
-    rayloc::fetch(cells_[cell].model.whitener);
+  if (cell >= cells()) {
+    return;
+  }
+  const PlaceLikelihood* made =
+      cells_on_use_.empty() ? &cells_[cell] : cells_on_use_[cell].if_made();
+  if (made != nullptr) {
+    rayloc::fetch(made->model.whitener);
   }
 }
 
 double AccessPointMap::log_likelihood(std::size_t cell,
                                       const ObservedBurst& observed,
                                       std::uint8_t windows) const {
-  return likelihood_->log_likelihood(cells_[cell], observed, windows);
+  return likelihood_->log_likelihood(place(cell), observed, windows);
 }
 
 std::vector<double> AccessPointMap::power_log_likelihood(const ReceivedPower& received) const {
-  std::vector<double> result(cells_.size());
+  std::vector<double> result(cells());
   std::vector<double> reachable;
-  for (std::size_t cell = 0; cell < cells_.size(); ++cell) {
+  for (std::size_t cell = 0; cell < cells(); ++cell) {
     if (is_reachable(cell)) {
       result[cell] = received.log_likelihood(traced_power_db_[cell]);
       reachable.push_back(result[cell]);
@@ -254,7 +269,7 @@ std::vector<double> AccessPointMap::power_log_likelihood(const ReceivedPower& re
     return result;
   }
   const double mean = log_mean_exp(reachable, 1.0);
-  for (std::size_t cell = 0; cell < cells_.size(); ++cell) {
+  for (std::size_t cell = 0; cell < cells(); ++cell) {
     result[cell] -= is_reachable(cell) ? mean : 0.0;
   }
   return result;

@@ -72,8 +72,9 @@ class AccessPointMap {
   AccessPointMap(AccessPointMap&&) noexcept;
   AccessPointMap& operator=(AccessPointMap&&) = delete;
 
-  // The same access point with the same rays, without one of its antennas: takes about a second on
-  // first use. REQUIRES: at least two antennas.
+  // The same access point with the same rays, without one of its antennas. It makes the models of
+  // its cells on use: a lost datagram of a chain takes that chain from a single moment, which a
+  // track compares with few boxes. REQUIRES: at least two antennas.
   const AccessPointMap& without(std::size_t antenna) const;
 
   const RoomAccessPoint& access_point() const;
@@ -88,11 +89,11 @@ class AccessPointMap {
   ObservedBurst observe_single(std::span<const std::complex<double>> h, double noise) const;
 
   // For a cell, up to a constant of the burst; coarse: a cheap lower bound with its windows.
-  bool is_reachable(std::size_t cell) const { return cells_[cell].reachable; }
+  bool is_reachable(std::size_t cell) const;
   Likelihood::Coarse coarse(std::size_t cell, const ObservedBurst& observed) const;
   // Model of a device in a cell; empty for a likelihood that is not Gaussian.
-  const PlaceModel& model(std::size_t cell) const { return cells_[cell].model; }
-  std::size_t cells() const { return cells_.size(); }
+  const PlaceModel& model(std::size_t cell) const { return place(cell).model; }
+  std::size_t cells() const { return source_.grid.size(); }
   // Prefetches the data of a cell's likelihood (lane_kernel.h); no-op for a cell out of range.
   void fetch(std::size_t cell) const;
   double log_likelihood(std::size_t cell,
@@ -150,7 +151,8 @@ class AccessPointMap {
   AccessPointMap(const Source& source,
                  std::shared_ptr<const Tracing> tracing,
                  std::vector<Vec3d> offsets);
-  void build_cells();
+  PlaceLikelihood make_place(std::size_t cell) const;
+  const PlaceLikelihood& place(std::size_t cell) const;
   double cell_size() const;
   // A count, chosen: three layers are 0.45 m, over which a ray's angle changes by a few degrees.
   static constexpr std::size_t kLayersOfBand = 3;
@@ -164,7 +166,9 @@ class AccessPointMap {
   ObservationModel model_;
   std::shared_ptr<const Tracing> tracing_;  // shared with the maps without an antenna
   PlaceLikelihood null_model_;
-  std::vector<PlaceLikelihood> cells_;                  // the device at any of the heights
+  // [cell], the device at any of the heights; one of the two is empty.
+  std::vector<PlaceLikelihood> cells_;
+  std::vector<Lazy<PlaceLikelihood>> cells_on_use_;
   std::unique_ptr<Kept<PlaceLikelihood>> boxes_;        // the device at one of them, as a whole ...
   std::unique_ptr<Kept<PlaceLikelihood>> close_boxes_;  // ... and for the places of a box
   FieldLattice field_lattice_;
