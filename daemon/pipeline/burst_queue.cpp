@@ -14,6 +14,10 @@ namespace {
 // it.
 constexpr std::size_t kOneOf = 4;
 constexpr auto kOther = static_cast<std::size_t>(Rank::kOther);
+// Age of the last frame from which on a burst of the last rank comes after the others. Chosen: two
+// bursts of a transmitter that continues. With a second, it got half as many bursts in a flood of
+// random addresses.
+constexpr Duration kFresh = std::chrono::milliseconds(500);
 
 std::uint64_t frames_of(const Burst& burst) { return burst.frames.size() + burst.surplus; }
 
@@ -102,6 +106,7 @@ void BurstQueue::push(std::vector<Burst>& ended, Timestamp now) {
   }
   ended.clear();
   if (options_.overflow == Overflow::kDropOldest) {
+    now_ = now;
     drop_old(now);
     drop_surplus();
   }
@@ -119,6 +124,7 @@ void BurstQueue::drop_old(Timestamp now) {
   }
   std::erase_if(given_up_,
                 [&](const auto& one) { return now - one.second.last > options_.max_age; });
+  std::erase_if(served_, [&](const auto& one) { return now - one.second > options_.max_age; });
 }
 
 // The transmitters keep their turns: otherwise those whose bursts end just after a place has become
@@ -139,11 +145,33 @@ void BurstQueue::clear() {
     }
   }
   given_up_.clear();
+  served_.clear();
+}
+
+bool BurstQueue::is_fresh(const Burst& burst) const { return now_ - burst.last <= kFresh; }
+
+// REQUIRES: a burst of rank kOther waits.
+BurstQueue::Waiting::iterator BurstQueue::next_other() {
+  Waiting& some = waiting_[kOther];
+  if (++before_others_[kOther] % kOneOf == 0) {
+    auto newest = some.end();
+    for (auto one = some.begin(); one != some.end(); ++one) {
+      if (served_.count(one->second.transmitter) == 0 &&
+          (newest == some.end() || is_older(*newest, *one))) {
+        newest = one;
+      }
+    }
+    if (newest != some.end()) {
+      return newest;
+    }
+  }
+  const auto fresh =
+      std::find_if(some.begin(), some.end(), [&](const auto& one) { return is_fresh(one.second); });
+  return fresh != some.end() ? fresh : some.begin();
 }
 
 // REQUIRES: not empty.
 BurstQueue::Place BurstQueue::next() {
-  bool is_left = false;  // by the rank before
   for (std::size_t rank = 0; rank < kRanks; ++rank) {
     Waiting& some = waiting_[rank];
     const bool others = std::any_of(waiting_.begin() + static_cast<std::ptrdiff_t>(rank) + 1,
@@ -153,11 +181,9 @@ BurstQueue::Place BurstQueue::next() {
       continue;
     }
     if (others && ++before_others_[rank] % kOneOf == 0) {
-      is_left = true;
       continue;
     }
-    const bool in_turn = rank != kOther || is_left || ++before_others_[rank] % kOneOf == 0;
-    return {rank, in_turn ? some.begin() : std::max_element(some.begin(), some.end(), is_older)};
+    return {rank, rank == kOther ? next_other() : some.begin()};
   }
   RAYLOC_CHECK(false);
   return {};
@@ -186,13 +212,20 @@ std::size_t BurstQueue::widest_rank() const {
 BurstQueue::Place BurstQueue::last() {
   const std::size_t rank = widest_rank();
   Waiting& some = waiting_[rank];
-  return {rank,
-          rank == kOther ? std::min_element(some.begin(), some.end(), is_older)
-                         : std::prev(some.end())};
+  if (rank == kOther) {
+    const auto oldest = std::min_element(some.begin(), some.end(), is_older);
+    if (!is_fresh(oldest->second)) {
+      return {rank, oldest};
+    }
+  }
+  return {rank, std::prev(some.end())};
 }
 
 Burst BurstQueue::take(const Place& place) {
   ++by_rank_[place.rank].taken;
+  if (place.rank == kOther) {
+    served_.insert_or_assign(place.burst->second.transmitter, now_);
+  }
   return remove(place);
 }
 

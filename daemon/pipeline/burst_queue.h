@@ -5,9 +5,12 @@
 // - a transmitter has one place in the queue, and a burst that is still there when its next one
 //   ends is replaced by that one;
 // - bursts are processed by rank, and within a rank round-robin, so that the rates of its
-//   transmitters fall alike; of the last rank the newest has priority;
-// - each rank leaves every fourth place to those below it, and in the last rank these places go
-//   to the transmitter that has waited longest, so that none waits for ever;
+//   transmitters fall alike;
+// - each rank leaves every fourth place to those below it;
+// - in the last rank, bursts that ended more than half a second ago come after the others: a
+//   transmitter that continues has a newer one, and the others may have left. Every fourth place
+//   goes to the newest burst of a transmitter that was not served within max_age: a transmitter
+//   that sends less often loses its turn between two bursts;
 // - a burst that has waited too long is dropped, and so is the last in order when too many wait:
 //   of the ranks that leave less than a quarter of the frames to those below them, the lowest. Its
 //   transmitter keeps its turn: the next burst counts as one that replaces the dropped one.
@@ -119,6 +122,8 @@ class BurstQueue {
   void drop_old(Timestamp now);
   void drop_surplus();
   Place next();
+  bool is_fresh(const Burst& burst) const;
+  Waiting::iterator next_other();
   std::size_t widest_rank() const;
   Place last();
 
@@ -128,8 +133,11 @@ class BurstQueue {
   std::array<std::uint64_t, kRanks> frames_of_rank_{};
   std::map<MacAddress, Place> place_;       // live: the place of each transmitter
   std::map<MacAddress, GivenUp> given_up_;  // their last frames are not older than max_age
+  // Transmitters of rank kOther whose bursts were taken within max_age, and when.
+  std::map<MacAddress, Timestamp> served_;
+  Timestamp now_ = Timestamp::min();  // of the last push, live
   std::uint64_t turns_ = 0;
-  // Bursts taken from a rank while lower ranks waited; for the last rank, taken as the newest.
+  // Bursts taken from a rank while lower ranks waited; all of the last rank.
   std::array<std::size_t, kRanks> before_others_{};
   std::uint64_t merged_frames_ = 0;
   std::uint64_t dropped_frames_ = 0;

@@ -1,7 +1,9 @@
 #include "daemon/pipeline/burst_queue.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <vector>
@@ -102,13 +104,13 @@ TEST(BurstQueue, AReplayKeepsEveryBurstInOrder) {
   EXPECT_EQ(queue.dropped_bursts(), 0U);
 }
 
-TEST(Field, BurstQueueTakesListedTransmittersFirstThenTracksThenTheNewest) {
+TEST(Field, BurstQueueTakesListedTransmittersFirstThenTracksThenTheRest) {
   BurstQueue queue(ranked());
   push(queue, {burst(20, 0), burst(21, 10), burst(11, 20), burst(22, 30), burst(10, 40)});
   push(queue, {burst(2, 50), burst(1, 60), burst(23, 70)});
-  // A newer burst makes a stranger the newest, and leaves the others their turn.
+  // A newer burst keeps the turn of its transmitter.
   push(queue, {burst(20, 300), burst(11, 310), burst(2, 320)});
-  EXPECT_EQ(pop_all(queue), (std::vector{2, 1, 11, 10, 20, 23, 22, 21}));
+  EXPECT_EQ(pop_all(queue), (std::vector{2, 1, 11, 10, 20, 21, 22, 23}));
 }
 
 // More than there is time for: one is explained, then all have a newer burst.
@@ -127,9 +129,13 @@ std::map<int, int> explained_under_load(const std::vector<std::uint8_t>& transmi
 }
 
 TEST(BurstQueue, UnderLoadTheRatesOfOneRankFallAlike) {
-  const auto explained = explained_under_load({10, 11, 12, 13, 14}, 100);
-  for (const int transmitter : {10, 11, 12, 13, 14}) {
-    EXPECT_EQ(explained.at(transmitter), 20) << transmitter;
+  for (const std::uint8_t first : {std::uint8_t{10}, std::uint8_t{20}}) {
+    const auto explained = explained_under_load(
+        {first, std::uint8_t(first + 1), std::uint8_t(first + 2), std::uint8_t(first + 3)}, 100);
+    ASSERT_EQ(explained.size(), 4U);
+    for (const auto& [transmitter, bursts] : explained) {
+      EXPECT_EQ(bursts, 25) << transmitter;
+    }
   }
 }
 
@@ -165,16 +171,83 @@ TEST(BurstQueue, ListedDevicesAreTakenTogetherAndUnlistedAlone) {
   EXPECT_EQ(queue.size(), 1U);
 }
 
-TEST(BurstQueue, UnlistedDevicesAlternateBetweenNewestAndLongestWaiting) {
+TEST(BurstQueue, EveryFourthPlaceOfTheLastRankGoesToTheNewestThatWasNotServed) {
   BurstQueue queue(ranked());
   std::vector<Burst> ended;
   for (std::uint8_t stranger = 20; stranger < 40; ++stranger) {
     ended.push_back(burst(stranger, 10 * stranger));
   }
   push(queue, std::move(ended));
-  const auto order = pop_all(queue);
-  EXPECT_EQ(std::vector(order.begin(), order.begin() + 9),
-            (std::vector{39, 38, 37, 20, 36, 35, 34, 21, 33}));
+  std::vector<int> order;
+  for (int i = 0; i < 5; ++i) {
+    order.push_back(queue.pop().transmitter.octets[5]);
+  }
+  EXPECT_EQ(order, (std::vector{20, 21, 22, 39, 23}));
+  // It has the newest burst again, and was served lately.
+  push(queue, {burst(39, 500)}, at(650));
+  order.clear();
+  for (int i = 0; i < 4; ++i) {
+    order.push_back(queue.pop().transmitter.octets[5]);
+  }
+  EXPECT_EQ(order, (std::vector{24, 25, 38, 26}));
+}
+
+// They may have left; a transmitter that continues has a newer burst.
+TEST(Field, BurstQueueTakesOldBurstsOfTheLastRankAfterTheOthers) {
+  BurstQueue queue(ranked());
+  push(queue, {burst(20, 0), burst(21, 0), burst(10, 0)});
+  push(queue, {burst(21, 600), burst(22, 600), burst(23, 650)}, at(800));
+  EXPECT_EQ(pop_all(queue), (std::vector{10, 21, 22, 23, 20}));
+  EXPECT_EQ(queue.dropped_bursts(), 0U);
+}
+
+// 200 addresses a second with one burst each, eight transmitters that continue and eight that send
+// every five seconds; there is time for 20 bursts a second. Bursts of a transmitter, in 100 s.
+std::map<int, int> explained_in_a_flood(std::uint64_t& of_flood) {
+  BurstQueue queue(ranked());
+  std::map<int, int> explained;
+  std::uint32_t address = 0;
+  for (int ms = 0; ms < 100'000; ms += 50) {
+    std::vector<Burst> ended;
+    for (int i = 0; i < 8; ++i) {
+      if (ms % 200 == i % 4 * 50) {
+        ended.push_back(burst(static_cast<std::uint8_t>(20 + i), ms));
+      }
+      if (ms % 5000 == i * 600) {
+        ended.push_back(burst(static_cast<std::uint8_t>(30 + i), ms));
+      }
+    }
+    for (int i = 0; i < 10; ++i, ++address) {
+      ended.push_back(burst(200, ms));
+      ended.back().transmitter.octets[3] = static_cast<std::uint8_t>(address >> 8U);
+      ended.back().transmitter.octets[4] = static_cast<std::uint8_t>(address);
+      ended.back().transmitter.octets[0] = 2;
+    }
+    queue.push(ended, at(ms + 150));
+    const Burst taken = queue.pop();
+    if (taken.transmitter.octets[5] == 200) {
+      ++of_flood;
+    } else {
+      ++explained[taken.transmitter.octets[5]];
+    }
+    EXPECT_LE(at(ms + 150) - taken.last, milliseconds(500)) << ms;
+  }
+  return explained;
+}
+
+TEST(Field, BurstQueueServesThoseWhoStayAlikeInAFloodOfAddresses) {
+  std::uint64_t of_flood = 0;
+  const auto explained = explained_in_a_flood(of_flood);
+  int least = std::numeric_limits<int>::max();
+  int most = 0;
+  for (int transmitter = 20; transmitter < 28; ++transmitter) {
+    ASSERT_EQ(explained.count(transmitter), 1U) << transmitter;
+    least = std::min(least, explained.at(transmitter));
+    most = std::max(most, explained.at(transmitter));
+  }
+  EXPECT_GE(least, 100) << "one a second";
+  EXPECT_LE(most, least + least / 10);
+  EXPECT_GT(of_flood, 100U);
 }
 
 TEST(Field, BurstQueueDropsAndCountsExpiredBursts) {
@@ -204,7 +277,10 @@ TEST(Field, BurstQueueHoldsABoundedNumberOfFrames) {
   EXPECT_EQ(queue.frames(), 12U);
   EXPECT_EQ(queue.dropped_bursts(), 2U);
   EXPECT_EQ(queue.dropped_frames(), 8U);
-  EXPECT_EQ(pop_all(queue), (std::vector{1, 10, 22}));
+  EXPECT_EQ(pop_all(queue), (std::vector{1, 10, 20}));
+  // Old bursts of the last rank are dropped first.
+  push(queue, {burst(20, 0), burst(21, 1000), burst(22, 1000), burst(23, 1000)}, at(1150));
+  EXPECT_EQ(pop_all(queue), (std::vector{21, 22, 23}));
 }
 
 TEST(BurstQueue, CountsEveryBurstInOneRank) {
@@ -308,12 +384,13 @@ std::map<std::uint64_t, int> explained_of_thousand(const RankOf& rank, int steps
 }
 
 TEST(Field, BurstQueueServesAThousandTransmittersOfOneRankAlike) {
-  const auto explained =
-      explained_of_thousand([](const MacAddress&) { return Rank::kTracked; }, 300);
-  ASSERT_EQ(explained.size(), 1000U);
-  for (const auto& [transmitter, bursts] : explained) {
-    EXPECT_GE(bursts, 2) << transmitter;
-    EXPECT_LE(bursts, 3) << transmitter;
+  for (const Rank rank : {Rank::kTracked, Rank::kOther}) {
+    const auto explained = explained_of_thousand([&](const MacAddress&) { return rank; }, 300);
+    ASSERT_EQ(explained.size(), 1000U);
+    for (const auto& [transmitter, bursts] : explained) {
+      EXPECT_GE(bursts, 2) << transmitter;
+      EXPECT_LE(bursts, 3) << transmitter;
+    }
   }
 }
 
