@@ -1,12 +1,10 @@
 #include "daemon/live/cluster/site_feed.h"
 
 #include <pthread.h>
-#include <sys/eventfd.h>
 
 #include <algorithm>
 #include <utility>
 
-#include "capture/transport/file_descriptor.h"
 #include "daemon/live/cluster/batch.h"
 #include "daemon/live/cluster/cluster_names.h"
 #include "daemon/live/cluster/sealed_message.h"
@@ -45,121 +43,6 @@ std::size_t keep_only(const Wanted& wanted, DatagramRing::Piece& piece) {
 
 }  // namespace
 
-// Queue of the source of one access point.
-class SiteFeed::Lane {
- public:
-  explicit Lane(std::shared_ptr<std::atomic<std::size_t>> bytes) : bytes_(std::move(bytes)) {}
-
-  // Node that last received the access point; empty: none has named it yet. For the feed alone.
-  std::string node;
-  // Last promised watermark. For the feed alone.
-  Timestamp watermark = Timestamp::min();
-
-  void put(DatagramRing::Piece piece, Timestamp promised) {
-    {
-      const std::lock_guard lock(mutex_);
-      promised_ = promised;
-      if (!piece.entries.empty()) {
-        *bytes_ += piece.payloads.size();
-        waiting_.push_back({std::move(piece), promised, false});
-        signal();
-      }
-    }
-    wake_.notify_one();
-  }
-  void count_rejected(const std::string& reason, std::uint64_t datagrams) {
-    if (datagrams > 0) {
-      const std::lock_guard lock(mutex_);
-      counters_.received += datagrams;
-      counters_.rejected[reason] += datagrams;
-    }
-  }
-  bool empty() const {
-    const std::lock_guard lock(mutex_);
-    return waiting_.empty();
-  }
-  struct Waiting {
-    DatagramRing::Piece piece;
-    Timestamp watermark;
-    bool ended = false;
-  };
-  // Ends the input; queued data are delivered only with `give_what_waits`.
-  void end(bool give_what_waits) {
-    {
-      const std::lock_guard lock(mutex_);
-      ended_ = true;
-      if (!give_what_waits) {
-        waiting_.clear();
-      }
-      signal();
-    }
-    wake_.notify_one();
-  }
-  // Waits for data; on a time-out returns the promised watermark.
-  Waiting take(Duration timeout) {
-    std::unique_lock lock(mutex_);
-    wake_.wait_for(lock, timeout, [&] { return ended_ || !waiting_.empty(); });
-    if (waiting_.empty()) {
-      return {{}, promised_, ended_};
-    }
-    Waiting first = std::move(waiting_.front());
-    waiting_.pop_front();
-    if (waiting_.empty() && !ended_) {
-      eventfd_t ignored = 0;
-      (void)::eventfd_read(input_.get(), &ignored);
-    }
-    *bytes_ -= first.piece.payloads.size();
-    counters_.received += first.piece.entries.size();
-    counters_.delivered += first.piece.entries.size();
-    counters_.bytes += first.piece.payloads.size();
-    return first;
-  }
-  // Readable while data wait, and from the end on.
-  int descriptor() const { return input_.get(); }
-  SourceCounters counters() const {
-    const std::lock_guard lock(mutex_);
-    return counters_;
-  }
-
- private:
-  void signal() const { (void)::eventfd_write(input_.get(), 1); }
-
-  const FileDescriptor input_{::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)};
-  const std::shared_ptr<std::atomic<std::size_t>> bytes_;  // of all lanes
-  mutable std::mutex mutex_;
-  std::condition_variable wake_;
-  std::deque<Waiting> waiting_;            // guarded by mutex_
-  Timestamp promised_ = Timestamp::min();  // guarded by mutex_
-  bool ended_ = false;                     // guarded by mutex_
-  SourceCounters counters_;                // guarded by mutex_
-};
-
-class SiteFeed::Source final : public DatagramSource {
- public:
-  Source(std::shared_ptr<Lane> lane, std::shared_ptr<Broker> broker, std::string description)
-      : lane_(std::move(lane)), broker_(std::move(broker)), description_(std::move(description)) {}
-
-  Expected<void> read(DatagramBatch& batch, Duration timeout) override {
-    Lane::Waiting next = lane_->take(timeout);
-    current_ = std::move(next.piece);
-    batch = {};
-    batch.datagrams = current_.datagrams();
-    batch.watermark = next.watermark;
-    batch.ended = next.ended;
-    return {};
-  }
-  SourceCounters counters() const override { return lane_->counters(); }
-  std::string description() const override { return description_; }
-  std::optional<int> poll_descriptor() const override { return lane_->descriptor(); }
-  std::string trouble() const override { return broker_->connected() ? "" : "no broker answers"; }
-
- private:
-  const std::shared_ptr<Lane> lane_;
-  const std::shared_ptr<Broker> broker_;
-  const std::string description_;
-  DatagramRing::Piece current_;
-};
-
 Expected<std::unique_ptr<SiteFeed>> SiteFeed::open(std::shared_ptr<Broker> broker,
                                                    Options options) {
   std::unique_ptr<SiteFeed> feed(new SiteFeed(std::move(broker), std::move(options)));
@@ -187,14 +70,14 @@ SiteFeed::SiteFeed(std::shared_ptr<Broker> broker, Options options)
   }
   lanes_.reserve(options_.access_points.size());
   for (std::size_t i = 0; i < options_.access_points.size(); ++i) {
-    lanes_.push_back(std::make_shared<Lane>(waiting_bytes_));
+    lanes_.push_back(std::make_shared<FeedLane>(waiting_bytes_));
   }
 }
 
 SiteFeed::~SiteFeed() { finish(); }
 
 std::unique_ptr<DatagramSource> SiteFeed::source(std::size_t access_point) {
-  return std::make_unique<Source>(
+  return std::make_unique<FeedSource>(
       lanes_.at(access_point), broker_, "cluster stream " + csi_stream(options_.site));
 }
 
@@ -304,7 +187,7 @@ void SiteFeed::deliver(Sequencer::Taken taken) {
       unknown_ += part.datagrams.entries.size();
       continue;
     }
-    Lane& lane = *lanes_[static_cast<std::size_t>(found - options_.access_points.begin())];
+    FeedLane& lane = *lanes_[static_cast<std::size_t>(found - options_.access_points.begin())];
     lane.node = taken.node;
     for (const auto& entry : part.datagrams.entries) {
       newest_ = std::max(newest_, entry.time);
@@ -321,7 +204,7 @@ void SiteFeed::deliver(Sequencer::Taken taken) {
   }
 }
 
-bool SiteFeed::is_waited_for(const Lane& lane) const {
+bool SiteFeed::is_waited_for(const FeedLane& lane) const {
   const auto node = nodes_.find(lane.node);
   return !lane.node.empty() && (node == nodes_.end() || !node->second.silent);
 }

@@ -14,7 +14,6 @@
 #pragma once
 
 #include <atomic>
-#include <condition_variable>
 #include <cstdint>
 #include <deque>
 #include <map>
@@ -27,6 +26,7 @@
 
 #include "capture/transport/datagram_source.h"
 #include "daemon/live/cluster/broker.h"
+#include "daemon/live/cluster/feed/feed_lane.h"
 #include "daemon/live/cluster/sequencer.h"
 #include "daemon/live/cluster/shed_rule.h"
 #include "daemon/live/cluster/site_resume.h"
@@ -91,8 +91,6 @@ class SiteFeed {
   void note_done(Timestamp time) { done_ = time; }
 
  private:
-  class Lane;
-  class Source;
   struct Node {
     Time last_received;   // by our clock
     Time reported;        // last report of its silence
@@ -110,7 +108,7 @@ class SiteFeed {
   void take(const BrokerMessage& message);
   void take_owner_record(const BrokerMessage& message);
   void deliver(Sequencer::Taken taken);
-  bool is_waited_for(const Lane& lane) const;
+  bool is_waited_for(const FeedLane& lane) const;
   std::optional<Timestamp> promised() const;
   void promise_for_silent_ones();
   void ask_for_holes(Time now);
@@ -122,7 +120,7 @@ class SiteFeed {
 
   const std::shared_ptr<Broker> broker_;
   const Options options_;
-  std::vector<std::shared_ptr<Lane>> lanes_;  // by access point
+  std::vector<std::shared_ptr<FeedLane>> lanes_;  // by access point
   std::shared_ptr<std::atomic<std::size_t>> waiting_bytes_;
   std::unique_ptr<StreamReader> reader_;
   Sequencer sequencer_;
