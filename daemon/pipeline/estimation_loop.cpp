@@ -128,6 +128,7 @@ void EstimationLoop::collect() {
   safe_time_ = is_carry_due_ ? *mark_ : taken_.safe_time;
   note_silence();
   collector_.advance(safe_time_, ended_);
+  note_waiting();
   // The end of the sources makes no burst too old: bursts that wait then are still processed.
   waiting_.push(ended_, more_ || !is_collected_ ? std::max(newest_, safe_time_) : newest_);
   count_collected(collector_.passed_over() - passed_over);
@@ -141,6 +142,23 @@ void EstimationLoop::note_silence() {
   }
 }
 
+// Bursts that have ended begin to wait, unless an earlier one of their transmitter waits already.
+void EstimationLoop::note_waiting() {
+  for (const Burst& burst : ended_) {
+    reported_.try_emplace(burst.transmitter, advanced_);
+  }
+}
+
+// Returns the time up to which all results are published: of a transmitter that waits, predictions
+// may follow that precede its bursts.
+Timestamp EstimationLoop::promise(Timestamp open) {
+  std::erase_if(reported_, [&](const auto& one) { return !waiting_.is_waiting(one.first); });
+  for (const auto& [transmitter, time] : reported_) {
+    open = std::min(open, time);
+  }
+  return open;
+}
+
 // Publishes the results that follow from silence, and the time up to which all are published.
 void EstimationLoop::advance_output() {
   const Timestamp open = std::min(known_, waiting_.earliest(collector_.earliest_open(safe_time_)));
@@ -151,11 +169,13 @@ void EstimationLoop::advance_output() {
         [this](const MacAddress& transmitter) { return waiting_.is_waiting(transmitter); },
         estimates);
     publish(estimates);
+    advanced_ = open;
   }
-  sink_.advance(open);
+  const Timestamp done = promise(open);
+  sink_.advance(done);
   if (is_carry_due_ && (waiting_.empty() || is_live())) {
     is_carry_due_ = false;
-    carry(open);
+    carry(done);
   }
 }
 
@@ -179,7 +199,8 @@ void EstimationLoop::reset_after_seek() {
     progress_.beat();
   }
   restart_estimator("the recording was moved to another place");
-  newest_ = safe_time_ = known_ = Timestamp::min();
+  newest_ = safe_time_ = known_ = advanced_ = Timestamp::min();
+  reported_.clear();
   mark_.reset();
   is_carry_due_ = false;
 }

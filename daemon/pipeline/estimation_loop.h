@@ -10,6 +10,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <map>
 #include <mutex>
 #include <optional>
 #include <span>
@@ -53,6 +54,8 @@ class EstimationLoop {
   void collect();
   bool reaches_mark(Timestamp time, bool is_frame);
   void note_silence();
+  void note_waiting();
+  Timestamp promise(Timestamp open);
   void advance_output();
   void carry(Timestamp done);
   void count_collected(std::uint64_t passed_over);
@@ -80,7 +83,11 @@ class EstimationLoop {
   Timestamp newest_ = Timestamp::min();     // newest frame
   Timestamp known_ = Timestamp::min();      // silence is reported up to this time
   Timestamp safe_time_ = Timestamp::min();  // of the collected frames
-  std::optional<Timestamp> mark_;           // last mark
+  Timestamp advanced_ = Timestamp::min();   // the estimator has reported silence up to this time
+  // The same for each transmitter whose bursts wait: its silence before them is reported when the
+  // next of them is processed, or none waits any more.
+  std::map<MacAddress, Timestamp> reported_;
+  std::optional<Timestamp> mark_;  // last mark
   bool is_carry_due_ = false;
   std::atomic<bool> is_cancelled_ = false;
   mutable std::mutex mutex_;

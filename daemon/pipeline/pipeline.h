@@ -70,8 +70,8 @@ class LocationSink {
   virtual void location(Location&& location) = 0;
   virtual void event(TrackEvent&& /*event*/) {}
   virtual void event(ZoneEvent&& /*event*/) {}
-  // No later location refers to an instant before `time`, unless the sources are recordings
-  // controlled by a user (Playback).
+  // No later result refers to an instant before `time`, except the ends of tracks that no silence
+  // causes: at a stop (Pipeline::end_tracks), and where a user moves a recording (Playback).
   virtual void advance(Timestamp /*time*/) {}
   // The state that a successor needs to report all results from carried.done on.
   virtual void carried(Carried&& /*carried*/) {}
