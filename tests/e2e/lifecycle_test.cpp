@@ -9,7 +9,6 @@
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
-#include <sstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -36,19 +35,10 @@ LiveDaemonOptions one_access_point(const std::vector<std::string>& environment,
           .setting = {.environment = environment}};
 }
 
-// The process that appends to the recordings (capture/record/append_process.h); 0 when there is
-// none.
+// The process that appends to the only recording; 0 when there is none.
 pid_t append_process_of(pid_t daemon) {
-  const std::string tasks = "/proc/" + std::to_string(daemon) + "/task";
-  for (const auto& task : std::filesystem::directory_iterator(tasks)) {
-    std::istringstream children(read_text(task.path() / "children"));
-    for (pid_t child = 0; children >> child;) {
-      if (read_text("/proc/" + std::to_string(child) + "/comm") == "rayloc-append\n") {
-        return child;
-      }
-    }
-  }
-  return 0;
+  const auto processes = append_processes(daemon);
+  return processes.empty() ? 0 : processes.begin()->second;
 }
 
 // In the recordings whose names begin so.

@@ -9,6 +9,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
+#include <sstream>
 #include <stdexcept>
 
 #include "tests/support/test_paths.h"
@@ -26,7 +27,9 @@ sockaddr_in loopback(std::uint16_t port) {
   return address;
 }
 
-bool can_bind(int type, std::uint16_t port) {
+}  // namespace
+
+bool is_free_port(int type, std::uint16_t port) {
   const int fd = socket(AF_INET, type | SOCK_CLOEXEC, 0);
   const int yes = 1;
   if (type == SOCK_STREAM) {
@@ -38,14 +41,12 @@ bool can_bind(int type, std::uint16_t port) {
   return bound;
 }
 
-}  // namespace
-
 // A free port. It is below the range of the kernel's own ports, so that no connection takes it
 // before the daemon binds it; tests of one run differ by process.
 std::uint16_t free_port(int type) {
   static int next = 15000 + static_cast<int>(getpid() % 1600) * 10;
   for (; next < 32000; ++next) {
-    if (can_bind(type, static_cast<std::uint16_t>(next))) {
+    if (is_free_port(type, static_cast<std::uint16_t>(next))) {
       return static_cast<std::uint16_t>(next++);
     }
   }
@@ -127,7 +128,7 @@ bool LiveDaemon::ready() {
                       return !bodies("heartbeat").empty() &&
                              std::none_of(
                                  udp_ports_.begin(), udp_ports_.end(), [](std::uint16_t port) {
-                                   return can_bind(SOCK_DGRAM, port);
+                                   return is_free_port(SOCK_DGRAM, port);
                                  });
                     }) &&
          daemon_->running() && subscriber_->running();
@@ -186,6 +187,22 @@ std::optional<int> send_for_a_second(const std::filesystem::path& folder,
               "send",
               daemon,
               {bundled_recording("calibration", "ap2"), "--rate", "2000", "--duration", "1"});
+}
+
+std::map<std::filesystem::path, pid_t> append_processes(pid_t daemon) {
+  constexpr const char* kFile = "fd/4";  // its only file
+  std::map<std::filesystem::path, pid_t> processes;
+  const std::string tasks = "/proc/" + std::to_string(daemon) + "/task";
+  for (const auto& task : std::filesystem::directory_iterator(tasks)) {
+    std::istringstream children(read_text(task.path() / "children"));
+    for (pid_t child = 0; children >> child;) {
+      const std::filesystem::path process = "/proc/" + std::to_string(child);
+      if (read_text(process / "comm") == "rayloc-append\n") {
+        processes[std::filesystem::read_symlink(process / kFile)] = child;
+      }
+    }
+  }
+  return processes;
 }
 
 std::uint64_t number(const nlohmann::json& value) {

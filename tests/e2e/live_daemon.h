@@ -12,6 +12,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <ostream>
@@ -64,6 +65,12 @@ struct LiveDaemonOptions {
 
 // A free port, of SOCK_DGRAM or SOCK_STREAM.
 std::uint16_t free_port(int type);
+// True if no process has that port.
+bool is_free_port(int type, std::uint16_t port);
+
+// The processes that append to the recordings of a raylocd (capture/record/append_process.h), by
+// the file.
+std::map<std::filesystem::path, pid_t> append_processes(pid_t daemon);
 
 class LiveDaemon {
  public:
@@ -74,6 +81,7 @@ class LiveDaemon {
   bool ready();
   // The address that access point `index` sends to, as HOST:PORT.
   std::string address(std::size_t index) const;
+  std::uint16_t port(std::size_t index) const { return udp_ports_.at(index); }
   std::size_t access_points() const { return udp_ports_.size(); }
   void signal(int number) { daemon_->signal(number); }
   bool running() { return daemon_->running(); }
