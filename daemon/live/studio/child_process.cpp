@@ -2,11 +2,13 @@
 
 #include <fcntl.h>
 #include <sched.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
@@ -24,11 +26,77 @@ namespace fs = std::filesystem;
 constexpr int kNiceness = 10;                     // chosen: for work that is not time-critical
 constexpr off_t kMaxErrorBytes = off_t{1} << 16;  // [bytes], chosen: end of its standard error
 constexpr std::string_view kFirstToGo = "1000";   // for oom_score_adj: proc(5)
-constexpr std::string_view kNotStarted = "the program rayloc cannot be started\n";
-constexpr int kCannotStart = 127;  // as in a shell
+constexpr std::string_view kNotStarted = "the program cannot be started\n";
+constexpr std::string_view kNotLimited = "the limits of the program cannot be set\n";
+
+// Copies of the standard descriptors of the process, above those that they become.
+class Descriptors {
+ public:
+  Descriptors(const ChildSettings& settings, int errors) {
+    const int nothing = open("/dev/null", O_RDWR | O_CLOEXEC);
+    copies_ = {copy_of(settings.input < 0 ? nothing : settings.input),
+               copy_of(settings.output < 0 ? nothing : settings.output),
+               copy_of(errors)};
+    if (nothing >= 0) {
+      close(nothing);
+    }
+  }
+  ~Descriptors() {
+    for (const int fd : copies_) {
+      if (fd >= 0) {
+        close(fd);
+      }
+    }
+  }
+  Descriptors(const Descriptors&) = delete;
+  Descriptors& operator=(const Descriptors&) = delete;
+
+  bool are_open() const {
+    return std::all_of(copies_.begin(), copies_.end(), [](int fd) { return fd >= 0; });
+  }
+  // In the process itself: async-signal-safe.
+  bool become_standard() const {
+    for (std::size_t fd = 0; fd < copies_.size(); ++fd) {
+      if (dup2(copies_[fd], static_cast<int>(fd)) < 0) {
+        return false;
+      }
+    }
+    return close_range(STDERR_FILENO + 1, ~0U, 0) == 0;
+  }
+
+ private:
+  static int copy_of(int fd) { return fd < 0 ? -1 : fcntl(fd, F_DUPFD_CLOEXEC, STDERR_FILENO + 1); }
+
+  std::array<int, 3> copies_{};  // by the descriptor that each becomes
+};
+
+// Async-signal-safe: in the GNU C library getrlimit() and setrlimit() are system calls alone. A
+// limit that this process has itself is never raised.
+bool set_limit(decltype(RLIMIT_AS) resource, std::uint64_t limit) {
+  rlimit both{};
+  if (limit == 0) {
+    return true;
+  }
+  if (getrlimit(resource, &both) != 0) {
+    return false;
+  }
+  both.rlim_max = std::min<rlim_t>(both.rlim_max, limit + 1);  // a second later: SIGKILL
+  both.rlim_cur = std::min<rlim_t>(both.rlim_max, limit);
+  return setrlimit(resource, &both) == 0;
+}
+
+[[noreturn]] void end_with(std::string_view message) {
+  if (write(STDERR_FILENO, message.data(), message.size()) < 0) {
+    _exit(ChildProcess::kCannotStart + 1);
+  }
+  _exit(ChildProcess::kCannotStart);
+}
 
 // The parent has threads: between fork() and execv() only async-signal-safe calls are allowed.
-[[noreturn]] void become(char* const* arguments, int nothing, int errors, pid_t parent) {
+[[noreturn]] void become(char* const* arguments,
+                         const Descriptors& descriptors,
+                         const ChildSettings& settings,
+                         pid_t parent) {
   for (int signal = 1; signal < NSIG; ++signal) {
     std::signal(signal, SIG_DFL);
   }
@@ -37,7 +105,7 @@ constexpr int kCannotStart = 127;  // as in a shell
   sigprocmask(SIG_SETMASK, &none, nullptr);
   setpgid(0, 0);  // Ctrl-C goes to the parent only, which decides
   if (!end_with_parent(parent)) {
-    _exit(kCannotStart);
+    _exit(ChildProcess::kCannotStart);
   }
   if (nice(kNiceness) < 0) {  // which the systemd unit of raylocd forbids
     const sched_param idle{};
@@ -48,15 +116,16 @@ constexpr int kCannotStart = 127;  // as in a shell
   if (score >= 0 && write(score, kFirstToGo.data(), kFirstToGo.size()) < 0) {
     close(score);
   }
-  if (dup2(nothing, STDIN_FILENO) < 0 || dup2(nothing, STDOUT_FILENO) < 0 ||
-      dup2(errors, STDERR_FILENO) < 0 || close_range(STDERR_FILENO + 1, ~0U, 0) != 0) {
-    _exit(kCannotStart);
+  if (!descriptors.become_standard()) {
+    _exit(ChildProcess::kCannotStart);
+  }
+  if (!set_limit(RLIMIT_CPU, settings.processor_seconds) ||
+      !set_limit(RLIMIT_FSIZE, settings.file_bytes) ||
+      !set_limit(RLIMIT_AS, settings.memory_bytes)) {
+    end_with(kNotLimited);
   }
   execv(arguments[0], arguments);
-  if (write(STDERR_FILENO, kNotStarted.data(), kNotStarted.size()) < 0) {
-    _exit(kCannotStart + 1);
-  }
-  _exit(kCannotStart);
+  end_with(kNotStarted);
 }
 
 tl::unexpected<Error> cannot_start(const fs::path& program, int error) {
@@ -80,7 +149,9 @@ Expected<fs::path> rayloc_program() {
 }
 
 Expected<std::unique_ptr<ChildProcess>> ChildProcess::start(
-    const fs::path& program, const std::vector<std::string>& arguments) {
+    const fs::path& program,
+    const std::vector<std::string>& arguments,
+    const ChildSettings& settings) {
   std::signal(SIGCHLD, SIG_DFL);  // an inherited SIG_IGN would make waitpid() fail
   std::vector<std::string> words{program.string()};
   words.insert(words.end(), arguments.begin(), arguments.end());
@@ -94,21 +165,13 @@ Expected<std::unique_ptr<ChildProcess>> ChildProcess::start(
   if (!errors) {
     return cannot_start(program, errno);
   }
-  // Above the descriptors to which the process copies them.
-  const int its_errors = fcntl(fileno(errors.get()), F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
-  const int opened = open("/dev/null", O_RDWR | O_CLOEXEC);
-  const int nothing = opened < 0 ? -1 : fcntl(opened, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
+  const Descriptors descriptors(settings, fileno(errors.get()));
   const pid_t parent = getpid();
-  const pid_t process = its_errors >= 0 && nothing >= 0 ? fork() : -1;
+  const pid_t process = descriptors.are_open() ? fork() : -1;
   if (process == 0) {
-    become(pointers.data(), nothing, its_errors, parent);
+    become(pointers.data(), descriptors, settings, parent);
   }
   const int error = errno;
-  for (const int fd : {its_errors, opened, nothing}) {
-    if (fd >= 0) {
-      close(fd);
-    }
-  }
   if (process < 0) {
     return cannot_start(program, error);
   }
@@ -127,7 +190,6 @@ std::optional<int> ChildProcess::status() {
   int status = 0;
   const pid_t ended = status_ ? 0 : waitpid(process_, &status, WNOHANG);
   if (ended == process_) {
-    constexpr int kBySignal = 128;
     status_ = WIFEXITED(status) ? WEXITSTATUS(status) : kBySignal + WTERMSIG(status);
   } else if (ended < 0 && errno == ECHILD) {
     status_ = kCannotStart;  // it has ended, with an unknown status

@@ -1,8 +1,8 @@
-// ChildProcess: a program of ours that runs beside this one, for a person who uses a page.
+// ChildProcess: a program that runs beside this one, for a person who uses a page.
 //
 // It inherits the environment, folder, limits and cgroup of this process, and
-// nothing else: no descriptor, signal mask or group. If the memory of the cgroup
-// is exhausted it is killed first. Its standard error goes to an unnamed file, so
+// nothing else: no descriptor (except those of ChildSettings), signal mask or group. If the memory
+// of the cgroup is exhausted it is killed first. Its standard error goes to an unnamed file, so
 // that it never waits for a reader. It has a lower priority than this process,
 // and the kernel ends it when the thread that started it ends, for any reason.
 //
@@ -11,6 +11,7 @@
 
 #include <sys/types.h>
 
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -25,16 +26,32 @@ namespace rayloc {
 // The program `rayloc` of this installation: beside this one, or in bin beside its folder.
 Expected<std::filesystem::path> rayloc_program();
 
+// Standard descriptors and limits of a process. Copies of the descriptors are made when it starts,
+// and the offset of a file is shared with it.
+struct ChildSettings {
+  int input = -1;   // -1: /dev/null
+  int output = -1;  // same
+  // Limits that the kernel enforces (setrlimit(2)); 0: those of this process.
+  std::uint64_t memory_bytes = 0;       // address space
+  std::uint64_t processor_seconds = 0;  // above it SIGXCPU ends it
+  std::uint64_t file_bytes = 0;         // of each file that it writes; above it SIGXFSZ ends it
+};
+
 class ChildProcess {
  public:
+  // Status as in a shell: the program cannot be started; this plus the signal that ended it.
+  static constexpr int kCannotStart = 127;
+  static constexpr int kBySignal = 128;
+
   static Expected<std::unique_ptr<ChildProcess>> start(const std::filesystem::path& program,
-                                                       const std::vector<std::string>& arguments);
+                                                       const std::vector<std::string>& arguments,
+                                                       const ChildSettings& settings = {});
   // Kills it if it has not ended.
   ~ChildProcess();
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
 
-  // As reported by a shell (128 plus the ending signal); empty while it runs. Never waits.
+  // kBySignal plus the ending signal, or the exit status; empty while it runs. Never waits.
   std::optional<int> status();
   // Asks it to end (SIGTERM); the second call kills it (SIGKILL).
   void stop();

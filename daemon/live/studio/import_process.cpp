@@ -22,8 +22,6 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-constexpr int kSignalStatus = 128;     // of a shell: this plus the signal
-constexpr int kNoProgramStatus = 127;  // same: it could not be started
 constexpr std::array<std::string_view, 4> kStatedOptions = {"unit", "scale", "height", "walls"};
 constexpr std::string_view kRemark = "  ";  // begins the line of a remark of `rayloc scene import`
 
@@ -148,19 +146,19 @@ Expected<ImportedFiles> run_import(const fs::path& program,
                     limit.count()));
   }
   const std::string errors = (*process)->errors();
-  if (*status > kSignalStatus) {
+  if (*status > ChildProcess::kBySignal) {
     return bad_input(
         fmt::format("{}the program that reads this format ended by signal {}; export "
                     "the file again, or in another format, best as GLB",
                     place,
-                    *status - kSignalStatus));
+                    *status - ChildProcess::kBySignal));
   }
   if (*status != 0) {
     const std::string message = without_line_end(errors);
-    return make_error(*status == kNoProgramStatus ? ErrorKind::kUnavailable : ErrorKind::kBadInput,
-                      message.empty()
-                          ? fmt::format("{}cannot be read (exit status {})", place, *status)
-                          : message);
+    return make_error(
+        *status == ChildProcess::kCannotStart ? ErrorKind::kUnavailable : ErrorKind::kBadInput,
+        message.empty() ? fmt::format("{}cannot be read (exit status {})", place, *status)
+                        : message);
   }
   auto files = files_below(out.path());
   RAYLOC_TRY(files);

@@ -6,8 +6,11 @@
 
 #include <chrono>
 #include <csignal>
+#include <cstdint>
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <thread>
 
 #include <gtest/gtest.h>
@@ -92,6 +95,26 @@ TEST(ChildProcess, ReportsAMissingProgram) {
   auto process = ChildProcess::start("/nowhere/rayloc", {});
   ASSERT_TRUE(process) << process.error().message;
   EXPECT_EQ(status_of(**process), 127);
+}
+
+TEST(ChildProcess, HasTheStatedDescriptorsAndLimits) {
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> input(std::tmpfile(), &std::fclose);
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> output(std::tmpfile(), &std::fclose);
+  ASSERT_TRUE(input && output);
+  ASSERT_EQ(pwrite(fileno(input.get()), "content", 7, 0), 7);
+  auto process = ChildProcess::start("/bin/sh",
+                                     {"-c", "cat; ulimit -v >&2; ulimit -t >&2; ulimit -f >&2"},
+                                     {.input = fileno(input.get()),
+                                      .output = fileno(output.get()),
+                                      .memory_bytes = std::uint64_t{1} << 30U,
+                                      .processor_seconds = 7,
+                                      .file_bytes = 1024});
+  ASSERT_TRUE(process) << process.error().message;
+  EXPECT_EQ(status_of(**process), 0);
+  EXPECT_EQ((*process)->errors(), "1048576\n7\n2\n");  // KiB, s, blocks of 512 bytes
+  char read[8] = {};
+  EXPECT_EQ(pread(fileno(output.get()), read, sizeof read, 0), 7);
+  EXPECT_STREQ(read, "content");
 }
 
 class CalibrationJobTest : public ::testing::Test {
