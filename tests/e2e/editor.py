@@ -155,6 +155,25 @@ def write_png(path, width, height, marks, side):
                    + chunk(b"IDAT", zlib.compress(b"".join(b"\0" + row for row in rows))) + chunk(b"IEND", b""))
 
 
+def write_pdf(path, width, height, pages, side):
+    """As write_png, at 150 pixels an inch, with such marks on each page."""
+    objects = [b"<</Type/Catalog/Pages 2 0 R>>", b""]
+    for marks in pages:
+        squares = "\n".join(f"{r / 255} {g / 255} {b / 255} rg {x - side / 2} {height - y - side / 2} {side} {side} re f" for x, y, (r, g, b) in marks)
+        content = f"{72 / 150} 0 0 {72 / 150} 0 0 cm\n{squares}"
+        objects.append(f"<</Type/Page/Parent 2 0 R/MediaBox[0 0 {width * 72 / 150} {height * 72 / 150}]/Contents {len(objects) + 2} 0 R>>".encode())
+        objects.append(f"<</Length {len(content)}>>stream\n{content}\nendstream".encode())
+    objects[1] = f"<</Type/Pages/Count {len(pages)}/Kids[{' '.join(f'{2 * i + 3} 0 R' for i in range(len(pages)))}]>>".encode()
+    text, offsets = b"%PDF-1.4\n", []
+    for i, one in enumerate(objects):
+        offsets.append(len(text))
+        text += b"%d 0 obj\n%s\nendobj\n" % (i + 1, one)
+    table = b"0000000000 65535 f \n" + b"".join(b"%010d 00000 n \n" % one for one in offsets)
+    with open(path, "wb") as file:
+        file.write(text + b"xref\n0 %d\n%strailer<</Size %d/Root 1 0 R>>\nstartxref\n%d\n%%%%EOF\n"
+                   % (len(objects) + 1, table, len(objects) + 1, len(text)))
+
+
 def triangles(site):
     """The triangles of all meshes of an imported site."""
     for mesh in sorted(glob.glob(os.path.join(site, "meshes", "*.ply"))):

@@ -16,7 +16,7 @@
   const {colouredZones} = await import('/map/zones.js');
   const {stayText, trackText, zoneText} = await import('/map/words.js');
   const {Draft, freeName} = await import('/map/draft.js');
-  const {carried, fitted, scaled} = await import('/map/underlay.js');
+  const {carried, fitted, resized, scaled} = await import('/map/underlay.js');
   const {calibrationText} = await import('/map/calibrate.js');
 
   const same = (found, wanted, what) => {
@@ -58,6 +58,7 @@
       // The place in the picture that the first is of stays there.
       const pixelOf = ({corner, pixel}, at) => at.map((one, i) => (one - corner[i]) / pixel);
       same(pixelOf(now, [2, 3.75]), pixelOf(place, [2, 3.75]), 'the first place');
+      same(resized(place, [800, 300], 0.01), {pixel: 0.01, corner: [-1, 2]}, 'resized about its middle');
       same(carried(now, [[1, 1], [1.5, 0]]), {pixel: 0.01, corner: [0.5, 0.75]}, 'moved');
     },
 

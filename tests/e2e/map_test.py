@@ -969,18 +969,36 @@ class EditorTest(MapTest):
 
     def draw_over(self, page, person):
         """A picture of a floor plan under the drawing: two places and a length, moved, faded, taken away."""
-        picture, pdf, broken = (os.path.join(self.folder, name) for name in ("plan.png", "plan.pdf", "broken.png"))
+        picture, pdf, broken, damaged = (os.path.join(self.folder, name) for name in ("plan.png", "plan.pdf", "broken.png", "damaged.pdf"))
         red, green = (255, 0, 0), (0, 160, 0)
-        editor.write_png(picture, 600, 300, [(100, 200, red), (500, 200, green)], 20)
-        for path, content in ((pdf, b"%PDF-1.7\n"), (broken, b"no picture")):
+        marks = ((100, red), (500, green))
+        squares = [(x, 200, colour) for x, colour in marks]
+        editor.write_png(picture, 600, 300, squares, 20)
+        editor.write_pdf(pdf, 600, 300, [[], squares], 20)
+        for path, content in ((damaged, b"%PDF-1.7\n"), (broken, b"no picture")):
             with open(path, "wb") as file:
                 file.write(content)
-        person.choose_file("#underlay-file", pdf)
-        page.wait(f"{self.SAID}.includes('export the page as PNG')")
-        person.choose_file("#underlay-file", broken)
-        page.wait(f"{self.SAID} === 'broken.png is no picture that this browser reads: take a PNG or a JPEG'")
+        clicks = person.clicks  # a person has one plan, without mistakes
+        for path, reason in ((damaged, "cannot be read"), (broken, "no picture that this browser reads")):
+            person.choose_file("#underlay-file", path)
+            page.wait(f"{self.SAID}.startsWith('{os.path.basename(path)}: ') && {self.SAID}.includes('{reason}')")
+        assert page.ask("document.querySelector('#underlay-fields').getBoundingClientRect().height") == 0
         person.choose_file("#underlay-file", picture)
         page.wait(f"{self.SAID}.startsWith('plan.png lies under the drawing')")
+        assert page.ask("document.querySelector('#underlay-page-field').hidden && document.querySelector('#underlay-drawn-field').hidden")
+        person.clicks = clicks
+        person.choose_file("#underlay-file", pdf)
+        page.wait(f"{self.SAID}.startsWith('plan.pdf, page 1 of 2, lies under the drawing')")
+        person.fill("#underlay-drawn", "30")
+        said = page.wait(f"{self.SAID}.startsWith('At 1:30 the picture is ') && {self.SAID}")
+        assert said.split()[5:8] == ["3.05", "x", "1.52"], said  # 4 x 2 inches of paper
+        person.fill("#underlay-page", "3")
+        page.wait(f"{self.SAID}.includes('pages 1 to 2')")
+        assert page.ask("document.querySelector('#underlay-page').value") == "1"
+        person.fill("#underlay-page", "2")
+        page.wait(f"{self.SAID}.startsWith('plan.pdf, page 2 of 2, lies under the drawing')")
+        assert page.ask("document.querySelector('#underlay-drawn').value") == "30"
+        person.click("#underlay-scale")
         page.wait("document.querySelector('#underlay-picture image') !== null")
         page.ask("(() => { const e = document.querySelector('#underlay-shown'); e.value = 1; e.dispatchEvent(new Event('input')); })()")
         person.clicks += 1
@@ -999,7 +1017,6 @@ class EditorTest(MapTest):
 
         def settle():
             page.ask("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
-        marks = ((100, red), (500, green))
         ends = [eventually("the picture is shown", lambda one=one: (p := place_of(*one))[2] > 20 and p) for one in marks]
         for pixel, _, _ in ends:
             person.click_at(pixel)

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "daemon/live/http/map_files.h"
+#include "daemon/live/studio/pdf_page.h"
 
 namespace rayloc {
 namespace {
@@ -67,6 +68,34 @@ HttpReply walk(WalkedSurvey& survey, const HttpParameters& parameters) {
   return editor_reply(done ? survey.state() : tl::make_unexpected(done.error()));
 }
 
+HttpReply picture_of(PdfPage& plan, const HttpParameters& parameters) {
+  auto picture = plan.picture(text_of(parameters, "number"));
+  return picture ? HttpReply{200, "image/png", *std::move(picture)}
+                 : editor_reply(tl::make_unexpected(picture.error()));
+}
+
+// A page of a PDF, under the drawing. Its conversion ends with these routes.
+std::map<std::string, HttpRoute> plan_routes() {
+  const auto plan = std::make_shared<PdfPage>();
+  std::map<std::string, HttpRoute> routes;
+  HttpRoute& upload = routes["/api/v1/edit/pdf"];
+  upload.receive = [plan](const HttpParameters& parameters, const std::string& body) {
+    return editor_reply(plan->start(body, text_of(parameters, "page")));
+  };
+  upload.content_type = "application/pdf";
+  upload.most_bytes = PdfPage::kMaxBytes;
+  routes["/api/v1/edit/page"].control = [plan](const HttpParameters& parameters) {
+    return editor_reply(plan->state(text_of(parameters, "number")));
+  };
+  routes["/api/v1/edit/picture"].control = [plan](const HttpParameters& parameters) {
+    return picture_of(*plan, parameters);
+  };
+  for (auto& [path, route] : routes) {
+    route.method = "POST";
+  }
+  return routes;
+}
+
 }  // namespace
 
 HttpReply editor_reply(const Expected<Json>& result) {
@@ -79,7 +108,7 @@ HttpReply editor_reply(const Expected<Json>& result) {
 
 std::map<std::string, HttpRoute> editor_routes(const std::shared_ptr<const SiteEditor>& editor,
                                                const std::shared_ptr<WalkedSurvey>& survey) {
-  std::map<std::string, HttpRoute> routes;
+  std::map<std::string, HttpRoute> routes = plan_routes();
   routes["/edit"] = map_routes().at("/map/edit.html");
   HttpRoute& edit = routes["/api/v1/edit"];
   edit.handler = [editor] { return editor_reply(editor->state()); };

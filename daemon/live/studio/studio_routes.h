@@ -2,6 +2,9 @@
 //
 //   /edit                  the page of the editor
 //   /api/v1/edit           its data (site_editor.h); POST: writes a draft
+//   POST /api/v1/edit/pdf      ?page=1, with a PDF as the body: begins to convert it (pdf_page.h)
+//   POST /api/v1/edit/page     ?number=N: whether that conversion runs, or the size of its page
+//   POST /api/v1/edit/picture  ?number=N: its picture, once
 //   /api/v1/survey         the walked survey; `POST ?do=stand&x=1&y=2&z=1.2`, keep, leave
 //   /api/v1/calibrate      progress of the calibration; POST ?do=start&what=all, stop
 //   /calibration-report    page with the last report

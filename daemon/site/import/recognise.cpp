@@ -25,7 +25,7 @@ struct Refused {
 };
 
 constexpr std::string_view kTrace =
-    "lay it under a drawing in rayloc studio (as PNG or JPEG), or draw its walls over it in "
+    "lay it under a drawing in rayloc studio (as PNG, JPEG or PDF), or draw its walls over it in "
     "Inkscape and save that as SVG";
 constexpr std::string_view kMakeMesh =
     "make a mesh of it (in CloudCompare or MeshLab), and export that as PLY or OBJ";
@@ -40,8 +40,8 @@ constexpr std::array kRefused = {
     Refused{"AutoCAD Binary DXF", "a DXF in binary", "export it as DXF of text (ASCII)"},
     Refused{"%PDF",
             "a PDF",
-            "open it in Inkscape and save its plan as SVG, or lay it under a drawing in rayloc "
-            "studio, as the PNG that pdftoppm -r 150 -png makes of it"},
+            "open it in Inkscape and save its plan as SVG, or lay a page of it under a drawing in "
+            "rayloc studio"},
     Refused{"%!PS", "PostScript", "open it in Inkscape and save its plan as SVG"},
     Refused{"\x89PNG", "a picture", kTrace},
     Refused{"\xff\xd8\xff", "a picture", kTrace},
