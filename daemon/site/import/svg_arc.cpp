@@ -23,6 +23,9 @@ std::vector<FloorPoint> chords_of(const SvgArc& arc) {
   ry *= scale;
   const FloorPoint unit = {half[0] / rx, half[1] / ry};
   const double apart = unit[0] * unit[0] + unit[1] * unit[1];
+  if (!(apart > 0.0)) {
+    return {arc.to};  // flatter than a number can state
+  }
   const double side = (arc.is_large == arc.is_clockwise ? -1.0 : 1.0) *
                       std::sqrt(std::max(0.0, (1.0 - apart) / apart));
   const FloorPoint centre = {side * unit[1], -side * unit[0]};

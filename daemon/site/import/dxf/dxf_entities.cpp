@@ -75,7 +75,7 @@ void DxfEntities::read(std::string_view end, DxfBlock& to) {
       groups_.next();
       continue;
     }
-    const std::string kind = groups_.now().value;
+    const std::string kind = groups_.text();
     groups_.next();
     common_ = {};
     if (kind == "LINE") {

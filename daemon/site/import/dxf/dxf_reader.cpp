@@ -52,6 +52,12 @@ constexpr std::array<double, 25> kDxfUnits = {0.0,
                                               kSurveyFoot * 3.0,
                                               kSurveyFoot * 5280.0};
 
+// In points: a placed line has a copy of its layer's name, and each block is looked up by its name.
+std::size_t points_of_name(const std::string& name) {
+  constexpr std::size_t kUsualBytes = 64;  // chosen: names up to here count as none
+  return name.size() <= kUsualBytes ? 0 : name.size() / sizeof(FloorPoint);
+}
+
 // Names of layers and blocks are compared without case.
 struct Layer {
   std::string name;        // as in the table of layers
@@ -183,7 +189,7 @@ class DxfReader {
   // Lines of an inserted block; those of its layer "0" are on the layer of the insert.
   void place(const DxfBlock& block, const Placing& placing, const std::string& layer, int depth) {
     for (const DrawnLine& line : block.lines) {
-      points_ += line.points.size();
+      points_ += line.points.size() + points_of_name(layer) + points_of_name(line.layer);
       if (points_ > kMaxDrawnPoints) {
         return;
       }
@@ -203,7 +209,12 @@ class DxfReader {
       }
       drawing_.lines.push_back(std::move(placed));
     }
-    points_ += block.left_out.size() + block.left_out_layers.size();
+    for (const auto& [kind, count] : block.left_out) {
+      points_ += 1 + points_of_name(kind);
+    }
+    for (const std::string& name : block.left_out_layers) {
+      points_ += 1 + points_of_name(name);
+    }
     if (points_ > kMaxDrawnPoints) {
       return;
     }
@@ -214,7 +225,8 @@ class DxfReader {
       used_.insert(layer_of(name).name);
     }
     for (const DxfInsert& insert : block.inserts) {
-      if (++points_ > kMaxDrawnPoints) {
+      points_ += 1 + points_of_name(insert.block) + points_of_name(insert.layer);
+      if (points_ > kMaxDrawnPoints) {
         return;
       }
       const auto found = blocks_.find(lower_case(insert.block));
@@ -287,7 +299,7 @@ class DxfReader {
   std::set<std::string> used_;              // layers with a visible entity
   std::size_t hidden_ = 0;                  // lines and blocks on hidden layers
   std::map<std::string, std::size_t> left_out_;
-  std::size_t points_ = 0;  // that were placed, and names of what was left out in placed blocks
+  std::size_t points_ = 0;  // that were placed, and names in placed blocks
   bool is_cut_off_ = false;
   bool is_finite_ = true;
 };

@@ -320,6 +320,26 @@ TEST_F(Dxf, RefusesMoreFurnitureThanAStoreyHas) {
   EXPECT_NE(refusal(desks(4001)).find("closed lines of furniture"), std::string::npos);
 }
 
+// Each placed line has a copy of its layer's name.
+TEST_F(Dxf, NamesOfPlacedLinesAreLimited) {
+  const auto plan = [&](std::size_t length, int count) {
+    const std::string blocks = "0\nSECTION\n2\nBLOCKS\n0\nBLOCK\n2\nb\n" +
+                               line(std::string(length, 'L'), 0, 0, 1, 0) +
+                               "0\nENDBLK\n0\nENDSEC\n";
+    return blocks +
+           drawing(walls("WALL") + fmt::format("0\nINSERT\n2\nb\n70\n{}\n71\n{}\n", count, count));
+  };
+  EXPECT_TRUE(import(file("plan.dxf", plan(255, 10))));
+  EXPECT_TRUE(import(file("plan.dxf", plan(30000, 3))));
+  EXPECT_NE(refusal(plan(30000, 100)).find("more points than a plan"), std::string::npos);
+}
+
+TEST_F(Dxf, KindsOfOmittedEntitiesAreReportedAsUtf8) {
+  const auto room = import(file("plan.dxf", drawing(walls("WALL") + "0\nT\xdcR\n8\nWALL\n")));
+  ASSERT_TRUE(room) << room.error().message;
+  EXPECT_NE(remarks(*room).find("1 T\xc3\x9cR"), std::string::npos) << remarks(*room);
+}
+
 // Each block holds the next one a hundred times.
 TEST_F(Dxf, RefusesBlocksNestedTooDeeply) {
   std::string blocks = "0\nSECTION\n2\nBLOCKS\n";

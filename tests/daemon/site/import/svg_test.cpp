@@ -269,6 +269,9 @@ TEST(SvgText, PathsAreReadAsTheStandardWritesThem) {
   const auto upright = svg_path("M0 0A2 1 90 0 1 2 0");
   EXPECT_NEAR(upright->at(0).points.at(upright->at(0).points.size() / 2)[1], -2.0, 0.02);
   EXPECT_EQ(svg_path("M0 0A0 1 0 0 1 2 0")->at(0).points.size(), 2U);
+  // A circle of which a number cannot state the bend is a line.
+  EXPECT_EQ(svg_path("M0 0A1e300 1e300 0 0 1 1e-10 0")->at(0).points,
+            (std::vector<FloorPoint>{{0, 0}, {1e-10, 0}}));
   // A quarter of a circle of radius 1 stays one, to half a percent.
   const double k = 0.5522847498;
   const auto curve = svg_path(fmt::format("M1 0C1 {} {} 1 0 1S-1 {} -1 0", k, k, k));
