@@ -264,6 +264,8 @@
       const dots = pointsOf([fit(1, 1), fit(2, 0), fit(3, 0.5)]).map(dotOf);
       same(dots.map((dot) => [dot.getAttribute('class'), dot.getAttribute('r')]),
         [['residual fit-0', '9'], ['residual fit-2', '7'], ['residual fit-4', '5']], 'dots');
+      showCalibration({available: true, method: 'unsurveyed', expectation: 'Plan only.'});
+      same(text('#calibration-text'), ['Plan only.'], 'without a survey');
       showCalibration({available: false, reason: 'none'});
       same([text('#fit-rows tr').length, text('#moved-more'), document.querySelector('#fits').hidden], [0, [''], true], 'of none');
     },

@@ -174,6 +174,10 @@ Json calibration_json(const Site& site, const RoomModel& room) {
       selected[key] = report[key];
     }
   }
+  const Json::json_pointer expectation("/verdict/expectation");
+  if (report.contains(expectation)) {
+    selected["expectation"] = report.at(expectation);
+  }
   return selected;
 }
 

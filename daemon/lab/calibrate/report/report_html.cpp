@@ -11,6 +11,7 @@
 #include "daemon/lab/calibrate/report/calibration_report.h"
 #include "daemon/lab/calibrate/report/expectation.h"
 #include "daemon/lab/calibrate/report/fit_summary.h"
+#include "daemon/lab/calibrate/report/introduction.h"
 #include "daemon/lab/calibrate/report/parameter_change.h"
 #include "daemon/lab/calibrate/report/report_figures.h"
 #include "daemon/lab/draw/html.h"
@@ -125,19 +126,6 @@ std::string mistake_table(const std::vector<TriedMistake>& mistakes) {
              "Frequent mistakes of surveys and plans, the best fit first. Each was tried on the "
              "floor plan, with chain gains fitted to one half of the points, and judged by the "
              "other half. Standard errors are those of the mean difference per point.");
-}
-
-std::string introduction(const CalibrationReport& report) {
-  std::string html = "<p><strong>" + html_text(expectation(report)) + "</strong></p>\n";
-  const std::vector<std::string> next = advice(report);
-  if (!next.empty() && report.verdict.is_success()) {
-    html += paragraph("Recommended next steps:") + "<ol>\n";
-    for (const std::string& one : next) {
-      html += "<li>" + html_text(one) + "</li>\n";
-    }
-    html += "</ol>\n";
-  }
-  return html;
 }
 
 // Empty for a success: then the page has only the list of alternatives, at its end.
@@ -286,8 +274,9 @@ std::string to_html(const CalibrationReport& report) {
   RAYLOC_CHECK(!report.methods.empty() && report.positions.size() == report.held_out.size());
   return html_page(
       "Calibration of " + report.site,
-      introduction(report) + failure(report) + headline(report) +
-          section("Methods", method_table(report)) +
+      introduction(expectation(report),
+                   report.verdict.is_success() ? advice(report) : std::vector<std::string>()) +
+          failure(report) + headline(report) + section("Methods", method_table(report)) +
           section("Course of the fit", progress(report)) +
           section("Fit of the points held out", fit_distributions(report)) +
           section("Changes to the plan",

@@ -5,13 +5,18 @@
 #include <cstdlib>
 #include <filesystem>
 #include <system_error>
+#include <utility>
+#include <vector>
 
 #include <spdlog/fmt/fmt.h>
+#include <nlohmann/json.hpp>
 
 #include "daemon/lab/calibrate/calibrate.h"
 #include "daemon/lab/calibrate/calibrate_rechain.h"
 #include "daemon/lab/calibrate/unsurveyed/located_places.h"
 #include "daemon/lab/calibrate/unsurveyed/plan_calibration.h"
+#include "daemon/lab/calibrate/unsurveyed/unsurveyed_report.h"
+#include "daemon/site/model/calibration_file.h"
 #include "daemon/site/model/room_model.h"
 #include "daemon/site/model/site_copy.h"
 
@@ -69,22 +74,55 @@ bool is_one_alone(const std::vector<std::string>& captures) {
   });
 }
 
+// Writes the reports of a site that has the walls of the plan.
+Expected<void> write_reports(const std::string& folder,
+                             UnsurveyedReport report,
+                             const UnsurveyedObserver& observer) {
+  const fs::path out = folder;
+  const auto site = load_site(folder);
+  RAYLOC_TRY(site);
+  const auto calibration = load_calibration_file(out / "calibration.toml");
+  RAYLOC_TRY(calibration);
+  report.site = site->name;
+  report.calibration_id = calibration->id;
+  report.access_points = access_point_ids(*site);
+  report.needed = kFewestPoints;
+  observer.note(expectation(report));
+  RAYLOC_TRY(write_file(out / "report.json", to_json(report).dump(2) + "\n"));
+  return write_file(out / "report.html", to_html(report));
+}
+
 // Writes the plan unchanged, with unknown chains.
-Expected<void> write_plan(const UnsurveyedArguments& arguments) {
+Expected<void> write_plan(const UnsurveyedArguments& arguments,
+                          const UnsurveyedObserver& observer) {
   const auto site = load_uncalibrated_site(arguments.site, arguments.out, arguments.force);
   RAYLOC_TRY(site);
   const auto room = load_room_model(*site);
   RAYLOC_TRY(room);
   RAYLOC_TRY(prepare_output(arguments.out, arguments.force));
-  return write_site(*site, to_toml(plan_calibration(*room)), arguments.out);
+  RAYLOC_TRY(write_site(*site, to_toml(plan_calibration(*room)), arguments.out));
+  return write_reports(arguments.out, {}, observer);
 }
 
-// Writes the site of the plan with its learned chains. The report of a failed calibration stays;
-// that of the chains is beside it.
-Expected<void> keep_plan(const std::string& learned, const UnsurveyedArguments& arguments) {
+// Writes the site of the plan with its learned chains. The reports of these (chains.json) and of a
+// fit of the walls that failed (walls.json, walls.html) are beside its own.
+Expected<void> keep_plan(const std::string& learned,
+                         const UnsurveyedReport& report,
+                         const UnsurveyedArguments& arguments,
+                         const UnsurveyedObserver& observer) {
   RAYLOC_TRY(prepare_output(arguments.out, true));
+  const fs::path out = arguments.out;
   std::error_code failed;
   fs::rename(fs::path(learned) / "report.json", fs::path(learned) / "chains.json", failed);
+  for (const char* ending : {".json", ".html"}) {
+    if (!failed && !report.reasons.empty()) {
+      fs::rename(
+          out / (std::string("report") + ending), out / (std::string("walls") + ending), failed);
+    }
+  }
+  if (failed) {
+    return make_error(ErrorKind::kUnavailable, arguments.out + ": " + failed.message());
+  }
   fs::copy(learned,
            arguments.out,
            fs::copy_options::recursive | fs::copy_options::overwrite_existing,
@@ -92,13 +130,14 @@ Expected<void> keep_plan(const std::string& learned, const UnsurveyedArguments& 
   if (failed) {
     return make_error(ErrorKind::kUnavailable, arguments.out + ": " + failed.message());
   }
-  return {};
+  return write_reports(arguments.out, report, observer);
 }
 
 // Fits walls, arrays and chains to the positions of the devices.
 Expected<UnsurveyedOutcome> fit_room(const std::string& learned,
                                      const std::string& points,
                                      const LocatedPlaces& places,
+                                     UnsurveyedReport report,
                                      const UnsurveyedArguments& arguments,
                                      const UnsurveyedObserver& observer) {
   RAYLOC_TRY(write_file(points, to_csv(places.points)));
@@ -121,7 +160,8 @@ Expected<UnsurveyedOutcome> fit_room(const std::string& learned,
     outcome = UnsurveyedOutcome::kChains;
     observer.note(arguments.out +
                   " has the walls of the plan, and the chains that were learned with them");
-    RAYLOC_TRY(keep_plan(learned, arguments));
+    report.reasons = calibrated->report.verdict.reasons;
+    RAYLOC_TRY(keep_plan(learned, report, arguments, observer));
   }
   return write_file(fs::path(arguments.out) / "places.csv", to_csv(places.points)).map([&] {
     return outcome;
@@ -133,7 +173,7 @@ Expected<UnsurveyedOutcome> fit_room(const std::string& learned,
 Expected<UnsurveyedOutcome> run_unsurveyed(const UnsurveyedArguments& arguments,
                                            const UnsurveyedObserver& observer) {
   if (arguments.captures.empty()) {
-    return write_plan(arguments).map([] { return UnsurveyedOutcome::kPlan; });
+    return write_plan(arguments, observer).map([] { return UnsurveyedOutcome::kPlan; });
   }
   const WorkFolder work;
   if (!work.is_there()) {
@@ -155,6 +195,10 @@ Expected<UnsurveyedOutcome> run_unsurveyed(const UnsurveyedArguments& arguments,
   }
   const auto places = places_in(learned, arguments.captures);
   RAYLOC_TRY(places);
+  UnsurveyedReport report;
+  report.chains = *chains;
+  report.bursts = places->bursts;
+  report.places = places->points.size();
   if (places->points.size() < kFewestPoints) {
     observer.note(
         fmt::format("{} of {} bursts have a reliable position, and walls need {}: walls stay as "
@@ -163,14 +207,17 @@ Expected<UnsurveyedOutcome> run_unsurveyed(const UnsurveyedArguments& arguments,
                     places->points.size(),
                     places->bursts,
                     kFewestPoints));
-    return keep_plan(learned, arguments).map([] { return UnsurveyedOutcome::kChains; });
+    return keep_plan(learned, report, arguments, observer).map([] {
+      return UnsurveyedOutcome::kChains;
+    });
   }
   observer.note(fmt::format(
       "{} of {} bursts have a reliable position, to {:.3f} m: they are the survey of the walls",
       places->points.size(),
       places->bursts,
       places->sigma));
-  return fit_room(learned, work.file("places.csv"), *places, arguments, observer);
+  return fit_room(
+      learned, work.file("places.csv"), *places, std::move(report), arguments, observer);
 }
 
 }  // namespace rayloc

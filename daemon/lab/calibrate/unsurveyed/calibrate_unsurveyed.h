@@ -40,7 +40,8 @@ struct UnsurveyedObserver : FitObserver {
 // recordings the chains are learned first, with the room of the plan. Devices are then located, and
 // their reliable positions are the survey from which walls, arrays and chains are calibrated; it is
 // left as `places.csv`. If too few are certain, or the room is explained no better than before,
-// `out` keeps the plan with the learned chains, and a note reports it. Threads may run it at the
+// `out` keeps the plan with the learned chains, and a note reports it. In each case `out` has
+// report.json and report.html, which begin with a verdict. Threads may run it at the
 // same time, each into a folder of its own.
 Expected<UnsurveyedOutcome> run_unsurveyed(const UnsurveyedArguments& arguments,
                                            const UnsurveyedObserver& observer = {});

@@ -24,6 +24,7 @@ export function showCalibration(report) {
 }
 
 function summary(report) {
+  if (!report.heldout && report.expectation) return report.expectation;  // calibrated without a survey
   const parts = Object.entries(report.heldout || {}).filter(([, fit]) => fit.after !== null).map(([ap, fit]) =>
     `${ap} ${fit.before === null ? '' : `${number(100 * fit.before, 0)} → `}${number(100 * fit.after, 0)} %`);
   return `Method ${report.method}, ${report.points} points. Power explained at the points held out, median: `

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -97,7 +98,15 @@ TEST_F(UnsurveyedVerb, EstimatesChainsAndWallsFromUnsurveyedDevices) {
 
 // raylocd learns the chains from the plan alone; `rayloc replay` does the same.
 TEST_F(UnsurveyedVerb, LearnsTheChainsOfAPlanFromObservedDevices) {
-  ASSERT_EQ(rayloc({"calibrate", kSite, "--unsurveyed", "--out", path("plan")}).status, 0);
+  const Finished plan = rayloc({"calibrate", kSite, "--unsurveyed", "--out", path("plan")});
+  ASSERT_EQ(plan.status, 0) << plan.err;
+  const auto report = nlohmann::json::parse(std::ifstream(path("plan") + "/report.json"));
+  const std::string verdict = report.at("verdict").at("expectation");
+  EXPECT_THAT(verdict, HasSubstr("Plan only"));
+  EXPECT_THAT(plan.err, HasSubstr(verdict));
+  std::ifstream page(path("plan") + "/report.html");
+  const std::string html((std::istreambuf_iterator<char>(page)), std::istreambuf_iterator<char>());
+  EXPECT_THAT(html, HasSubstr("<p><strong>" + verdict));
   ASSERT_EQ(rayloc({"replay",
                     path("plan"),
                     recording("calibration", 1),

@@ -165,6 +165,10 @@ TEST_F(MapGeometryTest, ShowsOnlyTheReportOfTheCalibrationInUse) {
   EXPECT_TRUE(report.at("available"));
   EXPECT_EQ(report.at("moved"), json({1}));
   EXPECT_FALSE(report.contains("history")) << "not for the map";
+  EXPECT_FALSE(report.contains("expectation"));
+  EXPECT_EQ(
+      parsed(R"({"calibration_id": "abc", "verdict": {"expectation": "Good"}})").at("expectation"),
+      "Good");
   std::filesystem::remove_all(folder);
 }
 
