@@ -19,8 +19,8 @@ using Value = std::complex<double>;
 
 constexpr double kRotatedAtStart = 0.1;      // a probability: the age of the calibration is unknown
 constexpr double kRotatedAfterCycle = 0.98;  // a probability: each chip starts in a new state
-constexpr auto kSilence = std::chrono::seconds(20);  // chosen: access points start in a minute
 constexpr double kUncertain = 0.2;  // probability of the accepted state; below: states are compared
+constexpr double kRefuted = 0.01;   // the same; below: only a clear lead keeps the state
 constexpr double kShaken = 0.9;     // the same; below: no refinement
 constexpr double kSuspected = 0.5;  // the same; below: short evaluation period
 constexpr double kWithdrawnLead = 5.0;     // [nat], required lead of another state
@@ -46,6 +46,36 @@ bool has_all_antennas(const ArrayObservation& received) {
 // The burst with the amplitudes of the best state removed.
 ObservedBurst gain_undone(const ArrayObservation& received, const ChainMemory& ap) {
   return without_gain(*received.map, received.h, ap.gain, received.observed.array.noise);
+}
+
+// The remembered bursts with which states are compared now; none while that has to wait.
+std::span<const RememberedBurst> bursts_to_compare(Timestamp time, ChainMemory& ap) {
+  if (ap.state.knowledge == ChainKnowledge::kLearning) {
+    return ap.received;
+  }
+  if (ap.belief.as_accepted() <= kUncertain) {
+    ap.forget_until_sure();
+    return ap.received;
+  }
+  const bool is_sure = ap.belief.as_accepted() > ChainMemory::kSure;
+  if (is_sure) {
+    ap.last_sure = time;
+    ap.end_silences();
+  }
+  const bool is_learned = ap.state.knowledge == ChainKnowledge::kLearned;
+  // Changed amplitudes hide a change from the belief; the comparison detects it.
+  if (is_sure && !is_learned) {
+    return {};
+  }
+  // Bursts from before a change would confirm the earlier state. After a silence it is known which
+  // bursts these are.
+  const std::span<const RememberedBurst> since = ap.bursts_since_silence();
+  if (!ap.silences.empty()) {
+    return since.size() < kChainBurstsNeeded ? std::span<const RememberedBurst>() : since;
+  }
+  const bool is_shaken = is_learned && ap.belief.as_accepted() < kShaken;
+  return is_shaken || ap.unrefined < kRefineAfterBursts ? std::span<const RememberedBurst>()
+                                                        : since;
 }
 
 }  // namespace
@@ -104,7 +134,8 @@ bool ChainLearner::is_due(std::size_t access_point,
   }
   const ChainMemory& ap = found->second;
   Duration period = kSettledPeriod;
-  if (ap.state.knowledge == ChainKnowledge::kLearning || ap.belief.as_accepted() < kSuspected) {
+  if (ap.state.knowledge == ChainKnowledge::kLearning || !ap.silences.empty() ||
+      ap.belief.as_accepted() < kSuspected) {
     period = kLearningPeriod;
   } else if (!ap.is_settled()) {
     period = ap.state.knowledge == ChainKnowledge::kLearned ? Duration(kRefiningPeriod)
@@ -299,25 +330,13 @@ void ChainLearner::remember(RememberedBurst burst,
 
 void ChainLearner::decide(const AccessPointMap& map, Timestamp time, ChainMemory& ap) {
   const bool is_learning = ap.state.knowledge == ChainKnowledge::kLearning;
-  const bool is_learned = ap.state.knowledge == ChainKnowledge::kLearned;
-  if (!is_learning && ap.belief.as_accepted() > kUncertain) {
-    ap.last_sure = ap.belief.as_accepted() > ChainMemory::kSure ? time : ap.last_sure;
-    // Changed amplitudes hide a change from the belief; the comparison detects it.
-    const bool is_certain = !is_learned && ap.belief.as_accepted() > ChainMemory::kSure;
-    // Bursts from before a change would confirm the earlier state.
-    const bool is_shaken = is_learned && ap.belief.as_accepted() < kShaken;
-    if (is_certain || is_shaken || ap.unrefined < kRefineAfterBursts) {
-      return;
-    }
-  } else if (!is_learning) {
-    ap.forget_until_sure();
-  }
-  if (ap.received.size() < ChainMemory::kMinBursts ||
-      (ap.unrefined < kCompareAfter && ap.received.size() != kChainBurstsNeeded)) {
+  const std::span<const RememberedBurst> bursts = bursts_to_compare(time, ap);
+  if (bursts.size() < ChainMemory::kMinBursts ||
+      (ap.unrefined < kCompareAfter && bursts.size() != kChainBurstsNeeded)) {
     return;
   }
   ap.unrefined = 0;
-  const std::vector<ChainFactors> states = compare(map, ap);
+  const std::vector<ChainFactors> states = compare(map, bursts, ap);
   const ChainFactors& best = states.front();
   const double lead =
       states.size() > 1 ? best.log_evidence - states[1].log_evidence : kChainEvidenceNeeded;
@@ -325,16 +344,13 @@ void ChainLearner::decide(const AccessPointMap& map, Timestamp time, ChainMemory
     const auto accepted = std::find_if(states.begin(), states.end(), [&](const auto& one) {
       return distance(one.factor, std::vector<Value>(map.antennas(), 1.0)) < kSameState;
     });
-    if (accepted == states.begin() && is_learned) {
-      // The estimate from the places within the cells is more accurate.
-      if (!close_.includes(ap.state.access_point)) {
-        accept(best, ap);
-      }
-    } else if (accepted == states.begin() && lead >= kWithdrawnLead) {
-      ap.settle();
-    }
     const bool is_suspect = ap.belief.as_accepted() <= kUncertain;
-    const double needed = is_suspect ? kWithdrawnLead : kUnsuspectedLead;
+    const bool is_refuted = ap.belief.as_accepted() < kRefuted;
+    if (accepted == states.begin() && (!is_refuted || lead >= kWithdrawnLead)) {
+      confirm(best, lead, ap);
+      return;
+    }
+    const double needed = is_refuted ? 0.0 : is_suspect ? kWithdrawnLead : kUnsuspectedLead;
     if (accepted == states.end() ? !is_suspect
                                  : best.log_evidence - accepted->log_evidence < needed) {
       return;
@@ -352,11 +368,22 @@ void ChainLearner::decide(const AccessPointMap& map, Timestamp time, ChainMemory
   }
   ap.state.evidence = lead;
   ap.state.phase_sigma = sigma;
-  const auto bursts = static_cast<double>(ap.state.bursts);
+  const auto counted = static_cast<double>(ap.state.bursts);
   ap.state.bursts_needed = std::clamp(
-      static_cast<std::size_t>(std::ceil(bursts * kChainEvidenceNeeded / std::max(lead, 1.0))),
+      static_cast<std::size_t>(std::ceil(counted * kChainEvidenceNeeded / std::max(lead, 1.0))),
       std::max(ap.state.bursts + 1, kChainBurstsNeeded),
       ap.state.bursts + kMaxNeeded);
+}
+
+// The accepted state explains the bursts best; `best` is its refinement.
+void ChainLearner::confirm(const ChainFactors& best, double lead, ChainMemory& ap) {
+  if (!ap.silences.empty() || ap.state.knowledge == ChainKnowledge::kAsCalibrated) {
+    if (lead >= kWithdrawnLead) {
+      ap.confirm_silences();
+    }
+  } else if (!close_.includes(ap.state.access_point)) {
+    accept(best, ap);  // the estimate from the places within the cells is more accurate
+  }
 }
 
 void ChainLearner::accept(const ChainFactors& refined, ChainMemory& ap) {
@@ -381,7 +408,9 @@ void ChainLearner::refine_closely() {
 
 // Refines the states that may be right and returns those that differ, the best first. The
 // amplitudes of the best one are used for the following bursts.
-std::vector<ChainFactors> ChainLearner::compare(const AccessPointMap& map, ChainMemory& ap) const {
+std::vector<ChainFactors> ChainLearner::compare(const AccessPointMap& map,
+                                                std::span<const RememberedBurst> bursts,
+                                                ChainMemory& ap) const {
   std::vector<std::vector<Value>> starts = {std::vector<Value>(map.antennas(), 1.0)};
   if (!ap.favourite.empty()) {
     starts.push_back(ap.favourite);
@@ -393,24 +422,12 @@ std::vector<ChainFactors> ChainLearner::compare(const AccessPointMap& map, Chain
     }
   }
   std::vector<ChainFactors> different =
-      compare_states(map, ap.received, starts, localizer_->room().likelihood_exponent);
+      compare_states(map, bursts, starts, localizer_->room().likelihood_exponent);
   ap.favourite = different.front().factor;
   for (std::size_t m = 0; m < ap.gain.size(); ++m) {
     ap.gain[m] = std::abs(ap.favourite[m]);
   }
   return different;
-}
-
-// An access point that is off receives no frames.
-void ChainLearner::notice_silence(const CsiFrame& frame) {
-  const std::size_t a = frame.access_point;
-  const auto [last, is_first] = received_.emplace(a, frame.time);
-  if (!is_first && frame.time - last->second > kSilence) {
-    if (const auto found = aps_.find(a); found != aps_.end()) {
-      found->second.suspect_after_silence(frame.time);
-    }
-  }
-  last->second = frame.time;
 }
 
 FrameFault ChainLearner::fault_of(std::span<const CsiFrame> accepted) const {
@@ -455,7 +472,6 @@ void ChainLearner::restore(const ChainState& state) {
 void ChainLearner::power_cycled(std::size_t access_point, Timestamp time) {
   ChainMemory& ap = of(access_point);
   ++changes_;
-  ap.silences.clear();
   ap.belief.suspect(kRotatedAfterCycle);
   ap.received.clear();
   ap.last_new.reset();
@@ -467,6 +483,7 @@ void ChainLearner::power_cycled(std::size_t access_point, Timestamp time) {
 
 void ChainLearner::withdraw(Timestamp time, ChainMemory& ap) {
   const bool before = are_all_learning();
+  ap.give_up();
   ap.set_knowledge(ChainKnowledge::kLearning, time);
   withdrawals_ += !before && are_all_learning() ? 1U : 0U;
   close_.clear();

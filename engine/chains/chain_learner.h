@@ -119,9 +119,12 @@ class ChainLearner {
   void withdraw(Timestamp time, ChainMemory& ap);
   bool are_all_learning() const;
   void decide(const AccessPointMap& map, Timestamp time, ChainMemory& ap);
+  void confirm(const ChainFactors& best, double lead, ChainMemory& ap);
   void accept(const ChainFactors& refined, ChainMemory& ap);
   void refine_closely();
-  std::vector<ChainFactors> compare(const AccessPointMap& map, ChainMemory& ap) const;
+  std::vector<ChainFactors> compare(const AccessPointMap& map,
+                                    std::span<const RememberedBurst> bursts,
+                                    ChainMemory& ap) const;
 
   std::shared_ptr<const Localizer> localizer_;
   Aligner aligner_;

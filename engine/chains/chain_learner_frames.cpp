@@ -1,6 +1,7 @@
-// ChainLearner: frames with the factors of their chains removed, bursts with the same information,
-// and its state for others.
+// ChainLearner: frames with the factors of their chains removed, silences, bursts with the same
+// information, and its state for others.
 #include <algorithm>
+#include <chrono>
 #include <span>
 #include <vector>
 
@@ -11,6 +12,7 @@
 namespace rayloc {
 namespace {
 
+constexpr auto kSilence = std::chrono::seconds(20);  // chosen: access points start in a minute
 constexpr double kSameCorrelation = 0.9;  // correlation of bursts with the same information
 constexpr double kMaxNoise = 2e-3;  // of a burst, as share of its power, like ModelError::noise
 
@@ -38,6 +40,18 @@ bool ChainLearner::is_new(const ArrayObservation& received, const ChainMemory& a
   }
   const auto waiting = std::span(ap.waiting->received).first(ap.unevaluated);
   return same_as(received, aligner_, waiting) == waiting.end();
+}
+
+// An access point that is off receives no frames.
+void ChainLearner::notice_silence(const CsiFrame& frame) {
+  const std::size_t a = frame.access_point;
+  const auto [last, is_first] = received_.emplace(a, frame.time);
+  if (!is_first && frame.time - last->second > kSilence) {
+    if (const auto found = aps_.find(a); found != aps_.end()) {
+      found->second.suspect_after_silence(frame.time);
+    }
+  }
+  last->second = frame.time;
 }
 
 std::vector<CsiFrame> ChainLearner::undone(std::span<const CsiFrame> frames) const {

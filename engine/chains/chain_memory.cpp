@@ -1,6 +1,7 @@
 #include "engine/chains/chain_memory.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <utility>
 
 namespace rayloc {
@@ -8,8 +9,11 @@ namespace {
 
 using Value = std::complex<double>;
 
-constexpr double kRotatedAfterSilence = 0.3;  // a probability: it may have been off, or only silent
-constexpr std::size_t kMaxSilences = 8;       // a count, chosen: 2 kB each
+// Probability of a power cycle during the first silence: it may have been off, or only silent. It
+// is the mean of a beta distribution of weight 1, so n harmless silences divide it by 1 + n.
+constexpr double kRotatedAfterSilence = 0.3;
+constexpr double kLeastRotated = 0.01;   // a probability: access points are restarted now and then
+constexpr std::size_t kMaxSilences = 8;  // a count, chosen: 2 kB each
 constexpr double kFineSigma = 0.035;  // [rad], 2 degrees: accurate enough for infrequent evaluation
 
 }  // namespace
@@ -45,23 +49,66 @@ void ChainMemory::suspect_after_silence(Timestamp end) {
   if (silences.size() == kMaxSilences) {
     silences.erase(silences.begin());
   }
-  silences.push_back({end, belief.suspect_for_now(kRotatedAfterSilence)});
+  const double rotated = kRotatedAfterSilence / (1.0 + static_cast<double>(harmless_silences));
+  silences.push_back({end, belief.suspect_for_now(std::max(rotated, kLeastRotated))});
+}
+
+void ChainMemory::confirm(std::vector<Silence>::iterator begin,
+                          std::vector<Silence>::iterator end) {
+  for (auto one = begin; one != end; ++one) {
+    belief.multiply(one->undoing);
+    ++harmless_silences;
+  }
+  silences.erase(begin, end);
 }
 
 bool ChainMemory::confirm_since(Timestamp time) {
   const auto first = std::find_if(
       silences.begin(), silences.end(), [&](const Silence& one) { return one.end > time; });
   const bool is_any = first != silences.end();
-  for (auto one = first; one != silences.end(); ++one) {
-    belief.multiply(one->undoing);
-  }
-  silences.erase(first, silences.end());
+  confirm(first, silences.end());
   return is_any;
+}
+
+void ChainMemory::confirm_silences() {
+  const auto first_open = std::find_if(silences.begin(), silences.end(), [&](const Silence& one) {
+    return received.size() < kChainBurstsNeeded ||
+           received[received.size() - kChainBurstsNeeded].time < one.end;
+  });
+  if (first_open == silences.end()) {
+    settle();
+  } else {
+    confirm(silences.begin(), first_open);
+  }
+}
+
+std::span<const RememberedBurst> ChainMemory::bursts_since_silence() const {
+  if (silences.empty()) {
+    return received;
+  }
+  const auto first =
+      std::find_if(received.begin(), received.end(), [&](const RememberedBurst& one) {
+        return one.time >= silences.front().end;
+      });
+  return {first, received.end()};
+}
+
+void ChainMemory::end_silences() {
+  harmless_silences += silences.size();
+  silences.clear();
 }
 
 void ChainMemory::settle() {
   belief.settle();
+  end_silences();
+}
+
+void ChainMemory::give_up() {
+  const auto forgotten =
+      static_cast<std::ptrdiff_t>(received.size() - bursts_since_silence().size());
+  received.erase(received.begin(), received.begin() + forgotten);
   silences.clear();
+  harmless_silences = 0;
 }
 
 void ChainMemory::remember(RememberedBurst burst) {

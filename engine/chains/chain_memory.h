@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "engine/base/timestamp.h"
@@ -46,6 +47,7 @@ struct ChainMemory {
     std::vector<double> undoing;  // of the suspicion, as ChainBelief::suspect_for_now()
   };
   std::vector<Silence> silences;
+  std::size_t harmless_silences = 0;  // those that left the chains as they were
 
   // True if the chains are known well enough to locate devices that others receive.
   bool is_known() const;
@@ -58,8 +60,17 @@ struct ChainMemory {
   // A burst repeats one of this time (of its last frame, of any access point), so the silences
   // since then left the chains as they were. Returns true if there were any.
   bool confirm_since(Timestamp time);
-  // The accepted state has changed: state 0 now denotes the new one.
+  // The bursts received since explain the accepted state best: confirms the chains after each
+  // silence that kChainBurstsNeeded of them or more follow.
+  void confirm_silences();
+  // Remembered bursts since the oldest silence; all of them if there is none.
+  std::span<const RememberedBurst> bursts_since_silence() const;
+  // The silences until now left the chains as they were.
+  void end_silences();
+  // State 0 is certain: it is confirmed, or now denotes a newly accepted state.
   void settle();
+  // The accepted state is given up. Bursts from before the oldest silence are forgotten.
+  void give_up();
   // Drops the oldest burst when full.
   void remember(RememberedBurst burst);
   // Drops bursts from before last_sure: they contain no evidence on the present state.
@@ -68,6 +79,9 @@ struct ChainMemory {
   void correct(const ChainFactors& refined);
   // Multiplies the factors by these and accepts the result as the new state.
   void accept(const ChainFactors& refined);
+
+ private:
+  void confirm(std::vector<Silence>::iterator begin, std::vector<Silence>::iterator end);
 };
 
 }  // namespace rayloc

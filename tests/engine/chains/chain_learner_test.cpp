@@ -199,9 +199,67 @@ TEST(ChainLearner, ARepeatedBurstAfterASilenceConfirmsTheChains) {
     }
   }
   const std::vector<Value> factors = {1.0, std::polar(1.0, 2.0), std::polar(1.0, -1.2)};
-  const auto rotated = through(burst_at(3, 600), factors);
-  learner.receive(rotated);
-  EXPECT_GT(fault_of_each(rotated)[0], 0.2);
+  double fault = 0.0;
+  for (int i = 0; i < 8 && fault < 0.2; ++i) {
+    const auto rotated = through(burst_at(3 + i, 600 + 2 * i), factors);
+    learner.receive(rotated);
+    fault = fault_of_each(rotated)[0];
+    EXPECT_GT(fault, 5.0 * before[0]) << i;
+  }
+  EXPECT_GT(fault, 0.2);
+}
+
+// Bursts from before a silence are no evidence on the chains after it: they would confirm the
+// chains as calibrated, because they are more.
+TEST(ChainLearner, BurstsBeforeASilenceDoNotConfirmTheChainsAfterIt) {
+  const std::vector<Value> factors = {1.0, std::polar(1.0, 2.0), std::polar(1.0, -1.2)};
+  const auto after = [&](int number) {
+    auto frames = through(burst(number), factors);
+    for (CsiFrame& frame : frames) {
+      frame.time += std::chrono::minutes(1);
+    }
+    return frames;
+  };
+  for (const int before : {9, 16, 24}) {
+    ChainLearner learner(localizer());
+    for (int i = 0; i < before; ++i) {
+      learner.receive(burst(i));
+    }
+    ASSERT_EQ(learner.states().at(0).knowledge, ChainKnowledge::kAsCalibrated);
+    for (int i = 0; i < 30; ++i) {
+      const auto frames = after(before + i);
+      learner.receive(frames);
+      if (learner.states().at(0).knowledge == ChainKnowledge::kAsCalibrated) {
+        EXPECT_GT(learner.fault_of(frames).probability, 0.2) << before << ' ' << i;
+        EXPECT_LT(i, 10) << before;
+      }
+    }
+    ASSERT_EQ(learner.states().at(0).knowledge, ChainKnowledge::kLearned) << before;
+    for (std::size_t m = 1; m < 3; ++m) {
+      EXPECT_NEAR(phase_error(learner.states().at(0), factors, m), 0.0, 0.3) << before;
+    }
+  }
+}
+
+// The more silences were harmless, the less probable is a power cycle during the next one.
+TEST(ChainLearner, HarmlessSilencesMakeTheNextLessSuspect) {
+  ChainLearner learner(localizer());
+  std::vector<double> fault;
+  for (int i = 0; i < 60; ++i) {
+    auto frames = burst(i);
+    for (CsiFrame& frame : frames) {
+      frame.time += i / 12 * std::chrono::minutes(1);
+    }
+    learner.receive(frames);
+    ASSERT_EQ(learner.states().at(0).knowledge, ChainKnowledge::kAsCalibrated) << i;
+    if (i >= 12 && i % 12 == 0) {
+      fault.push_back(learner.fault_of(frames).probability);
+    }
+    if (i % 12 == 11) {
+      EXPECT_LT(learner.fault_of(frames).probability, 0.002) << i;
+    }
+  }
+  EXPECT_LT(fault.back(), fault.front());
 }
 
 // After a reported power cycle, no burst is used until the chains are learned, and the next program
