@@ -186,7 +186,8 @@ Expected<StepText> StepText::parse(std::string_view bytes, const std::string& fi
   if (!has_ended) {
     return reader.refuse("the file ends before its data do (ENDSEC); copy or export it again");
   }
-  RAYLOC_TRY(step.sort(file));
+  step.sort();
+  RAYLOC_TRY(step.check_ids(file));
   return step;
 }
 
@@ -217,12 +218,15 @@ Expected<void> StepText::add(std::size_t begin, std::uint32_t line, const std::s
   return {};
 }
 
-Expected<void> StepText::sort(const std::string& file) {
+void StepText::sort() {
   by_id_.resize(entities_.size());
   std::iota(by_id_.begin(), by_id_.end(), 0U);
   std::stable_sort(by_id_.begin(), by_id_.end(), [&](std::uint32_t a, std::uint32_t b) {
     return entities_[a].id < entities_[b].id;
   });
+}
+
+Expected<void> StepText::check_ids(const std::string& file) const {
   const auto twice =
       std::adjacent_find(by_id_.begin(), by_id_.end(), [&](std::uint32_t a, std::uint32_t b) {
         return entities_[a].id == entities_[b].id;
@@ -236,6 +240,27 @@ Expected<void> StepText::sort(const std::string& file) {
                                  entities_[*twice].line));
   }
   return {};
+}
+
+void StepWriter::add(std::uint64_t id,
+                     std::uint32_t line,
+                     std::string_view type,
+                     std::string_view arguments) {
+  StepEntity entity;
+  entity.id = id;
+  entity.line = line;
+  entity.type_at = static_cast<std::uint32_t>(step_.text_.size());
+  entity.type_size = static_cast<std::uint32_t>(type.size());
+  step_.text_ += type;
+  entity.arguments_at = static_cast<std::uint32_t>(step_.text_.size());
+  entity.arguments_size = static_cast<std::uint32_t>(arguments.size());
+  step_.text_ += arguments;
+  step_.entities_.push_back(entity);
+}
+
+StepText StepWriter::finish() {
+  step_.sort();
+  return std::move(step_);
 }
 
 std::optional<std::size_t> StepText::find(std::uint64_t id) const {

@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "engine/base/expected.h"
@@ -44,13 +45,29 @@ class StepText {
   std::optional<std::size_t> find(std::uint64_t id) const;
 
  private:
+  friend class StepWriter;
   Expected<void> add(std::size_t begin, std::uint32_t line, const std::string& place);
-  Expected<void> sort(const std::string& file);
+  void sort();
+  Expected<void> check_ids(const std::string& file) const;
 
   std::string text_;
   std::string schema_;
   std::vector<StepEntity> entities_;
   std::vector<std::uint32_t> by_id_;  // indices, sorted by id
+};
+
+// Makes a StepText of entities that a program states.
+class StepWriter {
+ public:
+  explicit StepWriter(std::string schema) { step_.schema_ = std::move(schema); }
+  // `id`: above 0, and of no other entity. `line`: of the file, for messages. `arguments`: with
+  // their parentheses.
+  void add(std::uint64_t id, std::uint32_t line, std::string_view type, std::string_view arguments);
+  std::size_t bytes() const { return step_.text_.size(); }
+  StepText finish();
+
+ private:
+  StepText step_;
 };
 
 // The position behind the string that begins at `at`.
