@@ -1,6 +1,7 @@
 #include "daemon/site/import/ifc/ifc_materials.h"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -17,6 +18,30 @@ constexpr int kMaxWholes = 8;  // of a part, chosen
 // The limit of a material's name, chosen: the standard allows 255 characters. Each element has a
 // copy of it.
 constexpr std::size_t kMaxNameBytes = 1024;
+
+enum class Choice { kOnly, kFirst, kLargest };
+
+// The next entity on the path to a material: the place of it, or of a list, among the attributes.
+struct Member {
+  std::string_view type;
+  std::size_t at;
+  Choice choice;
+};
+constexpr std::array kMembers = {
+    Member{"IFCMATERIALLAYERSETUSAGE", 0, Choice::kOnly},
+    Member{"IFCMATERIALLAYER", 0, Choice::kOnly},
+    Member{"IFCMATERIALLAYERWITHOFFSETS", 0, Choice::kOnly},
+    Member{"IFCMATERIALLAYERSET", 0, Choice::kLargest},
+    Member{"IFCMATERIALLIST", 0, Choice::kFirst},
+    // IFC 4
+    Member{"IFCMATERIALCONSTITUENTSET", 2, Choice::kLargest},
+    Member{"IFCMATERIALCONSTITUENT", 2, Choice::kOnly},
+    Member{"IFCMATERIALPROFILESETUSAGE", 0, Choice::kOnly},
+    Member{"IFCMATERIALPROFILESETUSAGETAPERING", 0, Choice::kOnly},
+    Member{"IFCMATERIALPROFILESET", 2, Choice::kFirst},
+    Member{"IFCMATERIALPROFILE", 2, Choice::kOnly},
+    Member{"IFCMATERIALPROFILEWITHOFFSETS", 2, Choice::kOnly},
+};
 
 class MaterialReader {
  public:
@@ -111,52 +136,56 @@ class MaterialReader {
 
   // The entity that has the name; 0: none.
   std::uint64_t read_member(const StepEntity& entity) {
-    const std::string_view type = step_.type(entity);
-    const bool has_one = type == "IFCMATERIALLAYERSETUSAGE" || type == "IFCMATERIALLAYER";
-    const bool is_list = type == "IFCMATERIALLIST";
-    if (!has_one && !is_list && type != "IFCMATERIALLAYERSET") {
+    const auto row = std::find_if(kMembers.begin(), kMembers.end(), [&](const Member& one) {
+      return one.type == step_.type(entity);
+    });
+    const auto items = step_items(step_.arguments(entity));
+    if (row == kMembers.end() || items.size() <= row->at) {
       return 0;
     }
-    const auto items = step_items(step_.arguments(entity));
-    if (items.empty() || has_one) {
-      return items.empty() ? 0 : step_reference(items[0]);
+    if (row->choice == Choice::kOnly) {
+      return step_reference(items[row->at]);
     }
-    const auto members = step_items(items[0]);
-    if (members.empty() || is_list) {
+    const auto members = step_items(items[row->at]);
+    if (row->choice == Choice::kFirst) {
       return members.empty() ? 0 : step_reference(members[0]);
     }
-    return thickest(members);
+    return largest(members);
   }
 
-  std::uint64_t thickest(const std::vector<std::string_view>& layers) {
+  std::uint64_t largest(const std::vector<std::string_view>& members) {
     double most = -1.0;
-    std::uint64_t thickest = 0;
-    for (const std::string_view layer : layers) {
-      const std::uint64_t id = step_reference(layer);
-      const auto [thickness, is_new] = thickness_of_.try_emplace(id);
+    std::uint64_t largest = 0;
+    for (const std::string_view member : members) {
+      const std::uint64_t id = step_reference(member);
+      const auto [size, is_new] = size_of_.try_emplace(id);
       if (is_new) {
-        thickness->second = read_thickness(id);
+        size->second = read_size(id);
       }
-      if (thickness->second > most) {
-        most = thickness->second;
-        thickest = id;
+      if (size->second > most) {
+        most = size->second;
+        largest = id;
       }
     }
-    return thickest;
+    return largest;
   }
 
-  // Below that of any layer if it is none, or air: a layer without a material.
-  double read_thickness(std::uint64_t id) const {
+  // The thickness of a layer, the fraction of a constituent (0 if it is not stated). Below any of
+  // these if the entity is neither, or air: without a material.
+  double read_size(std::uint64_t id) const {
     constexpr double kNone = -2.0;
     const auto found = step_.find(id);
-    if (!found || step_.type(step_.entities()[*found]) != "IFCMATERIALLAYER") {
+    const std::string_view type = found ? step_.type(step_.entities()[*found]) : "";
+    const bool is_constituent = type == "IFCMATERIALCONSTITUENT";
+    if (!is_constituent && type != "IFCMATERIALLAYER" && type != "IFCMATERIALLAYERWITHOFFSETS") {
       return kNone;
     }
+    const std::size_t material = is_constituent ? 2 : 0;
     const auto items = step_items(step_.arguments(step_.entities()[*found]));
-    if (items.size() < 2 || step_reference(items[0]) == 0) {
+    if (items.size() < material + 2 || step_reference(items[material]) == 0) {
       return kNone;
     }
-    return ifc_measure(items[1]);
+    return ifc_measure(items[material + 1]);
   }
 
   const StepText& step_;
@@ -166,7 +195,7 @@ class MaterialReader {
   // Each entity is read once, for files with many references to a long one.
   std::unordered_map<std::uint64_t, std::string> names_;
   Relations member_of_;
-  std::unordered_map<std::uint64_t, double> thickness_of_;
+  std::unordered_map<std::uint64_t, double> size_of_;
 };
 
 }  // namespace

@@ -18,8 +18,9 @@ struct IfcElement {
   std::string material;
 };
 
-// By the GlobalId of the element. A list of materials counts as its first, layers as the thickest
-// one (the first of equal ones). Thread-safe. `step` has passed check_ifc().
+// By the GlobalId of the element, of IFC 2x3 or IFC 4. A list of materials or profiles counts as
+// its first, layers as the thickest one, constituents as that of the largest fraction (the first of
+// equal ones). Thread-safe. References in `step` need not be valid.
 std::map<std::string, IfcElement, std::less<>> ifc_elements(const StepText& step);
 
 }  // namespace rayloc
