@@ -7,6 +7,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <string_view>
 #include <tuple>
 #include <utility>
@@ -17,9 +18,11 @@
 #include <spdlog/fmt/fmt.h>
 #include <assimp/Importer.hpp>
 
+#include "daemon/site/import/ifc/ifc4.h"
 #include "daemon/site/import/ifc/ifc_check.h"
 #include "daemon/site/import/ifc/ifc_materials.h"
 #include "daemon/site/import/ifc/ifc_units.h"
+#include "daemon/site/import/listed.h"
 #include "daemon/site/model/site_copy.h"
 #include "engine/scene/bounds.h"
 #include "engine/scene/read/mesh_reader.h"
@@ -59,6 +62,8 @@ struct IfcContent {
   std::string text;  // for assimp
   std::map<std::string, IfcElement, std::less<>> elements;
   double metres = 1.0;  // per unit of length that assimp returns
+  std::vector<std::string> remarks;
+  std::set<std::string, std::less<>> shaped;  // GlobalIds of elements that must have faces (IFC 4)
 };
 
 class Collector {
@@ -80,17 +85,37 @@ class Collector {
   }
   std::vector<ModelPart> finish() { return std::move(parts_); }
   std::size_t triangles() const { return triangles_; }
+  // Names of the elements of IFC 4 with a shape of which assimp made no face.
+  std::vector<std::string> without_faces() const {
+    std::vector<std::string> names;
+    if (!ifc_) {
+      return names;
+    }
+    for (const std::string& id : ifc_->shaped) {
+      if (!with_faces_.contains(id)) {
+        const auto found = ifc_->elements.find(id);
+        const bool is_named = found != ifc_->elements.end() && !found->second.name.empty();
+        names.push_back(is_named ? found->second.name : id);
+      }
+    }
+    return names;
+  }
   bool is_finite() const { return is_finite_; }
 
  private:
   // By the end of a name that assimp made: CLASS_NAME_GLOBALID. Null: none.
   const IfcElement* element_of(const aiNode& node) const {
-    const std::string_view name(node.mName.C_Str(), node.mName.length);
-    if (!ifc_ || name.size() <= kIfcGlobalId) {
+    const std::string_view id = global_id_of(node);
+    if (!ifc_ || id.empty()) {
       return nullptr;
     }
-    const auto found = ifc_->elements.find(name.substr(name.size() - kIfcGlobalId));
+    const auto found = ifc_->elements.find(id);
     return found == ifc_->elements.end() ? nullptr : &found->second;
+  }
+
+  static std::string_view global_id_of(const aiNode& node) {
+    const std::string_view name(node.mName.C_Str(), node.mName.length);
+    return name.size() <= kIfcGlobalId ? "" : name.substr(name.size() - kIfcGlobalId);
   }
 
   void set_names(const IfcElement& element, ModelPart& part) const {
@@ -137,12 +162,14 @@ class Collector {
     triangles_ += part.mesh.triangles.size();
     if (!part.mesh.triangles.empty()) {
       parts_.push_back(std::move(part));
+      with_faces_.emplace(global_id_of(node));
     }
   }
 
   const aiScene& scene_;
   const std::optional<IfcContent>& ifc_;
   std::vector<ModelPart> parts_;
+  std::set<std::string, std::less<>> with_faces_;  // GlobalIds
   std::size_t triangles_ = 0;
   bool is_finite_ = true;
 };
@@ -275,8 +302,31 @@ Expected<IfcContent> checked_ifc(const std::filesystem::path& file) {
   RAYLOC_TRY(bytes);
   const auto step = StepText::parse(*bytes, file.string());
   RAYLOC_TRY(step);
-  RAYLOC_TRY(check_ifc(*step, file.string()));
-  return IfcContent{plain_ifc(*step), ifc_elements(*step), ifc_metres(*step)};
+  if (!is_ifc4(*step)) {
+    RAYLOC_TRY(check_ifc(*step, file.string()));
+    return IfcContent{plain_ifc(*step), ifc_elements(*step), ifc_metres(*step), {}, {}};
+  }
+  auto made = ifc4_as_2x3(*step, file.string());
+  RAYLOC_TRY(made);
+  RAYLOC_TRY(check_ifc(made->step, file.string()));
+  return IfcContent{plain_ifc(made->step),
+                    ifc_elements(*step),
+                    ifc_metres(made->step),
+                    std::move(made->remarks),
+                    std::move(made->shaped)};
+}
+
+// Content of an IFC 4 file that no face shows.
+void add_ifc_remarks(const Collector& collector, const IfcContent& ifc, Model& model) {
+  model.remarks.insert(model.remarks.end(), ifc.remarks.begin(), ifc.remarks.end());
+  const auto names = collector.without_faces();
+  if (!names.empty()) {
+    model.remarks.push_back(fmt::format(
+        "warning: elements with a shape of which no face could be made, or outside every storey: "
+        "{} ({}); export them as faces (IFC 4 Reference View), or as GLB",
+        names.size(),
+        listed(names)));
+  }
 }
 
 // Null: not read, for the reason that the importer states.
@@ -332,9 +382,13 @@ Expected<Model> read_model(const std::filesystem::path& file,
                     collector.triangles(),
                     kMaxTriangles));
   }
+  if (ifc) {
+    add_ifc_remarks(collector, *ifc, model);
+  }
   model.parts = collector.finish();
   if (model.parts.empty()) {
     return bad_input(place + "has no faces (" + name_of(format) +
+                     (model.remarks.empty() ? "" : "; " + model.remarks.front()) +
                      "); a cloud of points must be made a mesh first, an empty layer be chosen "
                      "anew");
   }

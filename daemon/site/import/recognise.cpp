@@ -12,7 +12,7 @@
 
 namespace rayloc {
 
-const char* const kFormats = "DXF, SVG, OBJ, GLB, glTF, PLY, IFC 2x3, JSON of RoomPlan";
+const char* const kFormats = "DXF, SVG, OBJ, GLB, glTF, PLY, IFC (2x3, 4), JSON of RoomPlan";
 
 namespace {
 
@@ -55,7 +55,7 @@ constexpr std::array kRefused = {
     Refused{"3D Geometry File Format", "a Rhino model", "export it as OBJ, or its plan as DXF"},
     Refused{"\xd0\xcf\x11\xe0",
             "a document of Revit, 3ds Max, Visio or Office",
-            "export it as IFC 2x3 or OBJ, or its plan as DXF or SVG"},
+            "export it as IFC or OBJ, or its plan as DXF or SVG"},
     Refused{"#usda", "a USD scene", kExportScan},
     Refused{"PXR-USDC", "a USD scene", kExportScan},
     Refused{"ASTM-E57", "a cloud of points (E57)", kMakeMesh},
@@ -69,7 +69,7 @@ constexpr std::array kRefused = {
 // By an element or a line near the begin.
 constexpr std::array kRefusedTexts = {
     Refused{"<COLLADA", "a COLLADA model", kExportModel},
-    Refused{"<ifcXML", "IFC as XML", "export it as IFC 2x3 of text"},
+    Refused{"<ifcXML", "IFC as XML", "export it as IFC of text (.ifc)"},
     Refused{"<mxfile", "a drawing of draw.io", "export it as SVG"},
     Refused{"<?xml", "XML, but no SVG", "a scene of Mitsuba needs no import: name it in site.toml"},
     Refused{"\noutline = [", "a plan of rooms", "make a scene of it with rayloc scene room"},

@@ -191,8 +191,8 @@ class IfcCheck {
     });
     if (!schema.starts_with(kSchema)) {
       return bad_input(file_ + ": is of the schema '" + clipped(schema) +
-                       "', and only IFC 2x3 is read; export it as IFC 2x3 (Coordination View), or "
-                       "as GLB");
+                       "', and only IFC 2x3 and IFC 4 are read; export it as IFC 4 (Reference "
+                       "View) or IFC 2x3 (Coordination View), or as GLB");
     }
     return {};
   }
