@@ -106,7 +106,8 @@ std::string dxf_office() {
 TEST_F(SceneVerb, ImportedOfficesPassTheCheck) {
   const std::vector<std::pair<std::string, std::string>> offices = {
       {file("office.dxf", dxf_office()), " x 2.70 m"},
-      {test::data_path("/scenes/office.ifc"), "9 objects of 5 materials, 5.24 x 4.24 x 3.00 m"}};
+      {test::data_path("/scenes/office.ifc"), "9 objects of 5 materials, 5.24 x 4.24 x 3.00 m"},
+      {test::data_path("/scenes/office4.ifc"), "9 objects of 5 materials, 5.24 x 4.24 x 3.00 m"}};
   for (const auto& [office, size] : offices) {
     const Finished made =
         RaylocProcess(
