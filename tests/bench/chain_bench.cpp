@@ -10,8 +10,9 @@
 // often, and the phases learned then and at the end [degrees], without the turns made.
 //
 // --again: half-way through the recording the access point is off for a minute and comes back with
-// other chains (--unseen: without the minute; --calibrated: with the minute, and until then with the
-// chains of the recording). Prints after how many bursts the chains used until then are withdrawn.
+// other chains (--unseen: without the minute; --calibrated: with the minute, and until then with
+// the chains of the recording). Prints after how many bursts the chains used until then are
+// withdrawn.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -246,7 +247,9 @@ void again(const std::shared_ptr<const Localizer>& localizer,
 
 int run(const std::vector<std::string>& arguments, const std::string& option) {
   if (arguments.size() < 3) {
-    std::fputs("chain_bench [--verbose | --again | --unseen | --calibrated] SITE CYCLES [AP=]FILE...\n", stderr);
+    std::fputs(
+        "chain_bench [--verbose | --again | --unseen | --calibrated] SITE CYCLES [AP=]FILE...\n",
+        stderr);
     return 64;
   }
   const auto site = load_site(arguments[0]);
