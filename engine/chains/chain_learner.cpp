@@ -36,6 +36,7 @@ constexpr std::size_t kModes = 6;              // a count of states to compare, 
 constexpr auto kLearningPeriod = std::chrono::milliseconds(250);
 constexpr auto kRefiningPeriod = std::chrono::milliseconds(500);  // [s], chosen
 constexpr auto kUnsettledPeriod = std::chrono::seconds(1);        // [s], chosen
+constexpr auto kRecentSilence = std::chrono::minutes(1);          // chosen: as while learning
 constexpr auto kSettledPeriod = std::chrono::seconds(5);          // [s], chosen
 
 // With a dead chain left out, the states are different ones.
@@ -55,7 +56,7 @@ std::span<const RememberedBurst> bursts_to_compare(Timestamp time, ChainMemory& 
   }
   if (ap.belief.as_accepted() <= kUncertain) {
     ap.forget_until_sure();
-    return ap.received;
+    return ap.bursts_since_silence();
   }
   const bool is_sure = ap.belief.as_accepted() > ChainMemory::kSure;
   if (is_sure) {
@@ -67,8 +68,7 @@ std::span<const RememberedBurst> bursts_to_compare(Timestamp time, ChainMemory& 
   if (is_sure && !is_learned) {
     return {};
   }
-  // Bursts from before a change would confirm the earlier state. After a silence it is known which
-  // bursts these are.
+  // Bursts from before a change would confirm the earlier state.
   const std::span<const RememberedBurst> since = ap.bursts_since_silence();
   if (!ap.silences.empty()) {
     return since.size() < kChainBurstsNeeded ? std::span<const RememberedBurst>() : since;
@@ -134,7 +134,8 @@ bool ChainLearner::is_due(std::size_t access_point,
   }
   const ChainMemory& ap = found->second;
   Duration period = kSettledPeriod;
-  if (ap.state.knowledge == ChainKnowledge::kLearning || !ap.silences.empty() ||
+  const bool is_recent = !ap.silences.empty() && time - ap.silences.back().end < kRecentSilence;
+  if (ap.state.knowledge == ChainKnowledge::kLearning || is_recent ||
       ap.belief.as_accepted() < kSuspected) {
     period = kLearningPeriod;
   } else if (!ap.is_settled()) {

@@ -72,25 +72,31 @@ bool ChainMemory::confirm_since(Timestamp time) {
 
 void ChainMemory::confirm_silences() {
   const auto first_open = std::find_if(silences.begin(), silences.end(), [&](const Silence& one) {
-    return received.size() < kChainBurstsNeeded ||
-           received[received.size() - kChainBurstsNeeded].time < one.end;
+    return bursts_since(one).size() < kChainBurstsNeeded;
   });
-  if (first_open == silences.end()) {
+  confirm(silences.begin(), first_open);
+  if (silences.empty()) {
     settle();
-  } else {
-    confirm(silences.begin(), first_open);
   }
 }
 
-std::span<const RememberedBurst> ChainMemory::bursts_since_silence() const {
-  if (silences.empty()) {
-    return received;
-  }
+std::span<const RememberedBurst> ChainMemory::bursts_since(const Silence& silence) const {
   const auto first =
       std::find_if(received.begin(), received.end(), [&](const RememberedBurst& one) {
-        return one.time >= silences.front().end;
+        return one.time >= silence.end;
       });
   return {first, received.end()};
+}
+
+std::span<const RememberedBurst> ChainMemory::bursts_since_silence() const {
+  for (auto one = silences.rbegin(); one != silences.rend(); ++one) {
+    const std::span<const RememberedBurst> bursts = bursts_since(*one);
+    if (bursts.size() >= kChainBurstsNeeded) {
+      return bursts;
+    }
+  }
+  return silences.empty() ? std::span<const RememberedBurst>(received)
+                          : bursts_since(silences.front());
 }
 
 void ChainMemory::end_silences() {
@@ -100,7 +106,7 @@ void ChainMemory::end_silences() {
 
 void ChainMemory::settle() {
   belief.settle();
-  end_silences();
+  silences.clear();
 }
 
 void ChainMemory::give_up() {

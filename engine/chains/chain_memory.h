@@ -63,7 +63,8 @@ struct ChainMemory {
   // The bursts received since explain the accepted state best: confirms the chains after each
   // silence that kChainBurstsNeeded of them or more follow.
   void confirm_silences();
-  // Remembered bursts since the oldest silence; all of them if there is none.
+  // Remembered bursts since the last silence that kChainBurstsNeeded follow; since the oldest if
+  // there is no such silence; all of them without any silence.
   std::span<const RememberedBurst> bursts_since_silence() const;
   // The silences until now left the chains as they were.
   void end_silences();
@@ -81,6 +82,7 @@ struct ChainMemory {
   void accept(const ChainFactors& refined);
 
  private:
+  std::span<const RememberedBurst> bursts_since(const Silence& silence) const;
   void confirm(std::vector<Silence>::iterator begin, std::vector<Silence>::iterator end);
 };
 
