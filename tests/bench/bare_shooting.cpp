@@ -13,7 +13,7 @@
 #include "engine/trace/images/fibonacci_lattice.h"
 
 namespace rayloc::bench {
-namespace {
+namespace bare_rays {
 
 constexpr std::size_t kStream = 256;  // rays
 constexpr float kLeave = 1e-4F;       // [m] of a ray that are skipped after a reflection
@@ -62,7 +62,12 @@ struct Stream {
   Numbers mask{}, id{}, flags{}, primitive{}, geometry{}, instance{};
 };
 
-}  // namespace
+}  // namespace bare_rays
+
+using bare_rays::kLeave;
+using bare_rays::kStream;
+using bare_rays::Stream;
+using bare_rays::Vec3f;
 
 class BareShooting::Impl {
  public:

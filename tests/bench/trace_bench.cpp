@@ -28,6 +28,7 @@
 #include "engine/base/parallel.h"
 #include "engine/room/radio_map.h"
 #include "engine/trace/array_tracer.h"
+#include "engine/trace/images/image_tree.h"
 #include "engine/trace/images/shooting.h"
 #include "engine/trace/path_tracer.h"
 #include "tests/bench/bare_shooting.h"

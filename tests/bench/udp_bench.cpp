@@ -238,5 +238,5 @@ int run_all(const std::string& recording) {
 
 int main(int argc, char** argv) {
   return rayloc::bench::run_all(
-      argc > 1 ? argv[1] : test::data_path("/sites/meeting_room/calibration-ap1.pcap.gz"));
+      argc > 1 ? argv[1] : rayloc::test::data_path("/sites/meeting_room/calibration-ap1.pcap.gz"));
 }
