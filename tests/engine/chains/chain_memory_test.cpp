@@ -42,6 +42,7 @@ TEST(ChainMemory, HarmlessSilencesMakeTheNextLessSuspect) {
 // The bursts between two silences are no evidence on the chains after the second.
 TEST(ChainMemory, ConfirmsOnlySilencesThatEnoughBurstsFollow) {
   ChainMemory memory(kChains, 0.0);
+  memory.settle();
   remember(memory, 0, 4);
   EXPECT_EQ(memory.bursts_since_silence().size(), 4U);
   memory.suspect_after_silence(at(100));
