@@ -11,6 +11,7 @@
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
+#include <system_error>
 
 #include "tests/support/test_paths.h"
 
@@ -198,7 +199,11 @@ std::map<std::filesystem::path, pid_t> append_processes(pid_t daemon) {
     for (pid_t child = 0; children >> child;) {
       const std::filesystem::path process = "/proc/" + std::to_string(child);
       if (read_text(process / "comm") == "rayloc-append\n") {
-        processes[std::filesystem::read_symlink(process / kFile)] = child;
+        std::error_code none_yet;
+        const auto file = std::filesystem::read_symlink(process / kFile, none_yet);
+        if (!none_yet) {
+          processes[file] = child;
+        }
       }
     }
   }
