@@ -15,6 +15,7 @@
 #include "daemon/live/config/secrets.h"
 #include "daemon/live/http/http_server.h"
 #include "daemon/live/http/map_files.h"
+#include "daemon/live/studio/pdf_page.h"
 #include "daemon/live/studio/studio_routes.h"
 
 namespace rayloc::cli {
@@ -66,7 +67,7 @@ Expected<void> run_studio(const StudioArguments& arguments) {
     return std::string("saved; a raylocd that runs takes it up when it is reloaded");
   });
   std::map<std::string, HttpRoute> routes = map_routes();
-  routes.merge(editor_routes(editor, nullptr));
+  routes.merge(editor_routes(editor, nullptr, std::make_shared<PdfPage>()));
   routes.merge(beginning_routes(editor, StopSignal::requested));
   std::shared_ptr<CalibrationJob> calibration;
   if (!arguments.captures.empty()) {

@@ -142,7 +142,7 @@ HttpRoutes routes_of(const std::shared_ptr<const SiteApi>& api) {
   }
   routes["/events"] = {nullptr, false, api->events};
   if (api->editor) {
-    routes.merge(editor_routes(api->editor, api->survey));
+    routes.merge(editor_routes(api->editor, api->survey, api->plan));
     routes.merge(calibration_routes(api->calibration_job));
   }
   return routes;

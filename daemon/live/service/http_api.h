@@ -43,6 +43,8 @@
 
 namespace rayloc {
 
+class PdfPage;
+
 // Data sources for the responses of a site; called on the server's thread.
 struct SiteApi {
   std::string component;  // of its topics and paths
@@ -60,6 +62,7 @@ struct SiteApi {
   std::shared_ptr<const SiteEditor> editor;
   std::shared_ptr<WalkedSurvey> survey;
   std::shared_ptr<CalibrationJob> calibration_job;  // of that survey
+  std::shared_ptr<PdfPage> plan;                    // under the drawing
 };
 
 // The same for the daemon.

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <charconv>
 #include <cmath>
@@ -51,6 +52,12 @@ std::string content_of(std::FILE* file) {
   return text;
 }
 
+// Unique in this process, so that no number names a conversion of another object.
+int next_number() {
+  static std::atomic<int> last{0};
+  return ++last;
+}
+
 // The text behind `key` in a line of pdfinfo; empty: there is no such line.
 std::string_view value_of(std::string_view text, std::string_view key) {
   for (std::size_t at = 0; at < text.size();) {
@@ -96,7 +103,7 @@ Expected<Json> PdfPage::start(const std::string& pdf, const std::string& page) {
         fmt::format("there is no page '{}'; write a number from 1 to {}", page, kMaxPage));
   }
   process_.reset();
-  ++number_;
+  number_ = next_number();
   page_ = wanted;
   pages_ = 0;
   pdf_ = File(std::tmpfile(), &std::fclose);

@@ -42,8 +42,9 @@ class PdfPage {
       : tools_(std::move(tools)), limits_(limits) {}
 
   // Ends the previous conversion and begins one. `page`: a number from 1, as text; empty: 1.
-  // Returns {"number"}, which names this conversion. Errors: the content is empty or no PDF, `page`
-  // is no number of a page, or the tools are not installed (kUnavailable).
+  // Returns {"number"}, which names this conversion among those of all objects. Errors: the content
+  // is empty or no PDF, `page` is no number of a page, or the tools are not installed
+  // (kUnavailable).
   Expected<nlohmann::ordered_json> start(const std::string& pdf, const std::string& page);
   // {"running": true}, or "running": false with "page", "pages", "millimetres" (on the page, of a
   // pixel of the picture) and "remark" (of the tools; may be empty). Errors: a password is
@@ -64,7 +65,7 @@ class PdfPage {
 
   std::filesystem::path tools_;
   Limits limits_;
-  int number_ = 0;  // of the last conversion
+  int number_ = 0;  // of the last conversion; 0: none
   int page_ = 1;
   int pages_ = 0;  // 0: not known yet
   double dots_per_inch_ = 0;

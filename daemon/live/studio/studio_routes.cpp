@@ -74,9 +74,8 @@ HttpReply picture_of(PdfPage& plan, const HttpParameters& parameters) {
                  : editor_reply(tl::make_unexpected(picture.error()));
 }
 
-// A page of a PDF, under the drawing. Its conversion ends with these routes.
-std::map<std::string, HttpRoute> plan_routes() {
-  const auto plan = std::make_shared<PdfPage>();
+// A page of a PDF, under the drawing.
+std::map<std::string, HttpRoute> plan_routes(const std::shared_ptr<PdfPage>& plan) {
   std::map<std::string, HttpRoute> routes;
   HttpRoute& upload = routes["/api/v1/edit/pdf"];
   upload.receive = [plan](const HttpParameters& parameters, const std::string& body) {
@@ -107,8 +106,9 @@ HttpReply editor_reply(const Expected<Json>& result) {
 }
 
 std::map<std::string, HttpRoute> editor_routes(const std::shared_ptr<const SiteEditor>& editor,
-                                               const std::shared_ptr<WalkedSurvey>& survey) {
-  std::map<std::string, HttpRoute> routes = plan_routes();
+                                               const std::shared_ptr<WalkedSurvey>& survey,
+                                               const std::shared_ptr<PdfPage>& plan) {
+  std::map<std::string, HttpRoute> routes = plan_routes(plan);
   routes["/edit"] = map_routes().at("/map/edit.html");
   HttpRoute& edit = routes["/api/v1/edit"];
   edit.handler = [editor] { return editor_reply(editor->state()); };

@@ -31,9 +31,13 @@
 
 namespace rayloc {
 
-// `survey` may be null: no frames are received.
+class PdfPage;
+
+// `survey` may be null: no frames are received. `plan` outlives the routes, so that a change of the
+// routes does not end its conversion.
 std::map<std::string, HttpRoute> editor_routes(const std::shared_ptr<const SiteEditor>& editor,
-                                               const std::shared_ptr<WalkedSurvey>& survey);
+                                               const std::shared_ptr<WalkedSurvey>& survey,
+                                               const std::shared_ptr<PdfPage>& plan);
 
 // `job` may be null: nothing is recorded here.
 std::map<std::string, HttpRoute> calibration_routes(const std::shared_ptr<CalibrationJob>& job);

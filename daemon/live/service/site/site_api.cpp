@@ -9,6 +9,7 @@
 #include "daemon/live/live_map/map_geometry.h"
 #include "daemon/live/live_map/map_presence.h"
 #include "daemon/live/live_map/map_solid.h"
+#include "daemon/live/studio/pdf_page.h"
 #include "daemon/messages/topic.h"
 #include "daemon/pipeline/record/recording_folder.h"
 #include "daemon/pipeline/record/system_now.h"
@@ -60,9 +61,12 @@ void offer_editor(const RunningSite& running, SiteApiOptions& options, SiteApi& 
   const SiteSet::Site& before = options.before;
   if (before && before->api && before->api->calibration_job &&
       before->runtime->setup().site.directory == folder) {
-    api.calibration_job = before->api->calibration_job;  // it may run, and outlives a reload
+    // Either may run, and outlives a reload.
+    api.calibration_job = before->api->calibration_job;
+    api.plan = before->api->plan;
     return;
   }
+  api.plan = std::make_shared<PdfPage>();
   api.calibration_job = std::make_shared<CalibrationJob>(
       folder, [config = running.runtime->setup().config](Timestamp since) {
         return recorded_captures(config, since);

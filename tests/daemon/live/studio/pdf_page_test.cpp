@@ -56,13 +56,16 @@ std::string pdf_of(const std::vector<Sheet>& sheets, const std::string& trailer 
 const Sheet kSmall = {"288 144", ""};
 const Sheet kA4 = {"842 595", ""};
 
-// Once no process runs.
+// Once no process runs; with the number of the conversion.
 Expected<Json> outcome_of(PdfPage& plan, const Json& started) {
   const std::string number = started.at("number").dump();
   auto state = plan.state(number);
   while (state && state->at("running")) {
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
     state = plan.state(number);
+  }
+  if (state) {
+    (*state)["number"] = started.at("number");
   }
   return state;
 }
@@ -75,6 +78,10 @@ Expected<Json> read(PdfPage& plan, const std::string& pdf, const std::string& pa
 std::string refusal_of(PdfPage& plan, const std::string& pdf, const std::string& page = "") {
   const auto result = read(plan, pdf, page);
   return result ? "accepted: " + result->dump() : result.error().message;
+}
+
+Expected<std::string> picture_of(PdfPage& plan, const Json& state) {
+  return plan.picture(state.at("number").dump());
 }
 
 // Width and height in the header of a PNG.
@@ -105,25 +112,26 @@ TEST_F(PdfPageTest, IsAPictureWithTheSizeOfAPixel) {
   EXPECT_EQ(first->at("page"), 1);
   EXPECT_EQ(first->at("pages"), 2);
   EXPECT_EQ(first->at("remark"), "");
-  const auto picture = plan.picture("1");
+  const auto picture = picture_of(plan, *first);
   ASSERT_TRUE(picture) << picture.error().message;
   const auto [width, height] = size_of(*picture);
   // 4 x 2 inches.
   const double millimetres = first->at("millimetres");
   EXPECT_NEAR(width * millimetres, 101.6, millimetres);
   EXPECT_NEAR(height * millimetres, 50.8, millimetres);
-  EXPECT_FALSE(plan.picture("1")) << "it is given once";
+  EXPECT_FALSE(picture_of(plan, *first)) << "it is given once";
   const auto second = read(plan, pdf_of({kSmall, kA4}), "2");
   ASSERT_TRUE(second) << second.error().message;
-  const auto other = plan.picture("2");
+  const auto other = picture_of(plan, *second);
   ASSERT_TRUE(other) << other.error().message;
   EXPECT_NEAR(size_of(*other).first * second->at("millimetres").get<double>(), 297, 0.2);
 }
 
 TEST_F(PdfPageTest, ShowsThePageAsAReaderDoes) {
   PdfPage plan;
-  ASSERT_TRUE(read(plan, "\n" + pdf_of({{"842 595", "/CropBox[0 0 288 144]/Rotate 90"}})));
-  const auto picture = plan.picture("1");
+  const auto state = read(plan, "\n" + pdf_of({{"842 595", "/CropBox[0 0 288 144]/Rotate 90"}}));
+  ASSERT_TRUE(state) << state.error().message;
+  const auto picture = picture_of(plan, *state);
   ASSERT_TRUE(picture) << picture.error().message;
   EXPECT_EQ(size_of(*picture), std::pair(300, 600)) << "of the crop box, upright, at 150 dpi";
 }
@@ -132,7 +140,7 @@ TEST_F(PdfPageTest, AHugePageHasFewerDots) {
   PdfPage plan;
   const auto state = read(plan, pdf_of({{"10000000 2000000", ""}}));
   ASSERT_TRUE(state) << state.error().message;
-  const auto picture = plan.picture("1");
+  const auto picture = picture_of(plan, *state);
   ASSERT_TRUE(picture) << picture.error().message;
   const auto [width, height] = size_of(*picture);
   EXPECT_NEAR(width, 6000, 1);
@@ -231,13 +239,25 @@ TEST_F(PdfTools, ASignalOrATimeLimitIsAnError) {
   EXPECT_NE(slow.find("more than 1 s"), std::string::npos) << slow;
 }
 
+TEST_F(PdfTools, ANumberNamesTheConversionOfOneObjectOnly) {
+  write("pdftoppm", "echo picture");
+  PdfPage first(folder_);
+  PdfPage second(folder_);
+  const auto of_first = read(first, pdf_of({kSmall}));
+  const auto of_second = read(second, pdf_of({kSmall}));
+  ASSERT_TRUE(of_first && of_second);
+  EXPECT_FALSE(picture_of(second, *of_first));
+  EXPECT_TRUE(picture_of(first, *of_first));
+  EXPECT_TRUE(picture_of(second, *of_second));
+}
+
 TEST_F(PdfTools, TheirFaultsAreErrors) {
   PdfPage plan(folder_);
   write("pdftoppm", "echo 'Syntax Error: no font' >&2; exit 0");
   const auto state = read(plan, pdf_of({kSmall}));
   ASSERT_TRUE(state) << state.error().message;
   EXPECT_EQ(state->at("remark"), "Syntax Error: no font");
-  EXPECT_FALSE(plan.picture("1")) << "it is empty";
+  EXPECT_FALSE(picture_of(plan, *state)) << "it is empty";
   for (const char* text : {"",
                            "Pages: 1",
                            "Pages: 1\nPage    1 size: 0 x 144 pts",
