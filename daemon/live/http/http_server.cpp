@@ -135,6 +135,7 @@ class HttpServer::Impl {
   void make_viewer(HttpConnection& connection, HttpAnswer answer);
   void show_viewers(Clock::time_point now);
   std::size_t viewers() const;
+  bool has_memory_for(std::size_t body) const;
   void close_late(Clock::time_point now);
   template <typename Change>
   void count(Change change) {
@@ -305,6 +306,9 @@ void HttpServer::Impl::receive_head(HttpConnection& connection) {
   std::string body = connection.head.substr(end + kEndOfHead.size());
   connection.head.resize(end + kEndOfHead.size());
   HttpAnswer answer = handler_.answer(connection.head);
+  if (answer.awaits > 0 && !has_memory_for(answer.awaits)) {
+    answer = handler_.refusal(503, "Too Many Uploads", "Retry-After: 5\r\n");
+  }
   if (answer.awaits > 0) {
     connection.awaits = answer.awaits;
     connection.body = std::move(body);
@@ -376,6 +380,15 @@ std::size_t HttpServer::Impl::viewers() const {
       std::count_if(connections_.begin(), connections_.end(), [](const HttpConnection& one) {
         return one.events;
       }));
+}
+
+// In addition to the bodies that other connections await.
+bool HttpServer::Impl::has_memory_for(std::size_t body) const {
+  std::size_t sum = body;
+  for (const HttpConnection& one : connections_) {
+    sum += one.awaits > limits_.small_body ? one.awaits : 0;
+  }
+  return body <= limits_.small_body || sum <= limits_.awaited_bytes;
 }
 
 bool HttpServer::Impl::write_answer(HttpConnection& connection) {

@@ -270,7 +270,8 @@ class RequestHandler::Parser : public httplib::Server {
       awaits_ = length;
       return;
     }
-    const HttpReply reply = route.receive(request.params, body_ == nullptr ? "" : *body_);
+    static const std::string kNone;
+    const HttpReply reply = route.receive(request.params, body_ == nullptr ? kNone : *body_);
     response.status = reply.status;
     response.set_content(reply.body, reply.content_type);
   }

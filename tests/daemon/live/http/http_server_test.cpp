@@ -124,6 +124,35 @@ TEST_F(HttpServerTest, TakesBodiesWhereARouteDoes) {
               StartsWith("HTTP/1.1 403 "));
 }
 
+// One refused connection takes no memory of the others, and the sum is free again afterwards.
+TEST_F(HttpServerTest, LimitsTheBodiesThatItAwaitsTogether) {
+  HttpServer::Options options;
+  options.limits.awaited_bytes = 1000;
+  options.limits.small_body = 10;
+  start(options);
+  const auto head = [](int length) {
+    return "POST /written HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n"
+           "X-RayLoc-Control: 1\r\nContent-Length: " +
+           std::to_string(length) + "\r\n\r\n";
+  };
+  const HttpClient first(server_->port());
+  ASSERT_TRUE(first.send(head(600)));
+  // Heads are read in any order of the connections: the request below is refused once the first
+  // one is awaited.
+  std::string refused;
+  EXPECT_TRUE(eventually(kPatience, [&] {
+    refused = answer_to(head(401) + std::string(401, 'x'));
+    return refused.rfind("HTTP/1.1 503 ", 0) == 0;
+  })) << refused;
+  EXPECT_THAT(refused, HasSubstr("\r\nRetry-After: "));
+  EXPECT_GE(server_->counters().requests.at(503), 1U);
+  EXPECT_THAT(answer_to(head(400) + std::string(400, 'x')), EndsWith("400 bytes\n"));
+  EXPECT_THAT(answer_to(head(10) + std::string(10, 'x')), EndsWith("10 bytes\n"));
+  ASSERT_TRUE(first.send(std::string(600, 'x')));
+  EXPECT_THAT(first.receive(), EndsWith("600 bytes\n"));
+  EXPECT_THAT(answer_to(head(1000) + std::string(1000, 'x')), EndsWith("1000 bytes\n"));
+}
+
 // The body of a request without permission uses no memory.
 TEST_F(HttpServerTest, AsksForTheTokenBeforeTheBody) {
   HttpServer::Options options;
