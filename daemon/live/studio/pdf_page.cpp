@@ -102,17 +102,23 @@ Expected<Json> PdfPage::start(const std::string& pdf, const std::string& page) {
     return bad_input(
         fmt::format("there is no page '{}'; write a number from 1 to {}", page, kMaxPage));
   }
-  process_.reset();
+  forget();
   number_ = next_number();
   page_ = wanted;
   pages_ = 0;
+  deadline_ = std::chrono::steady_clock::now() + limits_.conversion;
   pdf_ = File(std::tmpfile(), &std::fclose);
   if (!pdf_ || std::fwrite(pdf.data(), 1, pdf.size(), pdf_.get()) != pdf.size() ||
       std::fflush(pdf_.get()) != 0) {
+    const int error = errno;
+    forget();
     return make_error(ErrorKind::kUnavailable,
-                      std::string("it cannot be kept while it is read: ") + std::strerror(errno));
+                      std::string("it cannot be kept while it is read: ") + std::strerror(error));
   }
-  RAYLOC_TRY(run(kInfo, {"-f", "1", "-l", std::to_string(page_), "-"}));
+  if (auto begun = run(kInfo, {"-f", "1", "-l", std::to_string(page_), "-"}); !begun) {
+    forget();
+    return tl::make_unexpected(std::move(begun).error());
+  }
   return Json{{"number", number_}};
 }
 
@@ -220,11 +226,17 @@ Expected<Json> PdfPage::state(const std::string& number) {
     return bad_input("its reading has ended; take the file again");
   }
   if (!process_->status()) {
-    return Json{{"running", true}};
+    if (std::chrono::steady_clock::now() < deadline_) {
+      return Json{{"running", true}};
+    }
+    forget();
+    return bad_input(fmt::format("it is not read after {} s; print it to a new PDF, or {}",
+                                 limits_.conversion.count(),
+                                 kRemedy));
   }
   const bool is_drawn = pages_ > 0;
   if (const auto advanced = advance(); !advanced) {
-    process_.reset();
+    forget();
     return tl::make_unexpected(advanced.error());
   }
   if (!is_drawn) {
@@ -240,13 +252,19 @@ Expected<Json> PdfPage::state(const std::string& number) {
 Expected<std::string> PdfPage::picture(const std::string& number) {
   const bool has_ended = is_current(number) && process_ && pages_ > 0 && process_->status() == 0;
   std::string bytes = has_ended ? content_of(output_.get()) : "";
+  if (has_ended) {
+    forget();
+  }
   if (bytes.empty()) {
     return bad_input("there is no picture of it; take the file again");
   }
+  return bytes;
+}
+
+void PdfPage::forget() {
   process_.reset();
   pdf_.reset();
   output_.reset();
-  return bytes;
 }
 
 }  // namespace rayloc

@@ -3,11 +3,15 @@
 //
 // pdfinfo and pdftoppm (Debian: poppler-utils) read the file, as processes with limits of time and
 // memory: a PDF comes from outside, and its readers are large. They read and write unnamed files.
-// start() and state() never wait for them.
+// start() and state() never wait for them to end by themselves; a process that is killed is waited
+// for (ChildProcess). A limit of time applies to a conversion as a whole, and is checked by
+// state(): without it the process and the files stay until the next start() or the end of this
+// object.
 //
 // Thread safety: one thread at a time; the thread that calls start() and state() must outlive it.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
@@ -28,10 +32,11 @@ class PdfPage {
  public:
   static constexpr std::size_t kMaxBytes = std::size_t{64} << 20U;  // [bytes] of a PDF
 
-  // Limits of each process.
+  // Limits of each process, except that of the whole conversion.
   struct Limits {
     std::uint64_t memory_bytes = std::uint64_t{1} << 30U;
     std::uint64_t processor_seconds = 30;
+    std::chrono::seconds conversion{60};  // chosen: two processes with their waits
     std::uint64_t picture_bytes = std::uint64_t{16} << 20U;
   };
 
@@ -61,6 +66,8 @@ class PdfPage {
   Expected<void> check_status(int status) const;
   Expected<void> measure();
   Expected<void> advance();
+  // Ends the process and removes the files.
+  void forget();
   bool is_current(const std::string& number) const;
 
   std::filesystem::path tools_;
@@ -69,6 +76,7 @@ class PdfPage {
   int page_ = 1;
   int pages_ = 0;  // 0: not known yet
   double dots_per_inch_ = 0;
+  std::chrono::steady_clock::time_point deadline_;
   File pdf_{nullptr, &std::fclose};
   File output_{nullptr, &std::fclose};     // of the process
   std::unique_ptr<ChildProcess> process_;  // null: none runs

@@ -4,9 +4,11 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <string>
 #include <thread>
 #include <utility>
@@ -212,6 +214,11 @@ TEST(PdfPage, MissingToolsAreReported) {
       << started.error().message;
 }
 
+// Of this process.
+std::ptrdiff_t open_files() {
+  return std::distance(fs::directory_iterator("/proc/self/fd"), fs::directory_iterator());
+}
+
 class PdfTools : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -237,6 +244,37 @@ TEST_F(PdfTools, ASignalOrATimeLimitIsAnError) {
   write("pdftoppm", "while true; do :; done");
   const std::string slow = refusal_of(plan, pdf_of({kSmall}));
   EXPECT_NE(slow.find("more than 1 s"), std::string::npos) << slow;
+}
+
+TEST_F(PdfTools, AConversionHasALimitOfTime) {
+  PdfPage plan(folder_, {.conversion = std::chrono::seconds(0)});
+  write("pdfinfo", "exec sleep 600");
+  const std::ptrdiff_t before = open_files();
+  const auto started = plan.start(pdf_of({kSmall}), "1");
+  ASSERT_TRUE(started) << started.error().message;
+  EXPECT_GT(open_files(), before);
+  const auto state = plan.state(started->at("number").dump());
+  ASSERT_FALSE(state) << state->dump();
+  EXPECT_NE(state.error().message.find("PNG"), std::string::npos) << state.error().message;
+  EXPECT_EQ(open_files(), before);
+  EXPECT_FALSE(plan.state(started->at("number").dump()));
+}
+
+TEST_F(PdfTools, NoFileStaysAfterAnError) {
+  PdfPage plan(folder_);
+  const std::ptrdiff_t before = open_files();
+  write("pdftoppm", "exit 0");
+  const auto empty = read(plan, pdf_of({kSmall}));
+  ASSERT_TRUE(empty) << empty.error().message;
+  EXPECT_GT(open_files(), before);
+  EXPECT_FALSE(picture_of(plan, *empty));
+  EXPECT_EQ(open_files(), before) << "the picture is empty";
+  write("pdftoppm", "exit 1");
+  EXPECT_FALSE(read(plan, pdf_of({kSmall})));
+  EXPECT_EQ(open_files(), before) << "the second process failed";
+  fs::remove(folder_ / "pdfinfo");
+  EXPECT_FALSE(read(plan, pdf_of({kSmall})));
+  EXPECT_EQ(open_files(), before) << "the first process cannot be started";
 }
 
 TEST_F(PdfTools, ANumberNamesTheConversionOfOneObjectOnly) {
