@@ -81,8 +81,19 @@ bool set_limit(decltype(RLIMIT_AS) resource, std::uint64_t limit) {
     return false;
   }
   both.rlim_max = std::min<rlim_t>(both.rlim_max, limit + 1);  // a second later: SIGKILL
-  both.rlim_cur = std::min<rlim_t>(both.rlim_max, limit);
+  both.rlim_cur = std::min({both.rlim_cur, both.rlim_max, rlim_t{limit}});
   return setrlimit(resource, &both) == 0;
+}
+
+// Async-signal-safe. A core file would exceed the limits of memory and of files.
+bool set_limits(const ChildSettings& settings) {
+  const rlimit none{};
+  const bool is_limited =
+      settings.processor_seconds > 0 || settings.file_bytes > 0 || settings.memory_bytes > 0;
+  return (!is_limited || setrlimit(RLIMIT_CORE, &none) == 0) &&
+         set_limit(RLIMIT_CPU, settings.processor_seconds) &&
+         set_limit(RLIMIT_FSIZE, settings.file_bytes) &&
+         set_limit(RLIMIT_AS, settings.memory_bytes);
 }
 
 [[noreturn]] void end_with(std::string_view message) {
@@ -119,9 +130,7 @@ bool set_limit(decltype(RLIMIT_AS) resource, std::uint64_t limit) {
   if (!descriptors.become_standard()) {
     _exit(ChildProcess::kCannotStart);
   }
-  if (!set_limit(RLIMIT_CPU, settings.processor_seconds) ||
-      !set_limit(RLIMIT_FSIZE, settings.file_bytes) ||
-      !set_limit(RLIMIT_AS, settings.memory_bytes)) {
+  if (!set_limits(settings)) {
     end_with(kNotLimited);
   }
   execv(arguments[0], arguments);

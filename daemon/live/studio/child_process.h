@@ -31,7 +31,8 @@ Expected<std::filesystem::path> rayloc_program();
 struct ChildSettings {
   int input = -1;   // -1: /dev/null
   int output = -1;  // same
-  // Limits that the kernel enforces (setrlimit(2)); 0: those of this process.
+  // Limits that the kernel enforces (setrlimit(2)), if they are lower than those of this process;
+  // 0: those of this process. With any of them it writes no core file.
   std::uint64_t memory_bytes = 0;       // address space
   std::uint64_t processor_seconds = 0;  // above it SIGXCPU ends it
   std::uint64_t file_bytes = 0;         // of each file that it writes; above it SIGXFSZ ends it

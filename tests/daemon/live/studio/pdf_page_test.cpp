@@ -1,8 +1,10 @@
 // A page of a PDF as a picture, by the tools of poppler; scripts take their place for faults.
 #include "daemon/live/studio/pdf_page.h"
 
+#include <sys/resource.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -275,6 +277,37 @@ TEST_F(PdfTools, NoFileStaysAfterAnError) {
   fs::remove(folder_ / "pdfinfo");
   EXPECT_FALSE(read(plan, pdf_of({kSmall})));
   EXPECT_EQ(open_files(), before) << "the first process cannot be started";
+}
+
+// Limits of this process for the time of a test.
+class SoftLimit {
+ public:
+  SoftLimit(decltype(RLIMIT_CPU) resource, rlim_t limit) : resource_(resource) {
+    getrlimit(resource_, &before_);
+    const rlimit both{std::min(limit, before_.rlim_max), before_.rlim_max};
+    setrlimit(resource_, &both);
+  }
+  ~SoftLimit() { setrlimit(resource_, &before_); }
+  SoftLimit(const SoftLimit&) = delete;
+  SoftLimit& operator=(const SoftLimit&) = delete;
+
+ private:
+  decltype(RLIMIT_CPU) resource_;
+  rlimit before_{};
+};
+
+TEST_F(PdfTools, TheirLimitsAreNeverAboveThoseOfThisProcess) {
+  const SoftLimit processor(RLIMIT_CPU, 5000);
+  const SoftLimit core(RLIMIT_CORE, RLIM_INFINITY);
+  write("pdftoppm", "echo $(ulimit -S -t) $(ulimit -S -c) $(ulimit -H -c) >&2");
+  PdfPage lower(folder_, {.processor_seconds = 4000});
+  const auto limited = read(lower, pdf_of({kSmall}));
+  ASSERT_TRUE(limited) << limited.error().message;
+  EXPECT_EQ(limited->at("remark"), "4000 0 0");
+  PdfPage higher(folder_, {.processor_seconds = 6000});
+  const auto inherited = read(higher, pdf_of({kSmall}));
+  ASSERT_TRUE(inherited) << inherited.error().message;
+  EXPECT_EQ(inherited->at("remark"), "5000 0 0");
 }
 
 TEST_F(PdfTools, ANumberNamesTheConversionOfOneObjectOnly) {
