@@ -58,17 +58,19 @@ int next_number() {
   return ++last;
 }
 
-// The text behind `key` in a line of pdfinfo; empty: there is no such line.
+// The text behind `key` in the last such line of pdfinfo; empty: there is none. A title of several
+// lines, which may look the same, is written before them.
 std::string_view value_of(std::string_view text, std::string_view key) {
+  std::string_view value;
   for (std::size_t at = 0; at < text.size();) {
     const std::size_t end = std::min(text.find('\n', at), text.size());
     const std::string_view line = text.substr(at, end - at);
     if (line.starts_with(key)) {
-      return line.substr(key.size());
+      value = line.substr(key.size());
     }
     at = end + 1;
   }
-  return {};
+  return value;
 }
 
 // The first line that is not empty.

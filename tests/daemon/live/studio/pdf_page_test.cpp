@@ -140,6 +140,17 @@ TEST_F(PdfPageTest, ShowsThePageAsAReaderDoes) {
   EXPECT_EQ(size_of(*picture), std::pair(300, 600)) << "of the crop box, upright, at 150 dpi";
 }
 
+TEST_F(PdfPageTest, ATitleStatesNoSize) {
+  PdfPage plan;
+  const std::string title = "Plan\\nPages: 7\\nPage    1 size: 10000000 x 10 pts";
+  const auto state = read(plan, pdf_of({kSmall}, "/Info<</Title(" + title + ")>>"));
+  ASSERT_TRUE(state) << state.error().message;
+  EXPECT_EQ(state->at("pages"), 1);
+  const auto picture = picture_of(plan, *state);
+  ASSERT_TRUE(picture) << picture.error().message;
+  EXPECT_EQ(size_of(*picture), std::pair(600, 300)) << "at 150 dpi";
+}
+
 TEST_F(PdfPageTest, AHugePageHasFewerDots) {
   PdfPage plan;
   const auto state = read(plan, pdf_of({{"10000000 2000000", ""}}));
