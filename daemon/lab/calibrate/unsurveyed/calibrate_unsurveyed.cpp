@@ -92,6 +92,20 @@ Expected<void> write_reports(const std::string& folder,
   return write_file(out / "report.html", to_html(report));
 }
 
+// Removes those reports of an earlier run in the same folder that this one may not replace.
+Expected<void> remove_earlier_reports(const std::string& folder) {
+  for (const char* name : {"chains.json", "walls.json", "walls.html"}) {
+    std::error_code failed;
+    const fs::path file = fs::path(folder) / name;
+    fs::remove(file, failed);
+    if (failed) {
+      return make_error(ErrorKind::kUnavailable,
+                        file.string() + ": cannot be removed: " + failed.message());
+    }
+  }
+  return {};
+}
+
 // Writes the plan unchanged, with unknown chains.
 Expected<void> write_plan(const UnsurveyedArguments& arguments,
                           const UnsurveyedObserver& observer) {
@@ -100,6 +114,7 @@ Expected<void> write_plan(const UnsurveyedArguments& arguments,
   const auto room = load_room_model(*site);
   RAYLOC_TRY(room);
   RAYLOC_TRY(prepare_output(arguments.out, arguments.force));
+  RAYLOC_TRY(remove_earlier_reports(arguments.out));
   RAYLOC_TRY(write_site(*site, to_toml(plan_calibration(*room)), arguments.out));
   return write_reports(arguments.out, {}, observer);
 }
@@ -111,6 +126,7 @@ Expected<void> keep_plan(const std::string& learned,
                          const UnsurveyedArguments& arguments,
                          const UnsurveyedObserver& observer) {
   RAYLOC_TRY(prepare_output(arguments.out, true));
+  RAYLOC_TRY(remove_earlier_reports(arguments.out));
   const fs::path out = arguments.out;
   std::error_code failed;
   fs::rename(fs::path(learned) / "report.json", fs::path(learned) / "chains.json", failed);
@@ -162,6 +178,8 @@ Expected<UnsurveyedOutcome> fit_room(const std::string& learned,
                   " has the walls of the plan, and the chains that were learned with them");
     report.reasons = calibrated->report.verdict.reasons;
     RAYLOC_TRY(keep_plan(learned, report, arguments, observer));
+  } else {
+    RAYLOC_TRY(remove_earlier_reports(arguments.out));
   }
   return write_file(fs::path(arguments.out) / "places.csv", to_csv(places.points)).map([&] {
     return outcome;

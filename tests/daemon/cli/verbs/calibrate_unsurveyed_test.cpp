@@ -140,6 +140,21 @@ TEST_F(UnsurveyedVerb, LearnsTheChainsOfAPlanFromObservedDevices) {
   EXPECT_GT(located, 50U);
 }
 
+TEST_F(UnsurveyedVerb, LeavesNoReportOfAnEarlierRun) {
+  const std::vector<std::string> arguments = {
+      "calibrate", kSite, "--unsurveyed", "--out", path("plan"), "--force"};
+  ASSERT_EQ(rayloc(arguments).status, 0);
+  for (const char* name : {"/walls.json", "/walls.html", "/chains.json"}) {
+    std::ofstream(path("plan") + name) << "earlier";
+  }
+  const Finished again = rayloc(arguments);
+  ASSERT_EQ(again.status, 0) << again.err;
+  for (const char* name : {"/walls.json", "/walls.html", "/chains.json"}) {
+    EXPECT_FALSE(fs::exists(path("plan") + name)) << name;
+  }
+  EXPECT_TRUE(fs::exists(path("plan") + "/report.json"));
+}
+
 TEST_F(UnsurveyedVerb, ReportsMissingArguments) {
   const Finished points =
       calibrate(kSite, {"walk"}, "points", {"--points", kSite + "/calibration.csv"});

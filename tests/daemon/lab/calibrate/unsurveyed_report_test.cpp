@@ -52,6 +52,7 @@ TEST(UnsurveyedReport, StatesAnAccuracyOnlyWhereItWasMeasured) {
   EXPECT_TRUE(contains(expectation(chains_of(3, 3)), "Chains only, the walls")) << "of all of them";
   EXPECT_TRUE(contains(expectation(chains_of(3, 3)), "expect 0.06 to 0.11 m"));
   EXPECT_TRUE(contains(expectation(chains_of(1, 1)), "expect 0.8 to 1.6 m"));
+  EXPECT_TRUE(contains(expectation(chains_of(1, 1)), "9.0 m in a corridor"));
   EXPECT_TRUE(contains(expectation(chains_of(3, 1)), "Chains of 1 of 3 access points only"));
   for (const UnsurveyedReport& one : {plan_of(1), plan_of(2), chains_of(2, 2), chains_of(3, 2)}) {
     const std::string text = expectation(one);
