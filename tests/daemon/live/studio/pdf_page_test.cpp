@@ -227,7 +227,7 @@ TEST(PdfPage, MissingToolsAreReported) {
       << started.error().message;
 }
 
-// Of this process.
+// The count of descriptors in this process.
 std::ptrdiff_t open_files() {
   return std::distance(fs::directory_iterator("/proc/self/fd"), fs::directory_iterator());
 }
