@@ -53,28 +53,26 @@ void ChainMemory::suspect_after_silence(Timestamp end) {
   silences.push_back({end, belief.suspect_for_now(std::max(rotated, kLeastRotated))});
 }
 
-void ChainMemory::confirm(std::vector<Silence>::iterator begin,
-                          std::vector<Silence>::iterator end) {
-  for (auto one = begin; one != end; ++one) {
-    belief.multiply(one->undoing);
-    ++harmless_silences;
-  }
-  silences.erase(begin, end);
-}
-
 bool ChainMemory::confirm_since(Timestamp time) {
   const auto first = std::find_if(
       silences.begin(), silences.end(), [&](const Silence& one) { return one.end > time; });
   const bool is_any = first != silences.end();
-  confirm(first, silences.end());
+  for (auto one = first; one != silences.end(); ++one) {
+    belief.multiply(one->undoing);
+    ++harmless_silences;
+  }
+  silences.erase(first, silences.end());
   return is_any;
 }
 
+// While a later silence is open the belief keeps the suspicion of the earlier ones: undoing it
+// would undo that of the later one as well.
 void ChainMemory::confirm_silences() {
   const auto first_open = std::find_if(silences.begin(), silences.end(), [&](const Silence& one) {
     return bursts_since(one).size() < kChainBurstsNeeded;
   });
-  confirm(silences.begin(), first_open);
+  harmless_silences += static_cast<std::size_t>(first_open - silences.begin());
+  silences.erase(silences.begin(), first_open);
   if (silences.empty()) {
     settle();
   }

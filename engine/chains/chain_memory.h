@@ -83,7 +83,6 @@ struct ChainMemory {
 
  private:
   std::span<const RememberedBurst> bursts_since(const Silence& silence) const;
-  void confirm(std::vector<Silence>::iterator begin, std::vector<Silence>::iterator end);
 };
 
 }  // namespace rayloc
