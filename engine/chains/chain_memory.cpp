@@ -87,11 +87,11 @@ std::span<const RememberedBurst> ChainMemory::bursts_since(const Silence& silenc
 }
 
 std::span<const RememberedBurst> ChainMemory::bursts_since_silence() const {
-  for (auto one = silences.rbegin(); one != silences.rend(); ++one) {
-    const std::span<const RememberedBurst> bursts = bursts_since(*one);
-    if (bursts.size() >= kChainBurstsNeeded) {
-      return bursts;
-    }
+  const auto newest = std::find_if(silences.rbegin(), silences.rend(), [&](const Silence& one) {
+    return bursts_since(one).size() >= kChainBurstsNeeded;
+  });
+  if (newest != silences.rend()) {
+    return bursts_since(*newest);
   }
   return silences.empty() ? std::span<const RememberedBurst>(received)
                           : bursts_since(silences.front());
