@@ -425,14 +425,7 @@ class Ifc4Conversion {
 
 }  // namespace
 
-bool is_ifc4(const StepText& step) {
-  constexpr std::string_view kSchema = "IFC4";
-  std::string begin = step.schema().substr(0, kSchema.size());
-  std::transform(begin.begin(), begin.end(), begin.begin(), [](char c) {
-    return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
-  });
-  return begin == kSchema;
-}
+bool is_ifc4(const StepText& step) { return step.schema().starts_with("IFC4"); }
 
 Expected<Ifc4Text> ifc4_as_2x3(const StepText& step, const std::string& file) {
   return Ifc4Conversion(step, file).read();

@@ -185,12 +185,8 @@ class IfcCheck {
 
   Expected<void> check_schema() const {
     constexpr std::string_view kSchema = "IFC2X3";  // and its corrections, IFC2X3_TC1
-    std::string schema = step_.schema();
-    std::transform(schema.begin(), schema.end(), schema.begin(), [](char c) {
-      return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
-    });
-    if (!schema.starts_with(kSchema)) {
-      return bad_input(file_ + ": is of the schema '" + clipped(schema) +
+    if (!step_.schema().starts_with(kSchema)) {
+      return bad_input(file_ + ": is of the schema '" + clipped(step_.schema()) +
                        "', and only IFC 2x3 and IFC 4 are read; export it as IFC 4 (Reference "
                        "View) or IFC 2x3 (Coordination View), or as GLB");
     }

@@ -15,6 +15,7 @@ constexpr std::ptrdiff_t kMaxDigits = 18;  // of an id, for 64 bits
 
 bool is_step_space(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
 bool is_step_digit(char c) { return c >= '0' && c <= '9'; }
+char capital(char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c; }
 bool is_printed(char c) { return c > 0x20 && c < 0x7f; }
 
 // Copies statements without their comments, spaces and ends.
@@ -180,6 +181,7 @@ Expected<StepText> StepText::parse(std::string_view bytes, const std::string& fi
       const std::size_t quote = std::min(statement.find('\''), statement.size());
       const std::size_t end = quote < statement.size() ? step_string_end(statement, quote) : quote;
       step.schema_ = step_string(std::string_view(statement).substr(quote, end - quote));
+      std::transform(step.schema_.begin(), step.schema_.end(), step.schema_.begin(), capital);
     }
     step.text_.resize(begin);
   }
@@ -207,8 +209,7 @@ Expected<void> StepText::add(std::size_t begin, std::uint32_t line, const std::s
                      "is no entity of a STEP file (#1=IFCWALL(...);); export the file again");
   }
   for (std::size_t at = equals + 1; at < list; ++at) {
-    char& c = text_[begin + at];
-    c = c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
+    text_[begin + at] = capital(text_[begin + at]);
   }
   entity.type_at = static_cast<std::uint32_t>(begin + equals + 1);
   entity.type_size = static_cast<std::uint32_t>(list - equals - 1);

@@ -32,7 +32,8 @@ class StepText {
   // written as the standard requires, lists nested too deeply, two entities with one id.
   static Expected<StepText> parse(std::string_view bytes, const std::string& file);
 
-  const std::string& schema() const { return schema_; }  // the first of FILE_SCHEMA; may be empty
+  // The first of FILE_SCHEMA, in capitals; may be empty.
+  const std::string& schema() const { return schema_; }
   const std::vector<StepEntity>& entities() const { return entities_; }  // in the file's order
   // The views are valid while this object exists and is not moved.
   std::string_view type(const StepEntity& entity) const {  // in capitals
