@@ -1,7 +1,6 @@
 #include "daemon/site/import/ifc/ifc4.h"
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -16,6 +15,8 @@
 #include "daemon/site/import/ifc/ifc4_rules.h"
 #include "daemon/site/import/ifc/ifc4_shapes.h"
 #include "daemon/site/import/ifc/ifc_materials.h"
+#include "daemon/site/import/ifc/ifc_types.h"
+#include "daemon/site/import/ifc/row_of.h"
 
 namespace rayloc {
 namespace {
@@ -24,15 +25,6 @@ namespace {
 constexpr std::size_t kPlacement = 5;
 constexpr std::size_t kShape = 6;
 constexpr std::size_t kTag = 7;
-
-struct PartsOf {
-  std::string_view type;
-  std::size_t whole;
-  std::size_t parts;
-};
-constexpr std::array kPartsOf = {PartsOf{"IFCRELAGGREGATES", 4, 5},
-                                 PartsOf{"IFCRELCONTAINEDINSPATIALSTRUCTURE", 5, 4},
-                                 PartsOf{"IFCRELVOIDSELEMENT", 4, 5}};
 
 // The string as the file writes it; $ for another value.
 std::string_view string_or_none(std::string_view item) {
@@ -271,10 +263,8 @@ class Ifc4Conversion {
   }
 
   Expected<void> read_relation(const StepEntity& entity) {
-    const auto relation = std::find_if(kPartsOf.begin(), kPartsOf.end(), [&](const PartsOf& one) {
-      return one.type == step_.type(entity);
-    });
-    if (relation == kPartsOf.end()) {
+    const IfcPartsRelation* relation = row_of(kIfcPartsRelations, step_.type(entity));
+    if (relation == nullptr) {
       return {};
     }
     const IfcItems items = items_of(entity);

@@ -10,6 +10,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "daemon/site/import/ifc/ifc4_shapes.h"
+#include "daemon/site/import/ifc/row_of.h"
 #include "engine/base/vec3.h"
 
 namespace rayloc {
@@ -342,10 +343,6 @@ constexpr std::array kIndexed = {
 
 }  // namespace
 
-const Ifc4Special* ifc4_indexed(std::string_view type) {
-  const auto found = std::find_if(
-      kIndexed.begin(), kIndexed.end(), [&](const Ifc4Special& one) { return one.type == type; });
-  return found == kIndexed.end() ? nullptr : &*found;
-}
+const Ifc4Special* ifc4_indexed(std::string_view type) { return row_of(kIndexed, type); }
 
 }  // namespace rayloc

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "daemon/site/import/ifc/row_of.h"
+
 namespace rayloc {
 namespace {
 
@@ -121,13 +123,6 @@ constexpr std::array<std::string_view, 24> kImmaterial = {"IFCALIGNMENT",
                                                           "IFCSURFACEFEATURE",
                                                           "IFCVIRTUALELEMENT",
                                                           "IFCVOIDINGFEATURE"};
-
-template <typename Rows>
-auto row_of(const Rows& rows, std::string_view type) -> decltype(rows.data()) {
-  const auto found =
-      std::find_if(rows.begin(), rows.end(), [&](const auto& row) { return row.type == type; });
-  return found == rows.end() ? nullptr : &*found;
-}
 
 }  // namespace
 

@@ -9,6 +9,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "daemon/site/import/ifc/ifc4_shapes.h"
+#include "daemon/site/import/ifc/row_of.h"
 #include "engine/base/outline.h"
 
 namespace rayloc {
@@ -368,10 +369,7 @@ Expected<Ifc4Shape> read_profile(Ifc4Shapes& shapes,
                                  const StepEntity& entity,
                                  const IfcItems& items) {
   constexpr std::size_t kFirst = 3;
-  const auto type =
-      std::find_if(kSteelProfiles.begin(), kSteelProfiles.end(), [&](const SteelProfile& one) {
-        return one.type == type_of(shapes, entity);
-      });
+  const SteelProfile* const type = row_of(kSteelProfiles, type_of(shapes, entity));
   Dimensions dimensions{};
   for (std::size_t i = 0; i < dimensions.size(); ++i) {
     // The width of an L may be left out, and its fourth number is the radius of its fillet.
@@ -421,10 +419,6 @@ constexpr std::array kSolids = {
 
 }  // namespace
 
-const Ifc4Special* ifc4_solid(std::string_view type) {
-  const auto found = std::find_if(
-      kSolids.begin(), kSolids.end(), [&](const Ifc4Special& one) { return one.type == type; });
-  return found == kSolids.end() ? nullptr : &*found;
-}
+const Ifc4Special* ifc4_solid(std::string_view type) { return row_of(kSolids, type); }
 
 }  // namespace rayloc

@@ -17,6 +17,7 @@
 
 #include "daemon/site/import/ifc/ifc_types.h"
 #include "daemon/site/import/ifc/ifc_units.h"
+#include "daemon/site/import/ifc/row_of.h"
 
 namespace rayloc {
 namespace {
@@ -27,17 +28,6 @@ constexpr double kMaxElements = 1e6;      // read from one file, chosen
 // Entities with an attribute that IFC 2x3 derives and that is written as '*'.
 constexpr std::array<std::string_view, 3> kDerived = {
     "IFCSIUNIT", "IFCGEOMETRICREPRESENTATIONSUBCONTEXT", "IFCORIENTEDEDGE"};
-
-// Relations that assimp follows from an element to its parts: the place of the whole and of the
-// parts among their attributes.
-struct PartsRelation {
-  std::string_view type;
-  std::size_t whole;
-  std::size_t parts;
-};
-constexpr std::array kPartsRelations = {PartsRelation{"IFCRELAGGREGATES", 4, 5},
-                                        PartsRelation{"IFCRELCONTAINEDINSPATIALSTRUCTURE", 5, 4},
-                                        PartsRelation{"IFCRELVOIDSELEMENT", 4, 5}};
 
 // The kinds of a representation, which assimp casts to without a check.
 constexpr std::array<std::string_view, 4> kRepresentations = {"IFCREPRESENTATION",
@@ -259,11 +249,8 @@ class IfcCheck {
   Expected<void> check_parts() const {
     std::vector<std::vector<std::uint32_t>> parts(step_.entities().size());
     for (const StepEntity& entity : step_.entities()) {
-      const auto relation = std::find_if(
-          kPartsRelations.begin(), kPartsRelations.end(), [&](const PartsRelation& one) {
-            return one.type == step_.type(entity);
-          });
-      if (relation == kPartsRelations.end()) {
+      const IfcPartsRelation* relation = row_of(kIfcPartsRelations, step_.type(entity));
+      if (relation == nullptr) {
         continue;
       }
       const auto items = step_items(step_.arguments(entity));

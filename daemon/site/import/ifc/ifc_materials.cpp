@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "daemon/site/import/ifc/ifc_units.h"
+#include "daemon/site/import/ifc/row_of.h"
 
 namespace rayloc {
 namespace {
@@ -136,11 +137,9 @@ class MaterialReader {
 
   // The entity that has the name; 0: none.
   std::uint64_t read_member(const StepEntity& entity) {
-    const auto row = std::find_if(kMembers.begin(), kMembers.end(), [&](const Member& one) {
-      return one.type == step_.type(entity);
-    });
+    const Member* const row = row_of(kMembers, step_.type(entity));
     const auto items = step_items(step_.arguments(entity));
-    if (row == kMembers.end() || items.size() <= row->at) {
+    if (row == nullptr || items.size() <= row->at) {
       return 0;
     }
     if (row->choice == Choice::kOnly) {
