@@ -56,9 +56,8 @@ Expected<std::uint64_t> read_index(const Ifc4Shapes& shapes,
   const auto read = std::from_chars(item.data(), item.data() + item.size(), index);
   if (read.ec != std::errc() || read.ptr != item.data() + item.size() || index == 0 ||
       index > count) {
-    constexpr std::size_t kMaxText = 40;
-    return shapes.refuse(
-        entity, fmt::format("has the index '{}' of {} points", item.substr(0, kMaxText), count));
+    return shapes.refuse(entity,
+                         fmt::format("has the index '{}' of {} points", clipped_step(item), count));
   }
   return index;
 }

@@ -16,12 +16,6 @@ constexpr std::uint32_t kMaxNested = 500;  // references, chosen: as many as ifc
 // [bytes], chosen: as much as a file of IFC 2x3 may have.
 constexpr std::size_t kMaxBytes = std::size_t{256} << 20U;
 
-// A value of the file for a message.
-std::string_view clipped_value(std::string_view item) {
-  constexpr std::size_t kMaxValue = 40;
-  return item.substr(0, kMaxValue);
-}
-
 constexpr std::string_view kSeveralTypes = "(of several types)";
 
 }  // namespace
@@ -134,7 +128,7 @@ Expected<Ifc4Shape> Ifc4Shapes::attribute(std::string_view code,
       return append(number(item, from));
     case '^':
       if (item.size() < 3 || item.front() != '.' || item.back() != '.') {
-        return refuse(from, fmt::format("has '{}' in place of a keyword", clipped_value(item)));
+        return refuse(from, fmt::format("has '{}' in place of a keyword", clipped_step(item)));
       }
       return append(std::string(item));
     case '~':
@@ -217,7 +211,7 @@ Expected<double> Ifc4Shapes::value(std::string_view item, const StepEntity& from
   std::string_view rest = item;
   const std::optional<double> read = read_number(rest);
   if (!read || !rest.empty() || !std::isfinite(*read)) {
-    return refuse(from, fmt::format("has '{}' where a number is needed", clipped_value(item)));
+    return refuse(from, fmt::format("has '{}' where a number is needed", clipped_step(item)));
   }
   return *read;
 }
@@ -289,7 +283,7 @@ Expected<IfcItems> Ifc4Shapes::items_again(const StepEntity& entity, const StepE
   const std::string_view arguments = step_.arguments(entity);
   read_again_ += arguments.size();
   if (read_again_ > kMaxReadAgain) {
-    return refuse(from, fmt::format("refers to #{} like too many others", entity.id));
+    return refuse(from, fmt::format("refers to #{}, as too many entities do", entity.id));
   }
   return step_items(arguments);
 }

@@ -56,19 +56,6 @@ constexpr double kMaxNumber = 1e11;  // chosen: national coordinates in millimet
 constexpr double kMaxAngle = 1e3;       // chosen: a full circle is 360 degrees or 400 gon
 constexpr double kMaxAngleUnit = 10.0;  // [rad], chosen: a full circle is below 7
 
-// Text of the file for a message.
-std::string clipped(std::string_view text) {
-  constexpr std::size_t kMaxText = 40;
-  if (text.size() <= kMaxText) {
-    return std::string(text);
-  }
-  std::size_t size = kMaxText;
-  while (size > 0 && (static_cast<unsigned char>(text[size]) & 0xc0U) == 0x80U) {
-    --size;  // no character of UTF-8 is cut
-  }
-  return std::string(text.substr(0, size)) + "...";
-}
-
 bool is_curve_type(std::string_view type) { return type.find("CURVE") != std::string_view::npos; }
 
 // The first number outside strings above `limit`; empty: none.
@@ -176,7 +163,7 @@ class IfcCheck {
   Expected<void> check_schema() const {
     constexpr std::string_view kSchema = "IFC2X3";  // and its corrections, IFC2X3_TC1
     if (!step_.schema().starts_with(kSchema)) {
-      return bad_input(file_ + ": is of the schema '" + clipped(step_.schema()) +
+      return bad_input(file_ + ": is of the schema '" + clipped_step(step_.schema()) +
                        "', and only IFC 2x3 and IFC 4 are read; export it as IFC 4 (Reference "
                        "View) or IFC 2x3 (Coordination View), or as GLB");
     }
@@ -307,7 +294,7 @@ class IfcCheck {
         entity.id,
         step_.type(entity),
         id,
-        type.empty() ? "(of several)" : clipped(type)));
+        type.empty() ? "(of several)" : clipped_step(type)));
   }
   Expected<void> check_derived(const StepEntity& entity) const {
     if (std::find(kDerived.begin(), kDerived.end(), step_.type(entity)) != kDerived.end()) {
@@ -336,7 +323,7 @@ class IfcCheck {
       const std::string_view kind = found ? step_.type(step_.entities()[*found]) : "";
       if (std::find(kRepresentations.begin(), kRepresentations.end(), kind) ==
           kRepresentations.end()) {
-        return refuse_entity(entity, fmt::format("has {} for a representation", clipped(one)));
+        return refuse_entity(entity, fmt::format("has {} for a representation", clipped_step(one)));
       }
     }
     return {};
@@ -353,8 +340,8 @@ class IfcCheck {
     if (large.empty()) {
       return {};
     }
-    return refuse_entity(entity,
-                         fmt::format("has the number {}, too large for a shape", clipped(large)));
+    return refuse_entity(
+        entity, fmt::format("has the number {}, too large for a shape", clipped_step(large)));
   }
 
   Expected<void> check_angles(const StepEntity& entity) {
@@ -372,7 +359,7 @@ class IfcCheck {
       return large.empty() ? Expected<void>()
                            : refuse_entity(entity,
                                            fmt::format("has the angle {}, too large for a shape",
-                                                       clipped(large)));
+                                                       clipped_step(large)));
     }
     const bool is_angle = items.size() > kFactor && items[1] == ".PLANEANGLEUNIT.";
     return is_angle ? check_angle_unit(step_reference(items[kFactor])) : Expected<void>();

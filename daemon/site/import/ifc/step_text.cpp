@@ -140,6 +140,18 @@ bool is_one_list(std::string_view text) {
 
 }  // namespace
 
+std::string clipped_step(std::string_view text) {
+  constexpr std::size_t kMaxText = 40;
+  if (text.size() <= kMaxText) {
+    return std::string(text);
+  }
+  std::size_t size = kMaxText;
+  while (size > 0 && (static_cast<unsigned char>(text[size]) & 0xc0U) == 0x80U) {
+    --size;  // no character of UTF-8 is cut
+  }
+  return std::string(text.substr(0, size)) + "...";
+}
+
 std::size_t step_string_end(std::string_view text, std::size_t at) {
   for (++at; at < text.size(); ++at) {
     if (text[at] == '\'') {

@@ -71,6 +71,9 @@ class StepWriter {
   StepText step_;
 };
 
+// At most 40 bytes of a text of the file, for a message; no character of UTF-8 is cut.
+std::string clipped_step(std::string_view text);
+
 // The position behind the string that begins at `at`.
 std::size_t step_string_end(std::string_view text, std::size_t at);
 
