@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <numbers>
+#include <span>
 #include <string>
 #include <system_error>
 
@@ -17,14 +18,6 @@ namespace rayloc {
 namespace {
 
 constexpr double kArcStep = std::numbers::pi / 18.0;  // [rad], chosen: 36 chords to a circle
-
-std::string listed_ids(const std::vector<std::uint64_t>& ids) {
-  std::string text;
-  for (const std::uint64_t id : ids) {
-    text += fmt::format("{}#{}", text.empty() ? "(" : ",", id);
-  }
-  return text + ")";
-}
 
 // One point of IFC 2x3 for each: their ids follow one another.
 Expected<Ifc4Shape> read_points(Ifc4Shapes& shapes,
@@ -170,11 +163,7 @@ Expected<void> append_segment(Ifc4Shapes& shapes,
     const auto arc = points_of_arc(at[own[0] - first], at[own[1] - first], at[own[2] - first]);
     own = {own[0]};
     for (const IfcPoint& p : arc) {
-      own.push_back(shapes.add(entity.line,
-                               "IFCCARTESIANPOINT",
-                               is_flat
-                                   ? fmt::format("(({:.15e},{:.15e}))", p[0], p[1])
-                                   : fmt::format("(({:.15e},{:.15e},{:.15e}))", p[0], p[1], p[2])));
+      own.push_back(shapes.add_point(entity.line, std::span(p).first(is_flat ? 2 : 3)));
     }
     own.push_back(ids->back());
   }
@@ -205,7 +194,7 @@ Expected<Ifc4Shape> read_curve(Ifc4Shapes& shapes,
   if (ids.size() < 2) {
     return shapes.refuse(entity, "has fewer than two points");
   }
-  shapes.add_as(entity, "IFCPOLYLINE", "(" + listed_ids(ids) + ")");
+  shapes.add_as(entity, "IFCPOLYLINE", "(" + step_list(ids) + ")");
   curve.id = entity.id;
   curve.count = static_cast<std::uint32_t>(ids.size());
   return curve;
@@ -228,12 +217,12 @@ std::uint64_t add_face(Ifc4Shapes& shapes,
       }
       continue;
     }
-    const std::uint64_t loop = shapes.add(line, "IFCPOLYLOOP", "(" + listed_ids(ids) + ")");
+    const std::uint64_t loop = shapes.add(line, "IFCPOLYLOOP", "(" + step_list(ids) + ")");
     bounds.push_back(shapes.add(line,
                                 bounds.empty() ? "IFCFACEOUTERBOUND" : "IFCFACEBOUND",
                                 fmt::format("(#{},.T.)", loop)));
   }
-  return bounds.empty() ? 0 : shapes.add(line, "IFCFACE", "(" + listed_ids(bounds) + ")");
+  return bounds.empty() ? 0 : shapes.add(line, "IFCFACE", "(" + step_list(bounds) + ")");
 }
 
 Expected<Ifc4Shape> add_surface(Ifc4Shapes& shapes,
@@ -245,7 +234,7 @@ Expected<Ifc4Shape> add_surface(Ifc4Shapes& shapes,
     return made;
   }
   const std::uint64_t set =
-      shapes.add(entity.line, "IFCCONNECTEDFACESET", "(" + listed_ids(faces) + ")");
+      shapes.add(entity.line, "IFCCONNECTEDFACESET", "(" + step_list(faces) + ")");
   shapes.add_as(entity, "IFCFACEBASEDSURFACEMODEL", fmt::format("((#{}))", set));
   made.id = entity.id;
   return made;

@@ -20,6 +20,14 @@ constexpr std::string_view kSeveralTypes = "(of several types)";
 
 }  // namespace
 
+std::string step_list(const std::vector<std::uint64_t>& ids) {
+  std::string text;
+  for (const std::uint64_t id : ids) {
+    text += fmt::format("{}#{}", text.empty() ? "(" : ",", id);
+  }
+  return text + ")";
+}
+
 Ifc4Shapes::Ifc4Shapes(const StepText& step, const std::string& file)
     : step_(step), file_(file), out_("IFC2X3"), shapes_(step.entities().size()) {
   for (const StepEntity& entity : step.entities()) {
@@ -246,6 +254,10 @@ std::uint64_t Ifc4Shapes::add(std::uint32_t line,
                               std::string_view arguments) {
   out_.add(next_id_, line, type, arguments);
   return next_id_++;
+}
+
+std::uint64_t Ifc4Shapes::add_point(std::uint32_t line, std::span<const double> at) {
+  return add(line, "IFCCARTESIANPOINT", fmt::format("(({:.15e}))", fmt::join(at, ",")));
 }
 
 std::string Ifc4Shapes::origin(char kind) {

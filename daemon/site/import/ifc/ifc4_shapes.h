@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -31,6 +32,9 @@ struct Ifc4Shape {
 using IfcItems = std::vector<std::string_view>;
 using IfcPoint = std::array<double, 3>;
 
+// "(#1,#2)".
+std::string step_list(const std::vector<std::uint64_t>& ids);
+
 class Ifc4Shapes {
  public:
   // `step` and `file`, its name, outlive this.
@@ -50,7 +54,9 @@ class Ifc4Shapes {
 
   // Adds an entity of IFC 2x3 with a new id, which is returned.
   std::uint64_t add(std::uint32_t line, std::string_view type, std::string_view arguments);
-  // With the id of the file, for a style may refer to it.
+  // A point of two or three coordinates.
+  std::uint64_t add_point(std::uint32_t line, std::span<const double> at);
+  // With its id in the file: a style may refer to it.
   void add_as(const StepEntity& entity, std::string_view type, std::string_view arguments) {
     out_.add(entity.id, entity.line, type, arguments);
   }

@@ -84,7 +84,7 @@ Expected<Ifc4Shape> read_block(Ifc4Shapes& shapes,
     return shapes.add(entity.line, type, arguments);
   };
   const auto centre =
-      add("IFCCARTESIANPOINT", fmt::format("(({:.15e},{:.15e}))", 0.5 * size[0], 0.5 * size[1]));
+      shapes.add_point(entity.line, std::array<double, 2>{0.5 * size[0], 0.5 * size[1]});
   const auto placement = add("IFCAXIS2PLACEMENT2D", fmt::format("(#{},$)", centre));
   const auto profile =
       add("IFCRECTANGLEPROFILEDEF",
@@ -132,7 +132,7 @@ Expected<Ifc4Shape> read_representation(Ifc4Shapes& shapes,
                                         const IfcItems& items) {
   Ifc4Shape made;
   made.is_swept = true;
-  std::string list;
+  std::vector<std::uint64_t> read;
   for (const std::string_view item : step_items(items[3])) {
     const auto one = shapes.read(item, entity, "");
     RAYLOC_TRY(one);
@@ -140,16 +140,16 @@ Expected<Ifc4Shape> read_representation(Ifc4Shapes& shapes,
     const std::string_view cause = is_read ? one->cause : unread(*one, type_of(shapes, item)).cause;
     made.cause = made.cause.empty() ? cause : made.cause;
     if (is_read) {
-      list += fmt::format("{}#{}", list.empty() ? "" : ",", one->id);
+      read.push_back(one->id);
       made.is_swept = made.is_swept && one->is_swept;
     }
   }
-  if (list.empty()) {
+  if (read.empty()) {
     return unread(made, type_of(shapes, entity));
   }
   shapes.add_as(entity,
                 "IFCSHAPEREPRESENTATION",
-                fmt::format("({},'Body','SweptSolid',({}))", shapes.context(), list));
+                fmt::format("({},'Body','SweptSolid',{})", shapes.context(), step_list(read)));
   made.id = entity.id;
   return made;
 }
@@ -363,8 +363,8 @@ Expected<void> place(Ifc4Shapes& shapes,
   return {};
 }
 
-// ProfileType, ProfileName, Position, four dimensions. assimp reads but one of these, off its
-// centre.
+// ProfileType, ProfileName, Position, four dimensions. assimp reads only the I, and places it off
+// its centre.
 Expected<Ifc4Shape> read_profile(Ifc4Shapes& shapes,
                                  const StepEntity& entity,
                                  const IfcItems& items) {
@@ -384,15 +384,12 @@ Expected<Ifc4Shape> read_profile(Ifc4Shapes& shapes,
   Outline outline = type->outline(dimensions);
   RAYLOC_TRY(place(shapes, entity, items[2], outline));
   outline.push_back(outline.front());
-  std::string points;
+  std::vector<std::uint64_t> points;
+  points.reserve(outline.size());
   for (const FloorPoint& p : outline) {
-    points += fmt::format(
-        "{}#{}",
-        points.empty() ? "" : ",",
-        shapes.add(
-            entity.line, "IFCCARTESIANPOINT", fmt::format("(({:.15e},{:.15e}))", p[0], p[1])));
+    points.push_back(shapes.add_point(entity.line, p));
   }
-  const std::uint64_t curve = shapes.add(entity.line, "IFCPOLYLINE", "((" + points + "))");
+  const std::uint64_t curve = shapes.add(entity.line, "IFCPOLYLINE", "(" + step_list(points) + ")");
   shapes.add_as(entity, "IFCARBITRARYCLOSEDPROFILEDEF", fmt::format("(.AREA.,$,#{})", curve));
   Ifc4Shape made;
   made.id = entity.id;
