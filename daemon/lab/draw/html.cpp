@@ -48,6 +48,12 @@ std::string html_text(std::string_view text) {
   return result;
 }
 
+std::string html_paragraph(std::string_view text) { return "<p>" + html_text(text) + "</p>\n"; }
+
+std::string html_section(std::string_view heading, std::string_view body) {
+  return fmt::format("<h2>{}</h2>\n{}", html_text(heading), body);
+}
+
 std::string to_html(const HtmlTable& table) {
   std::string html = "<div class=\"scroll\"><table>\n<thead><tr>";
   for (const std::string& column : table.columns) {

@@ -11,6 +11,12 @@ namespace rayloc::draw {
 // characters, most of which XML cannot represent, become "?".
 std::string html_text(std::string_view text);
 
+// A paragraph of plain text.
+std::string html_paragraph(std::string_view text);
+
+// A heading of plain text, and `body` as HTML.
+std::string html_section(std::string_view heading, std::string_view body);
+
 struct HtmlTable {
   std::vector<std::string> columns;
   std::vector<std::vector<std::string>> rows;  // plain text, one cell per column

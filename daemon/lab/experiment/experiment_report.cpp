@@ -128,7 +128,7 @@ std::string study_html(const StudyResult& result) {
   const Study& study = *result.study;
   std::string html = "<h2>" + draw::html_text(study.name) + "</h2>\n";
   if (!study.claim.empty()) {
-    html += "<p>Claimed: " + draw::html_text(study.claim) + "</p>\n";
+    html += draw::html_paragraph("Claimed: " + study.claim);
   }
   if (const std::string held = held_text(study); !held.empty()) {
     html += "<p class=\"faint\">Held: " + draw::html_text(held) + "</p>\n";

@@ -9,7 +9,7 @@ std::string introduction(const std::string& sentence, const std::vector<std::str
   if (steps.empty()) {
     return html;
   }
-  html += "<p>Recommended next steps:</p>\n<ol>\n";
+  html += draw::html_paragraph("Recommended next steps:") + "<ol>\n";
   for (const std::string& one : steps) {
     html += "<li>" + draw::html_text(one) + "</li>\n";
   }

@@ -23,16 +23,11 @@ namespace rayloc {
 namespace {
 
 using draw::html_page;
-using draw::html_text;
+using draw::html_paragraph;
+using draw::html_section;
 using draw::HtmlTable;
 
 constexpr const char* kNone = "\u2013";
-
-std::string section(const std::string& heading, const std::string& body) {
-  return "<h2>" + html_text(heading) + "</h2>\n" + body;
-}
-
-std::string paragraph(const std::string& text) { return "<p>" + html_text(text) + "</p>\n"; }
 
 std::string figures(const std::vector<draw::Drawing>& drawings) {
   std::string html = "<div class=\"figures\">\n";
@@ -59,7 +54,7 @@ std::string rays_text(const TraceOptions& rays) {
 
 std::string headline(const CalibrationReport& report) {
   const CalibrationMethodResult& written = report.methods.front();
-  std::string html = paragraph(
+  std::string html = html_paragraph(
       fmt::format("Method {}, {} points, {:.0f} % of them held out (seed {}), {:.1f} s{}{}. "
                   "Calibration {}.",
                   written.method,
@@ -93,7 +88,7 @@ std::string headline(const CalibrationReport& report) {
          summary_text(summarize_located(report, ap))});
   }
   html += to_html(table);
-  html += paragraph(
+  html += html_paragraph(
       "Squared normalised correlation of measured and expected CSI at the points held out: median "
       "and quartiles. 1: all that was measured is explained; before: floor plan and chain gains "
       "alone. Where the column with survey errors fitted is much better than \u201cafter\u201d, "
@@ -105,7 +100,7 @@ std::string headline(const CalibrationReport& report) {
       rays_text(written.calibration.room.trace) + "; the method saw it with " +
       rays_text(written.rays) + ".");
   if (!report.fixes.empty()) {
-    html += paragraph("Held-out fixes: " + to_text(report.fixes.back()) + ".");
+    html += html_paragraph("Held-out fixes: " + to_text(report.fixes.back()) + ".");
   }
   return html;
 }
@@ -122,7 +117,7 @@ std::string mistake_table(const std::vector<TriedMistake>& mistakes) {
                           one.remedy});
   }
   return to_html(table) +
-         paragraph(
+         html_paragraph(
              "Frequent mistakes of surveys and plans, the best fit first. Each was tried on the "
              "floor plan, with chain gains fitted to one half of the points, and judged by the "
              "other half. Standard errors are those of the mean difference per point.");
@@ -135,9 +130,9 @@ std::string failure(const CalibrationReport& report) {
   }
   std::string html;
   for (const std::string& reason : report.verdict.reasons) {
-    html += paragraph(reason);
+    html += html_paragraph(reason);
   }
-  return section("This calibration is no success", html + mistake_table(report.verdict.tried));
+  return html_section("This calibration is no success", html + mistake_table(report.verdict.tried));
 }
 
 std::string loss_text(const std::vector<CalibrationStep>& history) {
@@ -169,7 +164,7 @@ std::string method_table(const CalibrationReport& report) {
     }
   }
   return to_html(table) +
-         paragraph(
+         html_paragraph(
              "Median and quartiles at the points held out, before by the rays of each method. A "
              "method's loss is its own; only the correlations compare. The paper's method keeps "
              "the room of its least loss.");
@@ -234,7 +229,7 @@ std::string moved_table(const CalibrationReport& report) {
   const auto changes = parameter_changes(report.methods.front().calibration.parameters,
                                          kSpeedOfLight / report.before.grid.centre_hz);
   if (changes.empty()) {
-    return paragraph("No parameter was fitted.");
+    return html_paragraph("No parameter was fitted.");
   }
   HtmlTable open{{"parameter", "moved by", "prior sigmas", "value", "assumed", "caution"}, {}};
   HtmlTable folded{open.columns, {}};
@@ -259,7 +254,7 @@ std::string residual_maps(const CalibrationReport& report) {
 
 std::string refused_table(const CalibrationReport& report) {
   if (report.refused.empty()) {
-    return paragraph("Nothing was refused.");
+    return html_paragraph("Nothing was refused.");
   }
   HtmlTable table{{"input", "why"}, {}};
   for (const RefusedInput& one : report.refused) {
@@ -276,15 +271,16 @@ std::string to_html(const CalibrationReport& report) {
       "Calibration of " + report.site,
       introduction(expectation(report),
                    report.verdict.is_success() ? advice(report) : std::vector<std::string>()) +
-          failure(report) + headline(report) + section("Methods", method_table(report)) +
-          section("Course of the fit", progress(report)) +
-          section("Fit of the points held out", fit_distributions(report)) +
-          section("Changes to the plan",
-                  figures({draw_displacements(report)}) +
-                      paragraph("Floors and ceilings, poses and materials are in the table only.") +
-                      moved_table(report)) +
-          section("Where the room is explained", residual_maps(report)) +
-          section("Refused", refused_table(report)));
+          failure(report) + headline(report) + html_section("Methods", method_table(report)) +
+          html_section("Course of the fit", progress(report)) +
+          html_section("Fit of the points held out", fit_distributions(report)) +
+          html_section("Changes to the plan",
+                       figures({draw_displacements(report)}) +
+                           html_paragraph(
+                               "Floors and ceilings, poses and materials are in the table only.") +
+                           moved_table(report)) +
+          html_section("Where the room is explained", residual_maps(report)) +
+          html_section("Refused", refused_table(report)));
 }
 
 }  // namespace rayloc

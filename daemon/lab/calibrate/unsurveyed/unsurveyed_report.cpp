@@ -11,7 +11,7 @@
 namespace rayloc {
 namespace {
 
-using draw::html_text;
+using draw::html_paragraph;
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kMeasuredWith = 3;  // access points of the rooms of the study
@@ -66,8 +66,6 @@ Json chains_json(const UnsurveyedReport& report) {
   return all;
 }
 
-std::string paragraph(const std::string& text) { return "<p>" + html_text(text) + "</p>\n"; }
-
 std::string chain_table(const UnsurveyedReport& report) {
   draw::HtmlTable table{{"access point", "receive chains"}, {}};
   for (const std::string& id : report.access_points) {
@@ -88,19 +86,21 @@ std::string chain_table(const UnsurveyedReport& report) {
 
 std::string walls_text(const UnsurveyedReport& report) {
   if (!report.chains) {
-    return paragraph("Nothing was recorded: walls, antennas and materials are those of the plan.");
+    return html_paragraph(
+        "Nothing was recorded: walls, antennas and materials are those of the plan.");
   }
-  std::string html = paragraph(fmt::format(
+  std::string html = html_paragraph(fmt::format(
       "Walls, antennas and materials are those of the plan. {} of {} bursts of devices have a "
       "reliable position; a fit of the walls needs {}.",
       report.places,
       report.bursts,
       report.needed));
   if (!report.reasons.empty()) {
-    html += paragraph("The walls were fitted, and the result is not used (walls.html reports it):");
+    html += html_paragraph(
+        "The walls were fitted, and the result is not used (walls.html reports it):");
   }
   for (const std::string& reason : report.reasons) {
-    html += paragraph(reason);
+    html += html_paragraph(reason);
   }
   return html;
 }
@@ -172,8 +172,8 @@ Json to_json(const UnsurveyedReport& report) {
 std::string to_html(const UnsurveyedReport& report) {
   return draw::html_page("Calibration of " + report.site,
                          introduction(expectation(report), advice(report)) +
-                             "<h2>Receive chains</h2>\n" + chain_table(report) +
-                             "<h2>Walls</h2>\n" + walls_text(report));
+                             draw::html_section("Receive chains", chain_table(report)) +
+                             draw::html_section("Walls", walls_text(report)));
 }
 
 }  // namespace rayloc
