@@ -150,60 +150,71 @@ TEST(ChainLearner, RepeatedBurstsAddNoEvidence) {
   EXPECT_LE(learner.states().at(0).bursts, 2U);
 }
 
+// The synthetic room with all of its access points, which model it as well.
+std::shared_ptr<const Localizer> localizer_of_all() {
+  static const std::shared_ptr<const Localizer> kLocalizer = [] {
+    RoomModel room = test::make_room();
+    for (RoomAccessPoint& ap : room.access_points) {
+      ap.error = localizer()->room().access_points[0].error;
+    }
+    auto made = Localizer::create(std::make_shared<const RoomModel>(std::move(room)), {});
+    return std::make_shared<const Localizer>(*std::move(made));
+  }();
+  return kLocalizer;
+}
+
+// The access points receive each burst with frames of their own, the last one of the last access
+// point.
+std::vector<CsiFrame> burst_of_all(int place, int second) {
+  std::mt19937 random(static_cast<unsigned>(place + 1));
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  const double x = 1.2 * uniform(random);
+  auto frames = test::frames_at(localizer_of_all()->room(),
+                                {x, 0.9 * uniform(random), 1.2},
+                                {4, 30.0, static_cast<unsigned>(1000 + second)});
+  for (CsiFrame& frame : frames) {
+    frame.time += std::chrono::seconds(second) + std::chrono::milliseconds(frame.access_point);
+  }
+  return frames;
+}
+
+// The fault of the frames of one access point.
+double fault_of(const ChainLearner& learner,
+                const std::vector<CsiFrame>& frames,
+                std::size_t access_point) {
+  std::vector<CsiFrame> own;
+  std::copy_if(frames.begin(), frames.end(), std::back_inserter(own), [&](const CsiFrame& one) {
+    return one.access_point == access_point;
+  });
+  return learner.fault_of(own).probability;
+}
+
 // A device at rest that transmits every 30 s, and nothing else: silences are no power cycles while
-// its channel remains the same. With rotated chains it changes. The access points receive each
-// burst with frames of their own, the last one of the last access point.
+// its channel remains the same. With rotated chains it changes.
 TEST(ChainLearner, ARepeatedBurstAfterASilenceConfirmsTheChains) {
-  RoomModel room = test::make_room();
-  const std::size_t count = room.access_points.size();
+  ChainLearner learner(localizer_of_all());
+  const std::size_t count = localizer_of_all()->room().access_points.size();
   ASSERT_GT(count, 1U);
-  for (RoomAccessPoint& ap : room.access_points) {
-    ap.error = localizer()->room().access_points[0].error;
-  }
-  auto made = Localizer::create(std::make_shared<const RoomModel>(std::move(room)), {});
-  ASSERT_TRUE(made);
-  const auto all = std::make_shared<const Localizer>(*std::move(made));
-  ChainLearner learner(all);
-  const auto burst_at = [&](int place, int second) {
-    std::mt19937 random(static_cast<unsigned>(place + 1));
-    std::uniform_real_distribution<double> uniform(-1.0, 1.0);
-    const double x = 1.2 * uniform(random);
-    auto frames = test::frames_at(all->room(),
-                                  {x, 0.9 * uniform(random), 1.2},
-                                  {4, 30.0, static_cast<unsigned>(1000 + second)});
-    for (CsiFrame& frame : frames) {
-      frame.time += std::chrono::seconds(second) + std::chrono::milliseconds(frame.access_point);
-    }
-    return frames;
-  };
   for (int i = 0; i < 6; ++i) {
-    learner.receive(burst_at(i, 2 * i));
+    learner.receive(burst_of_all(i, 2 * i));
   }
-  const auto fault_of_each = [&](const std::vector<CsiFrame>& frames) {
-    std::vector<double> result;
-    for (std::size_t a = 0; a < count; ++a) {
-      std::vector<CsiFrame> own;
-      std::copy_if(frames.begin(), frames.end(), std::back_inserter(own), [&](const CsiFrame& one) {
-        return one.access_point == a;
-      });
-      result.push_back(learner.fault_of(own).probability);
-    }
-    return result;
-  };
-  const std::vector<double> before = fault_of_each(burst_at(3, 10));
+  std::vector<double> before;
+  for (std::size_t a = 0; a < count; ++a) {
+    before.push_back(fault_of(learner, burst_of_all(3, 10), a));
+  }
   for (int i = 1; i <= 12; ++i) {
-    const auto frames = burst_at(3, 10 + 30 * i);
+    const auto frames = burst_of_all(3, 10 + 30 * i);
     learner.receive(frames);
     for (std::size_t a = 0; a < count; ++a) {
-      EXPECT_NEAR(fault_of_each(frames)[a], before[a], 0.01) << i << ' ' << a;
+      EXPECT_NEAR(fault_of(learner, frames, a), before[a], 0.01) << i << ' ' << a;
     }
   }
   const std::vector<Value> factors = {1.0, std::polar(1.0, 2.0), std::polar(1.0, -1.2)};
   double fault = 0.0;
   for (int i = 0; i < 8 && fault < 0.2; ++i) {
-    const auto rotated = through(burst_at(3 + i, 600 + 2 * i), factors);
+    const auto rotated = through(burst_of_all(3 + i, 600 + 2 * i), factors);
     learner.receive(rotated);
-    fault = fault_of_each(rotated)[0];
+    fault = fault_of(learner, rotated, 0);
     EXPECT_GT(fault, 5.0 * before[0]) << i;
   }
   EXPECT_GT(fault, 0.2);
@@ -212,31 +223,28 @@ TEST(ChainLearner, ARepeatedBurstAfterASilenceConfirmsTheChains) {
 // Bursts from before a silence are no evidence on the chains after it: they would confirm the
 // chains as calibrated, because they are more.
 TEST(ChainLearner, BurstsBeforeASilenceDoNotConfirmTheChainsAfterIt) {
-  const std::vector<Value> factors = {1.0, std::polar(1.0, 2.0), std::polar(1.0, -1.2)};
-  const auto after = [&](int number) {
-    auto frames = through(burst(number), factors);
-    for (CsiFrame& frame : frames) {
-      frame.time += std::chrono::minutes(1);
-    }
-    return frames;
-  };
-  for (const int before : {9, 16, 24}) {
-    ChainLearner learner(localizer());
-    for (int i = 0; i < before; ++i) {
-      learner.receive(burst(i));
+  const std::vector<std::vector<Value>> cycles = {
+      {1.0, std::polar(1.0, 1.0), 1.0},
+      {1.0, std::polar(1.0, 2.0), std::polar(1.0, -1.2)},
+      {1.0, std::polar(1.0, 0.5), std::polar(1.0, -2.0)}};
+  constexpr int kBefore = 24;
+  for (std::size_t cycle = 0; cycle < cycles.size(); ++cycle) {
+    ChainLearner learner(localizer_of_all());
+    for (int i = 0; i < kBefore; ++i) {
+      learner.receive(burst_of_all(i, 2 * i));
     }
     ASSERT_EQ(learner.states().at(0).knowledge, ChainKnowledge::kAsCalibrated);
-    for (int i = 0; i < 30; ++i) {
-      const auto frames = after(before + i);
+    for (int i = 0; i < 16; ++i) {
+      const auto frames = through(burst_of_all(kBefore + i, 120 + 2 * i), cycles[cycle]);
       learner.receive(frames);
       if (learner.states().at(0).knowledge == ChainKnowledge::kAsCalibrated) {
-        EXPECT_GT(learner.fault_of(frames).probability, 0.2) << before << ' ' << i;
-        EXPECT_LT(i, 10) << before;
+        EXPECT_GT(fault_of(learner, frames, 0), 0.1) << cycle << ' ' << i;
+        EXPECT_LT(i, 10) << cycle;
       }
     }
-    ASSERT_EQ(learner.states().at(0).knowledge, ChainKnowledge::kLearned) << before;
+    ASSERT_EQ(learner.states().at(0).knowledge, ChainKnowledge::kLearned) << cycle;
     for (std::size_t m = 1; m < 3; ++m) {
-      EXPECT_NEAR(phase_error(learner.states().at(0), factors, m), 0.0, 0.3) << before;
+      EXPECT_NEAR(phase_error(learner.states().at(0), cycles[cycle], m), 0.0, 0.3) << cycle;
     }
   }
 }
