@@ -15,8 +15,8 @@ namespace {
 constexpr std::size_t kOneOf = 4;
 constexpr auto kOther = static_cast<std::size_t>(Rank::kOther);
 // Age of the last frame from which on a burst of the last rank comes after the others. Chosen: two
-// bursts of a transmitter that continues. With a second, it got half as many bursts in a flood of
-// random addresses.
+// bursts of a transmitter that continues. With one second, such a transmitter was served half as
+// often in a flood of random addresses.
 constexpr Duration kFresh = std::chrono::milliseconds(500);
 
 std::uint64_t frames_of(const Burst& burst) { return burst.frames.size() + burst.surplus; }

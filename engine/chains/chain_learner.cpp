@@ -376,14 +376,14 @@ void ChainLearner::decide(const AccessPointMap& map, Timestamp time, ChainMemory
       ap.state.bursts + kMaxNeeded);
 }
 
-// The accepted state explains the bursts best; `best` is its refinement.
+// The accepted state, which `best` refines, is the best. Places within the cells refine it better.
 void ChainLearner::confirm(const ChainFactors& best, double lead, ChainMemory& ap) {
   if (!ap.silences.empty() || ap.state.knowledge == ChainKnowledge::kAsCalibrated) {
     if (lead >= kWithdrawnLead) {
       ap.confirm_silences();
     }
   } else if (!close_.includes(ap.state.access_point)) {
-    accept(best, ap);  // the estimate from the places within the cells is more accurate
+    accept(best, ap);
   }
 }
 

@@ -335,13 +335,12 @@ Expected<void> Rechain::refit() {
   content.add("rechain");
   for (std::size_t a = 0; a < room_.access_points.size(); ++a) {
     const RoomAccessPoint& ap = room_.access_points[a];
-    if (arguments_.unsurveyed && !received_.recorded[a]) {
-      received_.refused.push_back({ap.id, "it has no recording; record it as well"});
-      continue;
-    }
     if (!received_.recorded[a] || ap.gains.empty()) {
-      received_.refused.push_back(
-          {ap.id, received_.recorded[a] ? "was not calibrated" : "no recording: keeps its gains"});
+      received_.refused.push_back({ap.id,
+                                   received_.recorded[a] ? "was not calibrated"
+                                   : arguments_.unsurveyed
+                                       ? "it has no recording; record it as well"
+                                       : "no recording: keeps its gains"});
       continue;
     }
     if (arguments_.unsurveyed && learned(a) == nullptr) {

@@ -16,8 +16,8 @@ struct HttpLimits {
   std::chrono::milliseconds time{5000};
   // From the head of a request to the end of its body, if a route accepts one.
   std::chrono::milliseconds body_time{30'000};
-  // Bodies that are awaited at the same time, in sum. Beyond it a request is answered 503; bodies
-  // of at most `small_body` are always taken, and not counted.
+  // Sum of the bodies that are awaited at the same time; a request above it is answered with 503.
+  // Bodies of at most `small_body` are always accepted, and not counted.
   std::size_t awaited_bytes = std::size_t{128} << 20U;
   std::size_t small_body = std::size_t{64} << 10U;
   // Streams of events: their maximum number, the interval at which new messages are sent, and the

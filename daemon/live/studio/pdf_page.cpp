@@ -169,10 +169,9 @@ Expected<void> PdfPage::check_status(int status) const {
   } else if (status == ChildProcess::kBySignal + SIGXFSZ) {
     reason = fmt::format("its picture takes more than {} bytes", limits_.picture_bytes);
   } else if (status > ChildProcess::kBySignal) {
-    reason =
-        fmt::format("its reader was ended by signal {}, at most {} bytes of memory are allowed",
-                    status - ChildProcess::kBySignal,
-                    limits_.memory_bytes);
+    reason = fmt::format("signal {} ended its reader, which may use {} bytes of memory",
+                         status - ChildProcess::kBySignal,
+                         limits_.memory_bytes);
   }
   return bad_input(
       fmt::format("it cannot be read ({}); print it to a new PDF, or {}", reason, kRemedy));
